@@ -2239,10 +2239,9 @@ typedef struct bvx_sections_options {
     double thickness; /**< of a body with one section only, which is refused without: half to either side, as
                            a slab with flat caps, a lens with tapered ones. Other bodies ignore it
                            [Units: world] [Limit: >= 0] [Default: 0] */
-    double
-        join; /**< parallel planes: loops of neighbouring sections that share no area are joined by shifting
-                      if their centroids are at most so far apart (docs/rules.md) [Units: world] [Limit: >= 0]
-                      [Default: 0, nothing is shifted] */
+    double join;      /**< parallel planes: loops of neighbouring sections that share no area are joined by
+                           shifting where their centroids are at most this far apart (docs/rules.md)
+                           [Units: world] [Limit: >= 0] [Default: 0, none are] */
 } bvx_sections_options;
 
 BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);

@@ -203,7 +203,7 @@ static int32_t exact_feature(ints p, const ints t[3])
     return 0;
 }
 
-static void test_closest_tells_the_exact_feature(void)
+static void test_closest_reports_the_exact_feature(void)
 {
     memset(features_seen, 0, sizeof features_seen);
     for (int round = 0; round < 4000; round++) {
@@ -232,7 +232,7 @@ static void test_closest_tells_the_exact_feature(void)
 }
 
 /* Points and segments written as triangles. */
-static void test_closest_on_triangles_without_area(void)
+static void test_closest_takes_triangles_without_area_as_segments_and_points(void)
 {
     static const uint32_t corners[4][3] = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
     static const double beside[3] = {1, 3, 0}, before[3] = {-2, 1, 0};
@@ -262,7 +262,7 @@ static void test_closest_on_triangles_without_area(void)
 
 /* ---- Ends of the range ---- */
 
-static void test_closest_from_far_away(void)
+static void test_closest_holds_for_points_far_away(void)
 {
     static const double reaches[8] = {1e3, 1e9, 1e16, 1e40, 1e150, 1e200, 1e300, 1.7e308};
 
@@ -286,7 +286,7 @@ static void test_closest_from_far_away(void)
     TEST_ASSERT_TRUE(ask(&v, beyond).distance > 1.7e308); /* more than a double holds */
 }
 
-static void test_closest_of_vast_and_tiny_meshes(void)
+static void test_closest_scales_by_powers_of_two(void)
 {
     static const double factors[4] = {0x1p1000, 0x1p-1000, 0x1p-300, 0x1p300};
     double points[30], whole[3 * 30];
@@ -359,7 +359,7 @@ static void test_closest_is_the_same_for_any_threads(void)
 
 /* Many points are put in order, in more than one batch: each answer is the
  * one that its point has only, with vectors and without. */
-static void test_closest_in_any_company(void)
+static void test_closest_does_not_depend_on_the_other_points(void)
 {
     enum { POINTS = (1 << 16) + 500 };
     static double points[3 * POINTS];
@@ -434,7 +434,7 @@ static void expect_no_tree(const bvx_mesh_view *v, bvx_status status, const char
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
 }
 
-static void test_closest_refuses(void)
+static void test_closest_refuses_bad_meshes_and_points(void)
 {
     double points[6] = {0, 0, 0, 1, 2, 3};
     bvx_closest_point found[2];
@@ -474,13 +474,13 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_closest_equals_every_triangle);
-    RUN_TEST(test_closest_tells_the_exact_feature);
-    RUN_TEST(test_closest_on_triangles_without_area);
-    RUN_TEST(test_closest_from_far_away);
-    RUN_TEST(test_closest_of_vast_and_tiny_meshes);
+    RUN_TEST(test_closest_reports_the_exact_feature);
+    RUN_TEST(test_closest_takes_triangles_without_area_as_segments_and_points);
+    RUN_TEST(test_closest_holds_for_points_far_away);
+    RUN_TEST(test_closest_scales_by_powers_of_two);
     RUN_TEST(test_closest_is_the_same_for_any_threads);
-    RUN_TEST(test_closest_in_any_company);
+    RUN_TEST(test_closest_does_not_depend_on_the_other_points);
     RUN_TEST(test_closest_keeps_what_it_needs);
-    RUN_TEST(test_closest_refuses);
+    RUN_TEST(test_closest_refuses_bad_meshes_and_points);
     return UNITY_END();
 }

@@ -100,7 +100,7 @@ static void test_torus_keeps_its_handle_and_comes_nearer(void)
     bvx_grid_free(ctx, &solid);
 }
 
-static void test_noise_stays_manifold(void)
+static void test_collapse_keeps_noise_manifold(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {40, 37, 33};
@@ -229,7 +229,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_torus_keeps_its_handle_and_comes_nearer);
-    RUN_TEST(test_noise_stays_manifold);
+    RUN_TEST(test_collapse_keeps_noise_manifold);
     RUN_TEST(test_flat_faces_cost_nothing);
     RUN_TEST(test_open_mesh_is_refused);
     RUN_TEST(test_bad_options_are_named);

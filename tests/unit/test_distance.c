@@ -282,7 +282,7 @@ static void make_square(maker_mesh *m, double side, double height, double slope,
     if (turned) maker_flip(m, m->triangles - 4, m->triangles);
 }
 
-static void test_parallel_squares(void)
+static void test_distance_of_parallel_squares_is_their_gap(void)
 {
     bvx_distance_report r;
 
@@ -346,7 +346,7 @@ static void test_places_inside_a_triangle_are_uniform(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.005, 1.0 / 3, r.mean_a_to_b);
 }
 
-static void test_nested_boxes(void)
+static void test_distance_of_nested_boxes_differs_by_direction(void)
 {
     double const low[3] = {-1, -1, -1}, high[3] = {1, 1, 1}, low2[3] = {-3, -3, -3}, high2[3] = {3, 3, 3};
     bvx_distance_report r;
@@ -488,7 +488,7 @@ static void refuse(const bvx_mesh_view *va, const bvx_mesh_view *vb, uint64_t sa
     TEST_ASSERT_EQUAL_MEMORY(&zero, &r, sizeof r);
 }
 
-static void test_distance_refuses(void)
+static void test_distance_refuses_bad_meshes_and_samples(void)
 {
     bvx_mesh_view va, vb, v;
     bvx_distance_report r;
@@ -544,16 +544,16 @@ int main(void)
     RUN_TEST(test_the_tree_finds_the_least_number_on_the_surface_itself);
     RUN_TEST(test_the_tree_keeps_boxes_at_exactly_the_best_distance);
     RUN_TEST(test_the_tree_holds_at_the_ends_of_doubles);
-    RUN_TEST(test_parallel_squares);
+    RUN_TEST(test_distance_of_parallel_squares_is_their_gap);
     RUN_TEST(test_samples_are_spread_by_area);
     RUN_TEST(test_places_inside_a_triangle_are_uniform);
-    RUN_TEST(test_nested_boxes);
+    RUN_TEST(test_distance_of_nested_boxes_differs_by_direction);
     RUN_TEST(test_a_mesh_has_no_distance_to_itself);
     RUN_TEST(test_distances_scale_by_powers_of_two);
     RUN_TEST(test_threads_and_the_order_of_tasks_do_not_show);
     RUN_TEST(test_order_does_not_show);
     RUN_TEST(test_distance_golden);
-    RUN_TEST(test_distance_refuses);
+    RUN_TEST(test_distance_refuses_bad_meshes_and_samples);
     RUN_TEST(test_every_allocation_may_fail_and_every_progress_call_may_cancel);
     return UNITY_END();
 }

@@ -325,7 +325,7 @@ static void test_nearest_everywhere_equals_every_triangle(void)
     }
 }
 
-static void test_nearest_with_stretched_voxels(void)
+static void test_nearest_equals_every_triangle_with_stretched_voxels(void)
 {
     static const double origin[3] = {-1, 1.5, 2};
     static const double spacing[4][3] = {{0.25, 1, 2.5}, {3, 0.5, 0.5}, {0.7, 0.9, 1.3}, {16, 0.125, 4}};
@@ -343,7 +343,7 @@ static void test_nearest_with_stretched_voxels(void)
 }
 
 /* Metres of a map, voxels of centimetres; and a mesh that is small beside where it lies. */
-static void test_nearest_far_from_the_origin(void)
+static void test_nearest_equals_every_triangle_far_from_the_origin(void)
 {
     static const double shift[2][3] = {{500000, 5400000, 300}, {4e6, -3e6, 2e6}};
     static const double spacing[2][3] = {{1, 1, 1}, {0.01, 0.01, 0.01}};
@@ -360,7 +360,7 @@ static void test_nearest_far_from_the_origin(void)
 }
 
 /* Units from the smallest to the largest; lattices far off, much larger and much smaller than the mesh. */
-static void test_nearest_in_any_unit(void)
+static void test_nearest_equals_every_triangle_in_any_unit(void)
 {
     static const double unit[4] = {1e-300, 1e-30, 1e30, 1e290};
 
@@ -373,7 +373,7 @@ static void test_nearest_in_any_unit(void)
     }
 }
 
-static void test_nearest_where_the_lattice_is_far_or_of_another_size(void)
+static void test_nearest_equals_every_triangle_from_lattices_far_off_or_of_another_size(void)
 {
     static const double origin[5][3] = {
         {900, 20, 5}, {-1e6, 1e6, 1e6}, {9, 9, 9}, {-4000, -4000, -4000}, {1e12, 0, 0}};
@@ -390,7 +390,7 @@ static void test_nearest_where_the_lattice_is_far_or_of_another_size(void)
 }
 
 /* A window is a piece of the whole, wherever it begins. */
-static void test_nearest_in_a_window(void)
+static void test_nearest_in_a_window_has_the_values_of_the_whole(void)
 {
     static const double origin[3] = {0, 1, 2}, spacing[3] = {0.25, 0.25, 0.25};
     static const bvx_window window[3] = {
@@ -541,7 +541,7 @@ static void make_sphere(int32_t n, double x, double y, double z, double r)
 }
 
 /* Lists and candidates that do not hold all. */
-static void test_nearest_in_the_middle_of_a_sphere(void)
+static void test_nearest_holds_where_lists_overflow(void)
 {
     static const double origin[3] = {-6, -6, -6}, spacing[3] = {1, 1, 1};
     static const bvx_window middle = {{4, 4, 4}, {5, 5, 5}};
@@ -555,7 +555,7 @@ static void test_nearest_in_the_middle_of_a_sphere(void)
 }
 
 /* Thousands of triangles that share a corner or lie upon each other: the least number wins. */
-static void test_nearest_among_equal_triangles(void)
+static void test_nearest_takes_the_lowest_of_equal_triangles(void)
 {
     static const double origin[3] = {-3, -3, -3}, spacing[3] = {1, 1, 1};
 
@@ -572,7 +572,7 @@ static void test_nearest_among_equal_triangles(void)
 
 /* One triangle far away must not cost the others their places in the tree: without care this takes
  * minutes. */
-static void test_nearest_beside_a_triangle_far_away(void)
+static void test_nearest_stays_fast_beside_a_triangle_far_away(void)
 {
     static const double origin[3] = {-2, 0, 1}, spacing[3] = {0.5, 0.5, 0.5};
     static const double centre[3] = {11, 9, 10}, radius[3] = {8, 6, 7};
@@ -584,7 +584,7 @@ static void test_nearest_beside_a_triangle_far_away(void)
 }
 
 /* Nearly all triangles in one cell of the tree's curve. */
-static void test_nearest_with_a_crowd_in_a_corner(void)
+static void test_nearest_holds_with_most_triangles_in_one_cell(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {0.015625, 0.015625, 0.015625};
     static const bvx_window window = {{60, 61, 62}, {7, 6, 5}};
@@ -598,7 +598,7 @@ static void test_nearest_with_a_crowd_in_a_corner(void)
 }
 
 /* Triangles much larger than voxels, over the whole lattice. */
-static void test_nearest_to_large_triangles(void)
+static void test_nearest_holds_for_triangles_larger_than_voxels(void)
 {
     static const double origin[3] = {0, 0, 0};
     static const double spacing[3] = {1, 1, 1};
@@ -614,7 +614,7 @@ static void test_nearest_to_large_triangles(void)
 
 /* ---- Refusals ---- */
 
-static void test_nearest_refuses(void)
+static void test_nearest_refuses_bad_meshes_and_lattices(void)
 {
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_of(origin, spacing, 8, 8, 8);
@@ -664,19 +664,19 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_nearest_band_equals_every_triangle);
     if (!brief) RUN_TEST(test_nearest_everywhere_equals_every_triangle);
-    RUN_TEST(test_nearest_with_stretched_voxels);
-    RUN_TEST(test_nearest_far_from_the_origin);
-    if (!brief) RUN_TEST(test_nearest_in_any_unit);
-    RUN_TEST(test_nearest_where_the_lattice_is_far_or_of_another_size);
-    RUN_TEST(test_nearest_in_a_window);
+    RUN_TEST(test_nearest_equals_every_triangle_with_stretched_voxels);
+    RUN_TEST(test_nearest_equals_every_triangle_far_from_the_origin);
+    if (!brief) RUN_TEST(test_nearest_equals_every_triangle_in_any_unit);
+    RUN_TEST(test_nearest_equals_every_triangle_from_lattices_far_off_or_of_another_size);
+    RUN_TEST(test_nearest_in_a_window_has_the_values_of_the_whole);
     RUN_TEST(test_nearest_band_is_closed);
     RUN_TEST(test_nearest_fills_what_was_not_in_the_band);
     RUN_TEST(test_nearest_fills_single_arrays);
-    if (!brief) RUN_TEST(test_nearest_in_the_middle_of_a_sphere);
-    RUN_TEST(test_nearest_among_equal_triangles);
-    RUN_TEST(test_nearest_beside_a_triangle_far_away);
-    if (!brief) RUN_TEST(test_nearest_with_a_crowd_in_a_corner);
-    RUN_TEST(test_nearest_to_large_triangles);
-    RUN_TEST(test_nearest_refuses);
+    if (!brief) RUN_TEST(test_nearest_holds_where_lists_overflow);
+    RUN_TEST(test_nearest_takes_the_lowest_of_equal_triangles);
+    RUN_TEST(test_nearest_stays_fast_beside_a_triangle_far_away);
+    if (!brief) RUN_TEST(test_nearest_holds_with_most_triangles_in_one_cell);
+    RUN_TEST(test_nearest_holds_for_triangles_larger_than_voxels);
+    RUN_TEST(test_nearest_refuses_bad_meshes_and_lattices);
     return UNITY_END();
 }

@@ -97,7 +97,7 @@ static void test_every_level_of_floats_keeps_the_guarantee(void)
     for (int i = 0; i < LEVEL_SHAPES; i++) check_shape(&level_shapes[i], BVX_F32, 0.000001);
 }
 
-static void test_even_of_nothing_and_of_all(void)
+static void test_even_0_and_1_keep_the_guarantee(void)
 {
     for (int i = 0; i < LEVEL_SHAPES; i += quick ? 3 : 1) {
         check_shape(&level_shapes[i], BVX_F64, 0);
@@ -106,7 +106,7 @@ static void test_even_of_nothing_and_of_all(void)
 }
 
 /* Bits of a lattice at random: pinched solids, thin walls, corners everywhere. */
-static void test_surfaces_of_random_bits(void)
+static void test_surfaces_of_random_bits_keep_the_guarantee(void)
 {
     static const double origin[3] = {2, 2, 2}, spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {11, 12, 10};
@@ -414,7 +414,7 @@ static void test_threads_do_not_matter(void)
 }
 
 /* A million units away, in doubles and in floats, whose steps are a sixteenth there: the same guarantee. */
-static void test_far_from_the_origin(void)
+static void test_meshes_far_from_the_origin_keep_the_guarantee(void)
 {
     static const uint64_t targets[3] = {800, 200, 1};
 
@@ -446,7 +446,7 @@ static void test_far_from_the_origin(void)
 
 /* ---- Targets ---- */
 
-static void test_neither_target_halves(void)
+static void test_levels_without_targets_halve(void)
 {
     bvx_simplify_options o = defaults();
     uint64_t wanted;
@@ -573,7 +573,7 @@ static void test_errors_are_kept_and_used(void)
 }
 
 /* The second error of a chain gives what it would give alone, or fewer: no level has more than it must. */
-static void test_an_error_that_nothing_keeps(void)
+static void test_an_error_below_every_collapse_keeps_the_mesh(void)
 {
     static const double error = 1e-9, most = 1e9;
     bvx_simplify_options o = defaults();
@@ -595,7 +595,7 @@ static void test_an_error_that_nothing_keeps(void)
 
 /* A torus has seven vertices at least, and 14 triangles; where the
  * guarantee stops before is not known, but near. */
-static void test_topology_ends_a_chain(void)
+static void test_a_torus_is_not_reduced_below_its_handle(void)
 {
     static const uint64_t targets[2] = {10, 2};
     bvx_simplify_options o = defaults();
@@ -629,7 +629,7 @@ static void test_topology_ends_a_chain(void)
 }
 
 /* Nothing can go, and what nobody uses is not there. */
-static void test_the_smallest_mesh(void)
+static void test_a_tetrahedron_stays_and_unused_vertices_go(void)
 {
     static const double corner[15] = {5, 5, 5, 3, 3, 3, 9, 3, 3, 3, 9, 3, 3, 3, 9};
     static const uint64_t one = 1;
@@ -645,7 +645,7 @@ static void test_the_smallest_mesh(void)
 
 /* A body without any volume, two facets that lie on each other: closed, and
  * all of it crosses; it gives an answer, not a wrong one. */
-static void test_a_body_that_is_flat(void)
+static void test_a_flat_body_is_closed_or_refused(void)
 {
     static const uint64_t one = 1;
     bvx_mesh_view view;
@@ -667,7 +667,7 @@ static void test_a_body_that_is_flat(void)
 
 /* ---- Arrays of the caller's ---- */
 
-static void test_levels_in_the_callers_arrays(void)
+static void test_levels_fill_the_callers_arrays_or_refuse_small_ones(void)
 {
     static const uint64_t targets[2] = {1000, 300};
     static double p[2][3 * 600];
@@ -727,7 +727,7 @@ static void refuse(bvx_status status, const bvx_simplify_options *o, uint64_t co
     TEST_ASSERT_EQUAL_UINT64(held, bvx_memory_used(ctx));
 }
 
-static void test_options_that_cannot_be(void)
+static void test_simplify_refuses_options_out_of_range_or_exclusive(void)
 {
     static const uint64_t triangles[2] = {100, 0};
     static const double errors[5] = {0.1, 0, -1, (double)NAN, (double)INFINITY};
@@ -763,7 +763,7 @@ static void test_options_that_cannot_be(void)
     }
 }
 
-static void test_meshes_that_are_not_what_is_needed(void)
+static void test_open_shell_refuses_meshes_with_borders_flips_and_doubles(void)
 {
     bvx_simplify_options o = defaults();
 
@@ -856,8 +856,8 @@ int main(void)
     RUN_TEST(test_shapes_are_whole_and_do_not_cross);
     RUN_TEST(test_every_level_keeps_the_guarantee);
     RUN_TEST(test_every_level_of_floats_keeps_the_guarantee);
-    RUN_TEST(test_even_of_nothing_and_of_all);
-    RUN_TEST(test_surfaces_of_random_bits);
+    RUN_TEST(test_even_0_and_1_keep_the_guarantee);
+    RUN_TEST(test_surfaces_of_random_bits_keep_the_guarantee);
     RUN_TEST(test_planes_come_down_to_their_corners);
     RUN_TEST(test_planes_that_meet_at_ten_degrees_keep_their_corners);
     RUN_TEST(test_a_thin_plate_keeps_its_corners);
@@ -866,19 +866,19 @@ int main(void)
     RUN_TEST(test_order_and_types_of_the_input_do_not_matter);
     RUN_TEST(test_order_and_types_do_not_matter_by_error);
     RUN_TEST(test_threads_do_not_matter);
-    RUN_TEST(test_far_from_the_origin);
-    RUN_TEST(test_neither_target_halves);
+    RUN_TEST(test_meshes_far_from_the_origin_keep_the_guarantee);
+    RUN_TEST(test_levels_without_targets_halve);
     RUN_TEST(test_more_halvings_than_a_count_has_bits);
     RUN_TEST(test_a_chain_goes_on_from_level_to_level);
     RUN_TEST(test_a_target_of_all_gives_the_mesh_back);
     RUN_TEST(test_errors_are_kept_and_used);
-    RUN_TEST(test_an_error_that_nothing_keeps);
-    RUN_TEST(test_topology_ends_a_chain);
-    RUN_TEST(test_the_smallest_mesh);
-    RUN_TEST(test_a_body_that_is_flat);
-    RUN_TEST(test_levels_in_the_callers_arrays);
-    RUN_TEST(test_options_that_cannot_be);
-    RUN_TEST(test_meshes_that_are_not_what_is_needed);
+    RUN_TEST(test_an_error_below_every_collapse_keeps_the_mesh);
+    RUN_TEST(test_a_torus_is_not_reduced_below_its_handle);
+    RUN_TEST(test_a_tetrahedron_stays_and_unused_vertices_go);
+    RUN_TEST(test_a_flat_body_is_closed_or_refused);
+    RUN_TEST(test_levels_fill_the_callers_arrays_or_refuse_small_ones);
+    RUN_TEST(test_simplify_refuses_options_out_of_range_or_exclusive);
+    RUN_TEST(test_open_shell_refuses_meshes_with_borders_flips_and_doubles);
     RUN_TEST(test_memory_is_as_the_header_says);
     return UNITY_END();
 }

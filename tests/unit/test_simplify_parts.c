@@ -401,7 +401,7 @@ static void assert_facings_grow(const bvxi_box_facing *facing, const uint8_t *go
 }
 
 /* What eight children face along a direction, against one by one. */
-static void test_facings_along_a_direction(void)
+static void test_facings_of_eight_children_equal_one_by_one(void)
 {
     for (int round = 0; round < 20000; round++) {
         bvxi_box_node node;
@@ -681,7 +681,7 @@ static uint64_t assert_known_is_the_same(const char *name, uint64_t target)
     return crossed;
 }
 
-static void test_what_is_known_changes_nothing(void)
+static void test_proofs_of_no_crossing_change_no_verdict(void)
 {
     static const double centre[3] = {1, 2, 3}, outer[3] = {4, 3, 2}, inner[3] = {3.98, 2.98, 1.98};
     uint64_t crossed = 0;
@@ -708,9 +708,9 @@ int main(void)
     RUN_TEST(test_corners_face_each_other);
     RUN_TEST(test_packed_corners_are_as_if_connected_anew);
     RUN_TEST(test_boxes_find_what_all_triangles_show);
-    RUN_TEST(test_facings_along_a_direction);
+    RUN_TEST(test_facings_of_eight_children_equal_one_by_one);
     RUN_TEST(test_steps_of_boxes_keep_overlaps);
     RUN_TEST(test_verdicts_equal_all_pairs);
-    RUN_TEST(test_what_is_known_changes_nothing);
+    RUN_TEST(test_proofs_of_no_crossing_change_no_verdict);
     return UNITY_END();
 }
