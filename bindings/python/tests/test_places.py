@@ -321,6 +321,16 @@ def test_images_of_others_are_not_stripped_of_their_places():
         bitvox.Volume(sitk.Image(3, 3, 3, sitk.sitkUInt8))
 
 
+def test_masks_are_placed_as_volumes_are():
+    array = np.random.default_rng(1).random((3, 4, 5)) < 0.5
+    volume = bitvox.Volume(array.astype("u1"), spacing=(1, 2, 3), center0=(4, 5, 6))
+    assert bitvox.Grid.from_numpy(array, spacing=(1, 2, 3), center0=(4, 5, 6)) == volume.threshold(1)
+    assert bitvox.Grid.from_numpy(array, spacing=(1, 2, 3), corner=(3.5, 4, 4.5)) == volume.threshold(1)
+    for wrong in ({"corner": (0, 0, 0), "center0": (0, 0, 0)}, {"lattice": bitvox.Lattice((3, 4, 5)), "center0": (0, 0, 0)}):
+        with pytest.raises(bitvox.ArgumentError, match="center0"):
+            bitvox.Grid.from_numpy(array, **wrong)
+
+
 def test_volumes_are_transformed():
     volume = bitvox.Volume(np.random.default_rng(2).random((4, 5, 6)), spacing=(1, 2, 3), center0=(4, 5, 6), frame="lps")
     matrix = np.array([[0.8, -0.6, 0, 1], [0.6, 0.8, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]])

@@ -150,7 +150,7 @@ def as_numpy(values: Any, what: str) -> Any:
     else:
         if isinstance(values, np.ma.MaskedArray):
             if np.ma.is_masked(values):
-                raise ArgumentError(f"{what}: masked values have no meaning here")
+                raise ArgumentError(f"{what}: masked values are not supported")
         try:
             found = np.asarray(values)
         except ValueError as why:
@@ -161,7 +161,7 @@ def as_numpy(values: Any, what: str) -> Any:
 
 
 def exact_floats(array: Any, what: str) -> Any:
-    """Real numbers as float32 or float64, native; whole numbers that float64 does not hold are refused."""
+    """Real numbers as float32 or float64, native; integers that float64 does not hold are refused."""
     np = numpy_or_none()
     kind, size = array.dtype.kind, array.dtype.itemsize
     if kind == "b":
@@ -169,7 +169,7 @@ def exact_floats(array: Any, what: str) -> Any:
     if kind == "f" and size in (4, 8):
         return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
     if kind in "iu" and size == 8 and array.size and (int(array.max()) > 2**53 or int(array.min()) < -(2**53)):
-        raise RangeError(f"{what}: whole numbers beyond 2**53 cannot be distinguished as float64")
+        raise RangeError(f"{what}: integers beyond 2**53 cannot be distinguished as float64")
     return array.astype(np.float64)
 
 
@@ -193,7 +193,7 @@ def _walkable(array: Any) -> bool:
 
 
 def faces_in(values: Any, vertex_count: int) -> Any:
-    """Faces as an array (m, 3) of whole numbers whose rows the library can walk; negative ones are refused here or later."""
+    """Faces as an array (m, 3) of integers whose rows the library can walk; negative ones are refused here or later."""
     if numpy_or_none() is None:
         return _rows_without_numpy(values, "faces", "Q")
     found = as_numpy(values, "faces")
@@ -203,7 +203,7 @@ def faces_in(values: Any, vertex_count: int) -> Any:
         raise ArgumentError(f"faces have shape {found.shape}; they must be (m, 3): triangles")
     kind, size = found.dtype.kind, found.dtype.itemsize
     if kind not in "iu":
-        _refuse_type("faces", found.dtype, "whole numbers")
+        _refuse_type("faces", found.dtype, "integers")
     if not found.dtype.isnative:
         found = found.astype(found.dtype.newbyteorder("="))
     # Read as unsigned, a negative number is beyond every vertex, unless the type is short or the vertices are many.
@@ -236,7 +236,7 @@ def colours_in(values: Any, count: int) -> Any:
             raise RangeError("colours given as floats lie between 0 and 1")
         found = np.floor(found * 255.0 + 0.5)
     elif found.size and not (found.min() >= 0 and found.max() <= 255):
-        raise RangeError("colours given as whole numbers lie between 0 and 255")
+        raise RangeError("colours given as integers lie between 0 and 255")
     out = np.full((count, 4), 255, np.uint8)
     out[:, : found.shape[1]] = found
     return out
@@ -261,7 +261,7 @@ def borrow_faces(array: Any) -> Borrowed:
 
 
 def numbers_in(values: Any, what: str, columns: int, dtype: str = "float64") -> Borrowed:
-    """Rows of so many numbers, packed: points (3), rays (6), voxels (3, int32)."""
+    """Rows of this many numbers, packed: points (3), rays (6), voxels (3, int32)."""
     np = numpy_or_none()
     kind = lib.BVX_F64
     if np is None:
@@ -277,7 +277,7 @@ def numbers_in(values: Any, what: str, columns: int, dtype: str = "float64") -> 
     if dtype == "int32":
         if found.dtype.kind not in "iu":
             if found.size:
-                _refuse_type(what, found.dtype, "whole numbers")
+                _refuse_type(what, found.dtype, "integers")
             found = found.astype("int32")
         if found.size and not (int(found.min()) >= -(2**31) and int(found.max()) < 2**31):
             raise RangeError(f"{what}: a number does not fit 32 bits")

@@ -12,7 +12,7 @@ class Error(Exception):
     Attributes
     ----------
     code
-        the library's status, a whole number that never changes its meaning.
+        the library's status, an integer that never changes its meaning.
     name
         the status as the C header writes it, such as ``"BVX_ERR_RANGE"``.
     reason

@@ -128,7 +128,15 @@ class Field:
         return arrays.array_at(self._c.row_values, "uint64", (self.shape[1] * self.shape[2] + 1,), self._c)
 
     def value(self, voxel: Any) -> int | None:
-        """Number of the value at voxel (x, y, z) of the window, or None where it has none."""
+        """Number of the value at voxel (x, y, z) of the window, or None where it has none.
+
+        Examples
+        --------
+        >>> field = bitvox.field('knot.ply', resolution=24)
+        >>> voxel = field.band.voxels()[0]
+        >>> field.value(voxel)
+        0
+        """
         x, y, z = arrays.triple("voxel", voxel, int)
         nx, ny, nz = self.shape
         if not (0 <= x < nx and 0 <= y < ny and 0 <= z < nz):
@@ -235,7 +243,13 @@ class Field:
 
     def to_pyvista(self, *, vectors: bool = False, far: Far = "constant") -> Any:
         """A pyvista.ImageData with the point data "distance" (points are the voxels' centres, as in the .vti that `save` writes) and, with
-        ``vectors``, "vector"; ``far`` as for `to_numpy`."""
+        ``vectors``, "vector"; ``far`` as for `to_numpy`.
+
+        Examples
+        --------
+        >>> bitvox.field('knot.ply', resolution=24).to_pyvista().array_names
+        ['distance']
+        """
         pyvista, band = need("pyvista", "view"), self.band
         image = pyvista.ImageData(dimensions=self.shape, spacing=band.spacing, origin=band.center0)
         image.point_data["distance"] = self.to_numpy("zyx", far=far).reshape(-1)

@@ -78,8 +78,8 @@ class Grid:
         return self
 
     @classmethod
-    def from_numpy(cls, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] = (0.0, 0.0, 0.0),
-                   lattice: Lattice | None = None, low: Sequence[int] | None = None) -> Grid:
+    def from_numpy(cls, array: Any, *, order: Order = "xyz", spacing: Any = 1.0, corner: Sequence[float] | None = None,
+                   center0: Sequence[float] | None = None, lattice: Lattice | None = None, low: Sequence[int] | None = None) -> Grid:
         """A grid from a three-dimensional array; values other than 0 are set.
 
         Parameters
@@ -89,9 +89,11 @@ class Grid:
         order
             "xyz" (array[x, y, z]) or "zyx" (array[z, y, x]).
         spacing, corner
-            of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+            of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0), the origin if there is none [world].
+        center0
+            centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
         lattice, low
-            a lattice that the array is a window of, at voxel ``low``; in place of spacing and corner.
+            a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
 
         Examples
         --------
@@ -109,7 +111,14 @@ class Grid:
         if lattice is None:
             if low is not None:
                 raise ArgumentError("low is taken together with lattice")
-            grid = cls(Lattice((nx, ny, nz), spacing, corner))
+            if center0 is not None and corner is not None:
+                raise ArgumentError("corner and center0 contradict each other; give one of them")
+            if center0 is not None:
+                steps = arrays.triple("spacing", spacing)
+                corner = [c - 0.5 * s for c, s in zip(arrays.triple("center0", center0), steps)]
+            grid = cls(Lattice((nx, ny, nz), spacing, (0.0, 0.0, 0.0) if corner is None else corner))
+        elif corner is not None or center0 is not None:
+            raise ArgumentError("lattice contradicts corner and center0; give one of them")
         else:
             grid = cls(lattice, (tuple(low or (0, 0, 0)), (nx, ny, nz)))
         with np.errstate(invalid="ignore"):
@@ -884,7 +893,7 @@ class Grid:
         dtype
             "float32" or "float64" [world].
         squares
-            whole numbers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
+            integers (uint32) of squared steps in place of lengths; for cubic voxels. 2^32 - 1: there is no such voxel.
         nearest
             also return where the distance is to: linear indices ``x + nx * (y + ny * z)``, uint64; 2^64 - 1: there is
             none, or beyond the window.
@@ -932,7 +941,14 @@ class Grid:
         return made
 
     def to_pyvista(self) -> Any:
-        """A pyvista.ImageData with the cell data "solid" (uint8), as the .vti that `save` writes has it."""
+        """A pyvista.ImageData with the cell data "solid" (uint8), as the .vti that `save` writes has it.
+
+        Examples
+        --------
+        >>> solid = bitvox.voxelize('knot.ply', resolution=16)
+        >>> int(solid.to_pyvista().cell_data['solid'].sum()) == solid.count
+        True
+        """
         pyvista = need("pyvista", "view")
         image = pyvista.ImageData(dimensions=tuple(n + 1 for n in self.shape), spacing=self.spacing, origin=self.corner)
         image.cell_data["solid"] = self.to_numpy("zyx").reshape(-1).view("uint8")
@@ -969,7 +985,12 @@ class Grid:
         return self.to_numpy("zyx").view("uint8"), placed, "labels"
 
     def plot(self, **options: Any) -> Any:
-        """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``."""
+        """Show its voxels in a window through PyVista; ``options`` are those of its ``plot``.
+
+        Examples
+        --------
+        >>> bitvox.voxelize('knot.ply', resolution=64).plot()  # doctest: +SKIP
+        """
         return self.to_pyvista().threshold(0.5, scalars="solid").plot(**options)
 
     def _repr_html_(self) -> str:
@@ -1018,7 +1039,7 @@ def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes, kept: Any = 
 
 
 def triple_of(values: Any, name: str = "factor") -> Any:
-    """Three whole numbers as the library takes them."""
+    """Three integers as the library takes them."""
     return arrays.triple(name, in_range(name, values, 0, 2**31 - 1) if isinstance(values, (int, float)) else values, int)
 
 

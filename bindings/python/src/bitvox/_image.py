@@ -57,7 +57,13 @@ class Image:
         return bytes(ffi.buffer(out.bytes, out.size))
 
     def packed_png(self) -> bytes:
-        """A smaller PNG file's bytes with the same pixels, for notebooks; what zlib makes of them depends on its version."""
+        """A smaller PNG file's bytes with the same pixels, for notebooks; what zlib makes of them depends on its version.
+
+        Examples
+        --------
+        >>> bitvox.render('knot.ply', size=(80, 60)).packed_png()[1:4]
+        b'PNG'
+        """
         width, height = self.size
         rows = bytes(ffi.buffer(self._c.pixels, 3 * width * height))
         plain = b"".join(b"\0" + rows[3 * width * y : 3 * width * (y + 1)] for y in range(height))
@@ -205,7 +211,7 @@ def render(
         raise TypeError(f'cut must be like {{"x": 0.5}}, not {cut!r}')
     for axis, at in (cut or {}).items():
         if axis not in ("x", "y", "z"):
-            raise ArgumentError(f"cut: {axis!r} is no axis; it must be x, y or z")
+            raise ArgumentError(f"cut: {axis!r} is not an axis; it must be x, y or z")
         i = "xyz".index(axis)
         if options.direction[i] >= 0:
             options.cut_high[i] = min(options.cut_high[i], float(at))
@@ -223,7 +229,7 @@ def render(
                 raise TypeError(f'slices must be like ("z", 12), not {slices!r}')
             axis, count = slices
             if axis not in ("x", "y", "z"):
-                raise ArgumentError(f"slices: {axis!r} is no axis; it must be x, y or z")
+                raise ArgumentError(f"slices: {axis!r} is not an axis; it must be x, y or z")
             run.check(lib.bvx_render_slices(run.context, source._c, "xyz".index(axis), in_range("slices", count, 1, 1024), options, image))
         elif compare is not None:
             run.check(lib.bvx_render_difference(run.context, source._c, compare._c, options, image))

@@ -42,7 +42,7 @@ def set_window(name: str, target: Any, window: WindowLike) -> None:
     else:
         raise ArgumentError(f"{name} must be (low, size) or six numbers x0, y0, z0, x1, y1, z1")
     if min(size) < 1:
-        raise ArgumentError(f"{name} holds no voxel: its size is {size}")
+        raise ArgumentError(f"{name} has no voxels: its size is {size}")
     target.low, target.size = low, size
 
 
@@ -122,6 +122,11 @@ class Lattice:
             (n, 3) numbers, or what `bitvox.voxelize_points` takes.
         resolution, spacing, padding, corner
             as for `fit`.
+
+        Examples
+        --------
+        >>> bitvox.Lattice.fit_points([[0, 0, 0], [4, 2, 1]], resolution=8).shape
+        (8, 4, 2)
         """
         with Run() as run:
             return cls._fitted(run, "bvx_lattice_fit_points", (call("points_view", points, run),), resolution, spacing, padding, corner)
@@ -137,6 +142,11 @@ class Lattice:
             corners of the box [world].
         resolution, spacing, padding, corner
             as for `fit`.
+
+        Examples
+        --------
+        >>> bitvox.Lattice.fit_box((0, 0, 0), (4, 2, 1), spacing=0.5).shape
+        (8, 4, 2)
         """
         ends = triple("low", low), triple("high", high)
         with Run() as run:

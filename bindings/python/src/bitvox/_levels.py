@@ -128,7 +128,7 @@ class _Targets:
 
 
 def _halvings(triangles: int) -> int:
-    """Levels by halving where none are requested: as many as leave so many triangles, but one at least."""
+    """Levels by halving where none are requested: as many as leave this many triangles, but one at least."""
     levels = 1
     while levels < HALVINGS and triangles >> (levels + 1) >= FEWEST:
         levels += 1
@@ -198,7 +198,7 @@ def simplify(
     error_kind
         of ``error``: "mean" (the default) or "max" distance, measured both ways.
     count
-        so many levels, each with half of the triangles of the one before. With none of these: one level of half.
+        this many levels, each with half of the triangles of the one before. With none of these: one level of half.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
     colour_weight
@@ -210,7 +210,7 @@ def simplify(
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
-        measure the distances between mesh and level from so many points a side, for the report. Default:
+        measure the distances between mesh and level from this many points a side, for the report. Default:
         20000 with ``error``, else 0: they are not.
     carry
         give the result the colours and texture coordinates of the nearest points on the mesh.
@@ -378,7 +378,7 @@ def lod(
     error_kind
         of ``error``: "mean" (the default) or "max" distance, measured both ways.
     count
-        so many levels, each with half of the triangles of the one before, the first with half of the source's. Default
+        this many levels, each with half of the triangles of the one before, the first with half of the source's. Default
         where no level is requested: 4, or as many as leave 20 triangles.
     method
         "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
@@ -413,7 +413,7 @@ def lod(
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
-        measure the distances between source and level from so many points a side, for the reports. Default:
+        measure the distances between source and level from this many points a side, for the reports. Default:
         20000 with ``error``, else 0: they are not.
     levels
         the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
@@ -422,7 +422,7 @@ def lod(
     edge_samples
         "edge-ratio": steps along an edge. Default: the ratio, rounded up.
     collapse
-        the paper's methods, with ``triangles``: make up to so many times as many, then collapse the cheapest edges.
+        the paper's methods, with ``triangles``: make up to this many times as many, then collapse the cheapest edges.
     fill, close_gaps, padding
         the paper's methods: as for `voxelize`, when the source is a mesh.
     face_rule, local_frame

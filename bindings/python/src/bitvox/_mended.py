@@ -33,5 +33,6 @@ def _ply(data: Any) -> Any:
     if len(known) == len(lines):
         return data
     odd = next(line for line in lines if line not in known)
-    warnings.warn(f"PLY: {len(lines) - len(known)} lines of the head are passed over, the first {odd.strip()[:40].decode('latin-1')!r}", stacklevel=4)
+    count = len(lines) - len(known)
+    warnings.warn(f"PLY: skipped {count} header line{'s' if count > 1 else ''} without a keyword, the first {odd.strip()[:40].decode('latin-1')!r}", stacklevel=4)
     return b"".join(known) + bytes(data[end:])

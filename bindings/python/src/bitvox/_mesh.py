@@ -33,7 +33,7 @@ class Mesh:
     """Triangles: vertices (n, 3) [world] and faces (m, 3) of vertex indices, counter-clockwise seen from outside.
 
     Arrays that are given are kept, not copied, where the library can read them as they lie in memory: vertices as float32 or
-    float64 with any distance between rows, faces as 16- to 64-bit whole numbers. Other types are copied: whole numbers
+    float64 with any distance between rows, faces as 16- to 64-bit integers. Other types are copied: integers
     become float64, both exactly or with an error. Do not change arrays while a call works on them.
 
     Parameters
@@ -41,7 +41,7 @@ class Mesh:
     vertices
         (n, 3), or (m, 3, 3): the corners of m triangles, without faces.
     faces
-        (m, 3) whole numbers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
+        (m, 3) integers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
     colours
         (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
     uvs
@@ -54,9 +54,9 @@ class Mesh:
     ArgumentError
         shapes that do not fit.
     TypeError
-        values that are no numbers.
+        values that are not numbers.
     RangeError
-        whole numbers that would lose digits; vertex indices below 0 or beyond the vertices (by the call that uses
+        integers that would lose digits; vertex indices below 0 or beyond the vertices (by the call that uses
         them).
 
     Examples
@@ -594,7 +594,13 @@ class Mesh:
         return self.in_world()[unique[:, 0]], numbers.reshape(-1, 3), np.asarray(self._uvs, float)[unique[:, 1]]
 
     def to_pyvista(self) -> Any:
-        """A pyvista.PolyData; colours become the point data "colours"."""
+        """A pyvista.PolyData; colours become the point data "colours".
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').to_pyvista().is_manifold
+        True
+        """
         np = arrays.numpy("to_pyvista")
         pyvista = need("pyvista", "view")
         flat = np.empty((self.n_faces, 4), np.int64)
@@ -608,7 +614,13 @@ class Mesh:
         return made
 
     def to_open3d(self) -> Any:
-        """An open3d.geometry.TriangleMesh, with colours where there are any; needs ``bitvox[open3d]``."""
+        """An open3d.geometry.TriangleMesh, with colours where there are any; needs ``bitvox[open3d]``.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').to_open3d().is_watertight()
+        True
+        """
         np, open3d = arrays.numpy("to_open3d"), need("open3d", "open3d")
         made = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(np.ascontiguousarray(self.in_world())),
                                             open3d.utility.Vector3iVector(np.ascontiguousarray(self.faces, np.int32)))
@@ -648,7 +660,12 @@ class Mesh:
         return (np.ascontiguousarray(self.in_world()[:, ::-1]), faces, np.ones(self.n_vertices, np.float32)), {"name": name or "mesh"}, "surface"
 
     def plot(self, **options: Any) -> Any:
-        """Show it in a window through PyVista; options are those of ``pyvista.PolyData.plot``."""
+        """Show it in a window through PyVista; options are those of ``pyvista.PolyData.plot``.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').plot()  # doctest: +SKIP
+        """
         if self._colours is not None:
             options = {"scalars": "colours", "rgb": True, **options}
         return self.to_pyvista().plot(**options)

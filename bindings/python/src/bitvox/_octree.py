@@ -94,7 +94,15 @@ class Octree:
         return [record(out[i]) for i in range(n)]
 
     def at(self, voxels: Any) -> Any:
-        """The leaves that hold voxels (n, 3) of the last level."""
+        """The leaves that hold voxels (n, 3) of the last level.
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=4, levels=3)
+        >>> leaf = tree.leaves('surface')[:1]
+        >>> tree.at(leaf['ijk']) == leaf
+        array([ True])
+        """
         given = arrays.numbers_in(voxels, "voxels", 3, "int32")
         out = ffi.new("bvx_octree_leaf[]", max(1, given.count))
         with Run() as run:
@@ -102,7 +110,13 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
     def find(self, points: Any) -> Any:
-        """The leaves that hold points (n, 3) [world]; beyond the lattice: state outside, level 255."""
+        """The leaves that hold points (n, 3) [world]; beyond the lattice: state outside, level 255.
+
+        Examples
+        --------
+        >>> bitvox.refine('knot.ply', base=4, levels=3).find([[100, 100, 100]])['level'].tolist()
+        [255]
+        """
         given = arrays.numbers_in(points, "points", 3)
         out = ffi.new("bvx_octree_leaf[]", max(1, given.count))
         with Run() as run:
@@ -110,7 +124,14 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
     def neighbours(self, leaf: Any, direction: Direction) -> Any:
-        """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z"."""
+        """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z".
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=4, levels=3)
+        >>> len(tree.neighbours(tree.leaves('surface')[0], '+x')) > 0
+        True
+        """
         if direction not in _DIRECTIONS:
             raise ArgumentError(f"direction is {direction!r}; it must be one of {', '.join(_DIRECTIONS)}")
         one = ffi.new("bvx_octree_leaf *", {"ijk": [int(x) for x in leaf["ijk"]], "level": int(leaf["level"]), "state": int(leaf["state"])})
@@ -139,6 +160,12 @@ class Octree:
         -------
         Any
             A record array of n hits with t, position [world], leaf, axis (-1: the ray starts inside), hit (0 or 1).
+
+        Examples
+        --------
+        >>> tree = bitvox.refine('knot.ply', base=4, levels=3)
+        >>> bool(tree.cast([[-10, 2, 0, 1, 0, 0]])['hit'][0])
+        True
         """
         given = arrays.numbers_in(rays, "rays", 6)
         out = ffi.new("bvx_octree_hit[]", max(1, given.count))

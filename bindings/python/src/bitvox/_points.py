@@ -47,7 +47,7 @@ def read_points(path: str | os.PathLike[str], *, format: str | None = None, thre
     if kind in CLOUD_FORMATS:
         return call("read_cloud", os.fspath(path), kind)
     if kind not in POINT_FORMATS:
-        raise UnsupportedError(f"format {kind!r} holds no points that are read; take one of {', '.join((*POINT_FORMATS, *CLOUD_FORMATS))}")
+        raise UnsupportedError(f"format {kind!r} is not read as points; take one of {', '.join((*POINT_FORMATS, *CLOUD_FORMATS))}")
     held = ffi.from_buffer(read_bytes(path))
     out = new_mesh()
     with Run(threads, memory_limit, progress) as run:
@@ -116,7 +116,7 @@ def voxelize_points(
     body
         set what a flood from outside cannot reach too.
     close_gaps
-        with ``body``: gaps of up to so many voxels hold the flood, which moves as a cube of one voxel more a side.
+        with ``body``: gaps of up to this many voxels stop the flood, which moves as a cube of one voxel more a side.
 
     Returns
     -------

@@ -296,14 +296,14 @@ class Run:
 
 
 def in_range(name: str, value: Any, low: int, high: int) -> int:
-    """A whole number between bounds; 3.0 and numpy's numbers pass, 3.5, True and text do not."""
+    """An integer between bounds; 3.0 and numpy's numbers pass, 3.5, True and text do not."""
     if isinstance(value, bool):
-        raise TypeError(f"{name} must be a whole number, not {value!r}")
+        raise TypeError(f"{name} must be an integer, not {value!r}")
     try:
         number = value.__index__()
     except AttributeError:
         if not isinstance(value, float) or not value.is_integer():
-            raise TypeError(f"{name} must be a whole number, not {value!r}") from None
+            raise TypeError(f"{name} must be an integer, not {value!r}") from None
         number = int(value)
     if not low <= number <= high:
         raise OptionRangeError(f"{name} is {number}; it must be {low} to {high}")

@@ -76,7 +76,7 @@ def voxelize(
         whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (what the surface parts, as a
         whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
     close_gaps
-        with fill "flood": gaps of up to so many voxels hold the flood.
+        with fill "flood": gaps of up to this many voxels stop the flood.
     add_shell
         set all voxels that the surface touches too.
     check_edges
@@ -255,7 +255,7 @@ def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int |
     Returns
     -------
     Seed
-        A `bitvox.reports.Seed`; ``found`` False is no error.
+        A `bitvox.reports.Seed`; ``found`` False is not an error.
 
     Examples
     --------

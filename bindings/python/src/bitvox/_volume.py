@@ -38,8 +38,8 @@ class Volume:
     Parameters
     ----------
     array
-        three axes, of any whole-number or float type and any strides. bool counts as 0 and 1. Copied are half-precision floats
-        (to float32), other byte orders, and what is no array of numpy.
+        three axes, of any integer or float type and any strides. bool counts as 0 and 1. Copied are half-precision floats
+        (to float32), other byte orders, and what is not a numpy array.
     order
         "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
     spacing, corner
@@ -90,7 +90,7 @@ class Volume:
         elif found.dtype == np.float16:
             found = found.astype(np.float32)
         elif found.dtype.kind + str(found.dtype.itemsize) not in _TYPES:
-            raise TypeError(f"array must be whole numbers or floats of up to 8 bytes, not {found.dtype}")
+            raise TypeError(f"array must be integers or floats of up to 8 bytes, not {found.dtype}")
         if not found.dtype.isnative:
             found = found.astype(found.dtype.newbyteorder("="))
         if not any(found.strides):  # one number everywhere: strides of 0 would stand for packed ones
@@ -435,7 +435,7 @@ class Volume:
         return self.threshold(float(value), float(value), threads=threads, memory_limit=memory_limit, progress=progress)
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
-        """The values other than 0 of whole-number samples, ascending, each with its voxels and their box in the window.
+        """The values other than 0 of integer samples, ascending, each with its voxels and their box in the window.
 
         Examples
         --------
@@ -666,7 +666,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
         asked = np.dtype(dtype)
         code = asked.kind + str(asked.itemsize)
         if code not in _TYPES:
-            raise TypeError(f"dtype must be whole numbers or floats of 1 to 8 bytes, not {asked}")
+            raise TypeError(f"dtype must be integers or floats of 1 to 8 bytes, not {asked}")
         options.size, options.sample_type = arrays.triple("shape", shape, int), _type_number(code)
         big = asked.byteorder == ">" or (asked.byteorder == "=" and not arrays.LITTLE)
         options.big_endian, options.offset = int(big), in_range("offset", offset, 0, 2**63)

@@ -53,13 +53,27 @@ class Chunks:
         return self.counts[0] * self.counts[1] * self.counts[2]
 
     def window(self, index: Index) -> Window:
-        """The voxels of the chunk ``index``."""
+        """The voxels of the chunk ``index``.
+
+        Examples
+        --------
+        >>> cut = bitvox.big.Chunks(bitvox.Lattice((10, 8, 8)), 8)
+        >>> cut.window((1, 0, 0))
+        Window(low=(8, 0, 0), size=(2, 8, 8))
+        """
         low = tuple(i * n for i, n in zip(index, self.size))
         return Window(low, tuple(min(n, m - a) for n, m, a in zip(self.size, self.lattice.shape, low)))  # type: ignore[arg-type]
 
     def cells(self, index: Index) -> tuple[Window, list[str]]:
         """What the surface of chunk ``index`` is extracted from: its voxels and one layer of the next chunks, and which sides
-        are open. A cell belongs to the chunk that holds its low corner."""
+        are open. A cell belongs to the chunk that holds its low corner.
+
+        Examples
+        --------
+        >>> cut = bitvox.big.Chunks(bitvox.Lattice((10, 8, 8)), 8)
+        >>> cut.cells((0, 0, 0))
+        (Window(low=(0, 0, 0), size=(9, 8, 8)), ['x-high'])
+        """
         low, size = self.window(index)
         sides, grown = [], []
         for axis in range(3):
@@ -72,13 +86,27 @@ class Chunks:
         return Window(low, tuple(grown)), sides  # type: ignore[arg-type]
 
     def grown(self, index: Index, margin: Sequence[int]) -> Window:
-        """The voxels of the chunk ``index`` and ``margin`` more along x, y, z on either side, as far as the lattice goes."""
+        """The voxels of the chunk ``index`` and ``margin`` more along x, y, z on either side, as far as the lattice goes.
+
+        Examples
+        --------
+        >>> cut = bitvox.big.Chunks(bitvox.Lattice((10, 8, 8)), 8)
+        >>> cut.grown((1, 0, 0), (2, 2, 2))
+        Window(low=(6, 0, 0), size=(4, 8, 8))
+        """
         low, size = self.window(index)
         first = [max(0, a - m) for a, m in zip(low, margin)]
         return Window(tuple(first), tuple(min(a + n + m, end) - b for a, n, m, b, end in zip(low, size, margin, first, self.lattice.shape)))  # type: ignore[arg-type]
 
     def over(self, window: Window) -> list[Index]:
-        """Indices of the chunks that have voxels in a window, x fastest."""
+        """Indices of the chunks that have voxels in a window, x fastest.
+
+        Examples
+        --------
+        >>> cut = bitvox.big.Chunks(bitvox.Lattice((10, 8, 8)), 8)
+        >>> cut.over(bitvox.Window((7, 0, 0), (2, 1, 1)))
+        [(0, 0, 0), (1, 0, 0)]
+        """
         spans = [range(a // n, (a + m - 1) // n + 1) for a, m, n in zip(window.low, window.size, self.size)]
         return [(x, y, z) for z, y, x in itertools.product(*spans[::-1])]
 

@@ -62,7 +62,15 @@ class Task:
         return self.on(load(self.source))
 
     def on(self, mesh: Mesh) -> Any:
-        """The same, of a mesh that is already here."""
+        """The same, of a mesh that is already here.
+
+        Examples
+        --------
+        >>> plan = bitvox.big.plan('knot.ply', resolution=32, chunks=16)
+        >>> mesh = bitvox.read('knot.ply')
+        >>> plan.merge([task.on(mesh) for task in plan.tasks]).check().closed
+        True
+        """
         if self.result == "grid":
             return voxelize_window(mesh, self.chunks.lattice, self.chunks.window(self.index), self.options)
         window, sides = self.chunks.cells(self.index)
@@ -111,7 +119,14 @@ class Plan:
         self.chunks, self.tasks, self.result = chunks, tasks, result
 
     def merge(self, results: Iterable[Any]) -> Any:
-        """The whole `Grid` or `Mesh` from the tasks' results, in any order: the bytes of a single run."""
+        """The whole `Grid` or `Mesh` from the tasks' results, in any order: the bytes of a single run.
+
+        Examples
+        --------
+        >>> plan = bitvox.big.plan('knot.ply', resolution=32, chunks=16)
+        >>> plan.merge([task() for task in plan.tasks]).check().closed
+        True
+        """
         results = list(results)
         if len(results) != len(self.tasks):
             raise ArgumentError(f"{len(results)} results of {len(self.tasks)} tasks")

@@ -23,7 +23,7 @@ class Samples:
     Attributes
     ----------
     array
-        a Dask array [x, y, z] of whole numbers or floats.
+        a Dask array [x, y, z] of integers or floats.
     lattice
         the lattice whose voxels' centres the samples are.
 
@@ -53,7 +53,14 @@ class Samples:
         return self.lattice.shape
 
     def compute(self) -> WholeVolume:
-        """The whole volume, here."""
+        """The whole volume, here.
+
+        Examples
+        --------
+        >>> import dask.array
+        >>> bitvox.big.Samples(dask.array.ones((8, 8, 8), chunks=4)).compute()
+        Volume(8 x 8 x 8, float64)
+        """
         return WholeVolume(self.array.compute(), lattice=self.lattice)
 
     def _cut(self, chunks: int | Sequence[int] | None) -> Chunks:

@@ -29,7 +29,8 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     path
         a folder or a URL that all workers reach.
     inner
-        voxels of the pieces that can be read alone, along each axis; the chunks' sides must be multiples of it.
+        voxels of the pieces that can be read alone, along each axis; where several chunks lie along an axis, their side must be a
+        multiple of it.
     unit
         of the world, such as "millimeter" (OME-Zarr's names).
     overwrite
@@ -46,15 +47,16 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     dask, zarr = need("dask", "big"), need("zarr", "big")
     cut, name = volume.chunks, _path_of(path)
     pieces = tuple(min(inner, n) for n in cut.size[::-1])
-    if any(n % m for n, m in zip(cut.size[::-1], pieces)):
-        raise ArgumentError(f"chunks of {cut.size} are not multiples of inner={inner}")
+    shards = tuple(-(-n // m) * m for n, m in zip(cut.size[::-1], pieces))  # what reaches beyond the volume is not stored
+    if any(n != m and n < whole for n, m, whole in zip(cut.size[::-1], shards, volume.shape[::-1])):
+        raise ArgumentError(f"chunks of {cut.size} are not multiples of inner={inner}; give other chunks or another inner")
     if not os.fspath(path):
         raise ArgumentError("path is empty; it must name a folder or a URL")
     try:
         group = zarr.open_group(name, mode="w" if overwrite else "w-", zarr_format=3)
     except FileExistsError as why:
         raise FileExistsError(f"{name} exists and is not empty; overwrite=True replaces it") from why
-    group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=cut.size[::-1], dtype="uint8", fill_value=0,
+    group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=shards, dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
     group.attrs.update(_metadata(volume.lattice, unit, os.path.basename(name.rstrip("/"))))
     write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since

@@ -150,7 +150,14 @@ class Volume:
 
     def map(self, function: Callable[..., Grid], *others: Volume) -> Volume:
         """A volume of ``function(grid, ...)`` of each chunk and of the same chunk of ``others``, for local operations:
-        ``a.map(operator.or_, b)``."""
+        ``a.map(operator.or_, b)``.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.map(lambda grid: ~grid).count() + volume.count() == 31 * 32 * 13
+        True
+        """
         dask = need("dask", "big")
         for other in others:
             if (other.lattice, other.chunks.size) != (self.lattice, self.chunks.size):
@@ -186,6 +193,12 @@ class Volume:
             voxels of the halo on either side, one number or three; the lattice's own sides end it.
         arguments
             passed on as they are.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.around(bitvox.Grid.erode, 1).compute() == volume.compute().erode()
+        True
         """
         made, halo = need("dask", "big").delayed(_around, pure=True), _margin(margin)
         return Volume(self.chunks, {i: made(function, arguments, self.lattice, self.chunks.grown(i, halo), self.chunks.window(i),
@@ -226,11 +239,25 @@ class Volume:
         return self._morphed("erode", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
 
     def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.open` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo."""
+        """`Grid.open` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.open().compute() == volume.compute().open()
+        True
+        """
         return self._morphed("open", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
 
     def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.close` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo."""
+        """`Grid.close` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.close().compute() == volume.compute().close()
+        True
+        """
         return self._morphed("close", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
 
     def hollow(self, thickness: float, *, beyond: bool = False) -> Volume:
@@ -240,6 +267,12 @@ class Volume:
         ----------
         thickness, beyond
             as for `Grid.hollow`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.hollow(0.3).compute() == volume.compute().hollow(0.3)
+        True
         """
         Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).hollow(thickness)
         return self.around(_morph, _reach(self.lattice, thickness), "hollow", (thickness,), {"beyond": beyond})

@@ -40,7 +40,7 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             names = [n for n in archive.namelist() if n.lower().endswith(".amf")]
             if not names:
-                raise FormatError(f"{os.fspath(path)}: the archive holds no .amf")
+                raise FormatError(f"{os.fspath(path)}: the archive has no .amf")
             data = archive.read(names[0])
     try:
         root = ElementTree.fromstring(data)
@@ -53,7 +53,7 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
     parts = list(_placed(objects, constellations, os.fspath(path))) if constellations else list(objects.values())
     np = arrays.numpy("AMF")
     if not sum(len(f) for _, f in parts):
-        raise EmptyError(f"{os.fspath(path)} holds no triangle")
+        raise EmptyError(f"{os.fspath(path)} has no triangles")
     starts = np.cumsum([0] + [len(v) for v, _ in parts])
     return Mesh(np.concatenate([v for v, _ in parts]), np.concatenate([f + n for (_, f), n in zip(parts, starts)]))
 

@@ -25,7 +25,7 @@ def read_cloud(path: str, kind: str) -> Any:
         raise FormatError(f"{path}: {library} cannot read it: {type(why).__name__}: {why}") from why
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
-        raise EmptyError(f"{path} holds no point")
+        raise EmptyError(f"{path} has no points")
     return np.ascontiguousarray(points)
 
 

@@ -55,7 +55,7 @@ def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
     ----------
     source
         a folder (with those in it), or the files of the slices in any order; one file of many frames (enhanced CT and MR) is a series
-        too. Files that hold no picture are passed over.
+        too. Files without a picture are skipped.
     series
         SeriesInstanceUID, when the files are of several.
 
@@ -222,7 +222,7 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
                 points = np.array(contour.ContourData, float).reshape(-1, 3)
                 loops += [Loop(part, name) for part in _without_bridges(points, np)]
     if not loops:
-        raise EmptyError(f"{os.fspath(path)} holds no closed contour of these structures")
+        raise EmptyError(f"{os.fspath(path)} has no closed contour of these structures")
     return stacked(loops, _normal_of(loops, np), tolerance)
 
 

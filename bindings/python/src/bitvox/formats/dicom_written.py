@@ -79,14 +79,14 @@ def _masks(segments: Any) -> dict[str, Volume]:
     if isinstance(segments, Volume):
         values = [int(value) for value in np.unique(segments.array) if value]
         if segments.array.dtype.kind == "f":
-            raise ArgumentError("segments are labels: a volume of whole numbers, or masks; Volume.threshold makes a mask of floats")
+            raise ArgumentError("segments are labels: a volume of integers, or masks; Volume.threshold makes a mask of floats")
         segments = {str(value): _like(segments, segments.array == value) for value in values}
     elif isinstance(segments, Grid):
         segments = {"segment": segments}
     if not isinstance(segments, Mapping):
         raise TypeError(f"segments must be a Grid, a Volume or a dict of names and masks, not {type(segments).__name__}")
     if not segments:
-        raise EmptyError("there is no segment")
+        raise EmptyError("no segments are given")
     made: dict[str, Volume] = {}
     for name, one in segments.items():
         volume = volume_of_bits(one) if isinstance(one, Grid) else one
@@ -120,7 +120,7 @@ def _slices(source: Any) -> list[Any]:
             continue
     found = [one for one in found if "PixelData" in one and "ImagePositionPatient" in one]
     if not found:
-        raise EmptyError("source: there is no DICOM slice with a position here")
+        raise EmptyError("source: no DICOM slice with a position is here")
     return found
 
 
@@ -159,7 +159,7 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
     Returns
     -------
     dict[str, Volume]
-        Volumes by the segments' names (and a number behind names that come twice): uint8 of 0 and 1, or of a fractional segmentation
+        Volumes by the segments' names (and a number after names that occur twice): uint8 of 0 and 1, or of a fractional segmentation
         float32 from 0 to 1. ``volume.threshold(0.5)`` makes a `Grid`, ``volume.surface(0.5)`` a mesh.
 
     Raises
@@ -230,7 +230,7 @@ def write_rtstruct(sections: Any, path: str | os.PathLike[str], *, source: Any =
         for loop in stack.loops:
             loops.setdefault(str(name) or loop.label or "structure", []).append(loop.points)
     if not loops:
-        raise EmptyError("there is no contour to write")
+        raise EmptyError("no contours are given")
 
     slices = _slices(source) if source is not None else []
     base = slices[0] if slices else _patient(pydicom)

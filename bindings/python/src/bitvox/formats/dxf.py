@@ -58,7 +58,7 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
         known = {layer for drawing in drawings for layer in _layers(drawing)}
         missing = [name for name in layers if name.lower() not in known]
         if missing:
-            raise EmptyError(f"{', '.join(names)}: there is no layer named {', '.join(missing)}")
+            raise EmptyError(f"{', '.join(names)}: no layer is named {', '.join(missing)}")
     wanted = None if layers is None else {name.lower() for name in layers}
     loops = []
     for i, drawing in enumerate(drawings):
@@ -67,7 +67,7 @@ def read_dxf(path: Any, *, positions: Sequence[float] | None = None, layers: Seq
             found = [_lifted(loop, float(positions[i])) for loop in found]
         loops += found
     if not loops:
-        raise EmptyError(f"{', '.join(names)}: there is no closed polyline" + ("" if close else "; close=True joins the ends of open ones"))
+        raise EmptyError(f"{', '.join(names)}: no polyline is closed" + ("" if close else "; close=True joins the ends of open ones"))
     return stacked(loops, (0.0, 0.0, 1.0), tolerance) if normal is None else Sections(loops, normal, tolerance=tolerance)
 
 

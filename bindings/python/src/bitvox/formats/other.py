@@ -24,7 +24,7 @@ def _vtp(path: str) -> Mesh:
         raise FileNotFoundError(path)
     made = Mesh.of(pyvista.read(path))
     if not made.n_faces:
-        raise EmptyError(f"{path} holds no triangle")
+        raise EmptyError(f"{path} has no triangles")
     return made
 
 
@@ -66,7 +66,7 @@ def read_other(path: str, kind: str) -> Any:
     except Exception as why:  # what trimesh and its parsers raise has no common kind
         raise FormatError(f"{path}: trimesh cannot read it: {type(why).__name__}: {why}") from why
     if not hasattr(mesh, "faces") or not len(mesh.faces):
-        raise EmptyError(f"{path} holds no triangle")
+        raise EmptyError(f"{path} has no triangles")
     made = Mesh.of(mesh)
     if kind in ("glb", "gltf"):  # y is up there; z is up in what `bitvox.write` writes and all else reads
         x, y, z = arrays.numpy("glTF").asarray(made.vertices).T
