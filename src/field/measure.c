@@ -13,6 +13,48 @@
 
 #include <math.h>
 
+/* ---- Inside by the rules that fill solids ---- */
+
+/* At the same centres, so a field and a solid of one rule never disagree. */
+
+static int32_t fill_of_sign(int32_t sign)
+{
+    if (sign == BVX_SIGN_AUTO) return BVX_FILL_AUTO;
+    return sign == BVX_SIGN_EXACT     ? BVX_FILL_PARITY
+           : sign == BVX_SIGN_WINDING ? BVX_FILL_WINDING
+                                      : BVX_FILL_VOTE;
+}
+
+/* Of a closed mesh NONZERO is its winding number. */
+static int32_t sign_of_fill(int32_t fill)
+{
+    return fill == BVX_FILL_PARITY ? BVX_SIGN_EXACT
+           : fill == BVX_FILL_VOTE ? BVX_SIGN_VOTE
+                                   : BVX_SIGN_WINDING;
+}
+
+/* AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the
+ * solid by that rule. AUTO becomes the one that was chosen. */
+static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
+{
+    bvx_solid_report report;
+    bvx_voxelize_options o;
+
+    bvx_voxelize_options_init(&o, sizeof o);
+    /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
+     * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
+     * neither. */
+    o.fill = fill_of_sign(*sign);
+    o.report = *sign == BVX_SIGN_AUTO ? &report : NULL;
+    o.check_thin = 0;
+    memcpy(o.window.low, inside->low, sizeof o.window.low);
+    memcpy(o.window.size, inside->size, sizeof o.window.size);
+    BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
+
+    if (*sign == BVX_SIGN_AUTO) *sign = sign_of_fill(report.fill);
+    return BVX_OK;
+}
+
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
 static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}},
@@ -217,7 +259,7 @@ static bvx_status make_inside(bvx_context *ctx, measure_job *job)
 
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
     BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
-    if (!signs_by_features(f->sign)) return bvxi_sign_solid(ctx, job->mesh, &f->sign, &f->inside);
+    if (!signs_by_features(f->sign)) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
     return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
                               f->half_width, job->mesh, &values, f->sign, &f->inside);
 }

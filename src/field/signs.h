@@ -5,10 +5,6 @@
 #include "nearest/nearest.h"
 #include "grid/grid.h"
 
-/* sign_solid.c: AUTO, EXACT, WINDING, VOTE: inside, which is open and whose words are written, becomes the
- * solid by that rule. AUTO becomes the one that was chosen. */
-bvx_status bvxi_sign_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside);
-
 /* sign_features.c: NORMAL, PSEUDONORMAL: the words of inside are set by the closest
  * features in the band, which it has columns of, and beyond it by carry_signs.c. In a window whose band
  * leaves centres out all of the lattice is looked at; width is the band's [Units: world]. */
@@ -23,7 +19,7 @@ typedef void bvxi_outwards_fn(const void *rule, uint32_t triangle, int32_t featu
 bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                           bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside);
 
-/* sign_pseudonormal.c, sign_pseudonormal.c: the band by these rules. */
+/* The same file: the band by these rules. */
 bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                             bvx_grid *inside);
 bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,

@@ -37,11 +37,6 @@ typedef struct bvxi_flood_walls {
 bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls, bvx_grid *solid,
                       bvx_solid_report *report, int32_t *leaked);
 
-/* flood_rim.c: walls' voxels that vote outside become inside where what the flood filled is nearer than what
- * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.
- * Scratch: 8 bytes a wall voxel that votes outside. */
-bvx_status bvxi_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid);
-
 /* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves
  * through empty voxels, also beyond the window. Scratch: one more grid. */
 bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);

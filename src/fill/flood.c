@@ -4,10 +4,138 @@
  * that touch a side of the lattice are outside, all others inside, so that cavities fill. With gaps to close
  * the flood is run once more past the closed surface: what lies behind it is inside too, the voxels that
  * closing added vote like those of the surface. A space that the first flood does not reach stays inside as a
- * whole, so closing gaps never takes from it. Cavities are filled up to their walls (flood_rim.c).
+ * whole, so closing gaps never takes from it. Cavities are filled up to their walls.
  * Guarantee: exact, global. A conservative surface of a mesh without holes holds the flood. */
 #include "fill/fills.h"
 #include "components/room.h"
+
+/* ---- The inner rim of what a flood filled ---- */
+
+/* Where the flood filled against the vote (a cavity), the walls' voxels around it vote outside and would
+ * stay as a thin empty skin. Each wall voxel that votes outside goes to what it reaches first in steps from
+ * voxel to voxel, corners included, by others of its kind: to the filled, then it is inside, or to what the
+ * flood reached or the lattice's end, then it stays outside; so it does when both are equally far. One
+ * queue holds the voxels in the order of their steps, those from outside first among equals. Exact, from
+ * the grids only; where nothing was filled against the vote nothing changes. */
+
+enum { RIM_NONE = 0, RIM_OUTSIDE = 1, RIM_FILLED = 2 };
+
+typedef struct rim_work {
+    const bvx_grid *walls;
+    bvx_grid *solid;
+    bvx_grid filled; /* not of the walls: filled against the vote; of the walls: in the queue */
+    uint64_t *queue; /* voxel numbers */
+    uint64_t count;
+} rim_work;
+
+static void voxel_of_rim(const bvx_grid *g, uint64_t number, int32_t v[3])
+{
+    uint64_t const nx = (uint64_t)g->size[0], ny = (uint64_t)g->size[1];
+    v[0] = (int32_t)(number % nx);
+    v[1] = (int32_t)(number / nx % ny);
+    v[2] = (int32_t)(number / nx / ny);
+}
+
+/* One of the voxels around, 0 .. 26 with itself; 0 when it lies beyond the lattice. */
+static int step_from_rim(const bvx_grid *g, const int32_t v[3], int32_t way, int32_t n[3])
+{
+    n[0] = v[0] + way % 3 - 1;
+    n[1] = v[1] + way / 3 % 3 - 1;
+    n[2] = v[2] + way / 9 - 1;
+    return n[0] >= 0 && n[1] >= 0 && n[2] >= 0 && n[0] < g->size[0] && n[1] < g->size[1] && n[2] < g->size[2];
+}
+
+/* What a wall voxel lies beside. */
+static int side_of_rim(const rim_work *w, const int32_t v[3])
+{
+    int32_t n[3];
+    int side = RIM_NONE;
+
+    for (int32_t way = 0; way < 27; way++) {
+        if (!step_from_rim(w->walls, v, way, n)) return RIM_OUTSIDE;
+
+        /* Outside ends the look at once, since it wins among equals; filled only counts when nothing outside
+         * is as near. */
+        if (bvx_grid_get(&w->filled, n[0], n[1], n[2])) side = RIM_FILLED;
+        else if (!bvx_grid_get(w->walls, n[0], n[1], n[2]) && !bvx_grid_get(w->solid, n[0], n[1], n[2]))
+            return RIM_OUTSIDE;
+    }
+    return side;
+}
+
+/* Put the wall voxels of one side that vote outside to the queue; RIM_NONE: count them all. */
+static uint64_t look_along_rim(rim_work *w, int side)
+{
+    const bvx_grid *const g = w->walls;
+    uint64_t voxels = 0;
+
+    for (int32_t z = 0; z < g->size[2]; z++)
+        for (int32_t y = 0; y < g->size[1]; y++) {
+            uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
+            size_t const at = (size_t)row * (size_t)g->words_per_row;
+            for (int32_t k = 0; k < g->words_per_row; k++) {
+                uint64_t left = g->words[at + (size_t)k] & ~w->solid->words[at + (size_t)k];
+                voxels += bvxi_popcount(left);
+                for (; left != 0 && side != RIM_NONE; left &= left - 1) {
+                    int32_t const v[3] = {k * BVXI_WORD_BITS + bvxi_lowest(left), y, z};
+                    if (side_of_rim(w, v) == side)
+                        w->queue[w->count++] = row * (uint64_t)g->size[0] + (uint64_t)v[0];
+                }
+            }
+        }
+    return voxels;
+}
+
+static void take_for_rim(rim_work *w, const int32_t v[3], int inside)
+{
+    bvx_grid_set(&w->filled, v[0], v[1], v[2], 1);
+    if (inside) bvx_grid_set(w->solid, v[0], v[1], v[2], 1);
+}
+
+static void spread_rim(rim_work *w)
+{
+    uint64_t outside, first;
+    int32_t v[3], n[3];
+
+    /* The order of the queue is the rule: those from outside before those from the filled, then step by
+     * step. */
+    look_along_rim(w, RIM_OUTSIDE);
+    outside = w->count;
+    look_along_rim(w, RIM_FILLED);
+    first = w->count;
+
+    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
+    for (uint64_t i = 0; i < first; i++) {
+        voxel_of_rim(w->walls, w->queue[i], v);
+        take_for_rim(w, v, i >= outside);
+    }
+    for (uint64_t i = 0; i < w->count; i++) {
+        voxel_of_rim(w->walls, w->queue[i], v);
+        for (int32_t way = 0; way < 27; way++) {
+            if (!step_from_rim(w->walls, v, way, n) || !bvx_grid_get(w->walls, n[0], n[1], n[2])) continue;
+            if (bvx_grid_get(w->solid, n[0], n[1], n[2]) || bvx_grid_get(&w->filled, n[0], n[1], n[2]))
+                continue;
+            take_for_rim(w, n, bvx_grid_get(w->solid, v[0], v[1], v[2]));
+            w->queue[w->count++] = ((uint64_t)n[2] * (uint64_t)w->walls->size[1] + (uint64_t)n[1]) *
+                                       (uint64_t)w->walls->size[0] +
+                                   (uint64_t)n[0];
+        }
+    }
+}
+
+/* Walls' voxels that vote outside become inside where what the flood filled is nearer than what
+ * it reached. filled: words of the shape of solid, set where the flood filled against the vote; used up.
+ * Scratch: 8 bytes a wall voxel that votes outside. */
+static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid)
+{
+    rim_work work = {walls, solid, *solid, NULL, 0};
+    uint64_t const voxels = look_along_rim(&work, RIM_NONE);
+    work.filled.words = filled;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
+    spread_rim(&work);
+    bvxi_drop(ctx, work.queue);
+    return BVX_OK;
+}
 
 typedef struct flood_work {
     const bvx_grid *walls;
@@ -96,7 +224,7 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
     BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
-    if (work.filled_voxels != 0) BVXI_TRY(bvxi_flood_rim(ctx, walls->surface, work.filled, solid));
+    if (work.filled_voxels != 0) BVXI_TRY(fill_flood_rim(ctx, walls->surface, work.filled, solid));
     bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;

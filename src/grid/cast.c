@@ -20,6 +20,102 @@
 
 #include <math.h>
 
+/* ---- Bricks ---- */
+
+/* Which bricks of 8 x 8 x 8 voxels hold a set one, as a grid 512 times smaller that rays look at first.
+ * Eight rows by eight are joined by OR, 64 voxels at a time; each byte of the result then becomes a bit. */
+
+enum { BRICK_SHIFT = 3, BRICK_GRAIN = 64 /* least rows of bricks a piece */ };
+
+/* Bit i of a row is the brick of voxels 8 i .. 8 i + 7 of the window; rows of bricks as in a grid. */
+typedef struct voxel_bricks {
+    const bvx_grid *grid;
+    uint64_t *words; /* NULL when there are none */
+    int32_t size[3], words_per_row;
+} voxel_bricks;
+
+typedef struct brick_work {
+    voxel_bricks *bricks;
+    int32_t pieces;
+} brick_work;
+
+/* Bit i of the result says whether byte i of w is not 0. */
+static uint64_t bytes_to_bits(uint64_t w)
+{
+    /* The lowest bit of each byte becomes the OR of its eight,
+     * with some of the byte above mixed into the others. */
+    w |= w >> 4;
+    w |= w >> 2;
+    w |= w >> 1;
+    /* The multiplication brings the eight lowest bits together in the top byte. */
+    return (w & UINT64_C(0x0101010101010101)) * UINT64_C(0x0102040810204080) >> 56;
+}
+
+static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
+{
+    /* Bricks at the upper end are cut by the grid. */
+    int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
+    int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
+    uint64_t w = 0;
+
+    for (int32_t j = z; j < z_end; j++) {
+        const uint64_t *at = g->words +
+                             ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
+                             (size_t)k;
+        for (int32_t i = y; i < y_end; i++, at += g->words_per_row) w |= *at;
+    }
+    return w;
+}
+
+static void make_brick_rows(void *user, int32_t index, int32_t worker)
+{
+    const brick_work *const work = user;
+    voxel_bricks *const b = work->bricks;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece((uint64_t)b->size[1] * (uint64_t)b->size[2], work->pieces, index, &begin, &end);
+    for (uint64_t r = begin; r < end; r++) {
+        /* Rows of bricks are eight rows of voxels along y and eight slices. */
+        int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
+        int32_t const z = (int32_t)(r / (uint64_t)b->size[1]) * 8;
+        uint64_t *const row = b->words + (size_t)r * (size_t)b->words_per_row;
+        memset(row, 0, (size_t)b->words_per_row * 8);
+        for (int32_t k = 0; k < b->grid->words_per_row; k++)
+            row[k >> 3] |= bytes_to_bits(join_brick_words(b->grid, k, y, z)) << 8 * (k & 7);
+    }
+}
+
+static uint64_t brick_bytes(const voxel_bricks *b)
+{
+    return (uint64_t)b->size[1] * (uint64_t)b->size[2] * (uint64_t)b->words_per_row * 8;
+}
+
+static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
+{
+    bvxi_drop(ctx, bricks->words);
+    memset(bricks, 0, sizeof *bricks);
+}
+
+/* Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
+static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
+                              const bvx_grid *grid, voxel_bricks *bricks)
+{
+    brick_work w = {bricks, 1};
+    bvx_status status;
+
+    memset(bricks, 0, sizeof *bricks);
+    bricks->grid = grid;
+    for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
+    bricks->words_per_row = bvxi_row_words(bricks->size[0]);
+    /* A piece writes rows of its own, so its bits do not depend on the others. */
+    w.pieces = bvxi_piece_count((uint64_t)bricks->size[1] * (uint64_t)bricks->size[2], BRICK_GRAIN);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, brick_bytes(bricks), "the grid's bricks", &bricks->words));
+    status = bvxi_parallel(ctx, stage, from, to, w.pieces, make_brick_rows, &w);
+    if (status != BVX_OK) free_bricks(ctx, bricks);
+    return status;
+}
+
 enum {
     CAST_GRAIN = 64,       /* least rays a piece */
     CAST_BRICK_RAYS = 256, /* bricks are made for so many rays, */
@@ -38,7 +134,7 @@ typedef struct cast_axis {
 
 typedef struct cast_ray {
     const bvx_grid *grid;
-    const bvxi_bricks *bricks;
+    const voxel_bricks *bricks;
     cast_axis axis[3];
     double end;       /* no hit after this t */
     double t;         /* of the best hit so far; end while there is none */
@@ -135,12 +231,12 @@ static void cast_row(cast_ray *r, int32_t low, int32_t high, int32_t y, int32_t 
 }
 
 /* Is there a brick that holds something among those of voxels low..high? */
-static int cast_bricks_hold(const bvxi_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
+static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, int32_t y, int32_t z)
 {
     const uint64_t *const row = b->words +
                                 ((size_t)z * (size_t)b->size[1] + (size_t)y) * (size_t)b->words_per_row;
-    int32_t const first = low >> BVXI_BRICK_SHIFT;
-    int32_t const last = high >> BVXI_BRICK_SHIFT;
+    int32_t const first = low >> BRICK_SHIFT;
+    int32_t const last = high >> BRICK_SHIFT;
     int32_t const k_first = first >> 6;
     int32_t const k_last = last >> 6;
 
@@ -249,7 +345,7 @@ static void walk_cast_voxels(cast_ray *r, double from, double to)
 
 static void walk_cast_bricks(cast_ray *r, double from, double to)
 {
-    walk_cast_rows(r, BVXI_BRICK_SHIFT, from, to);
+    walk_cast_rows(r, BRICK_SHIFT, from, to);
 }
 
 /* ---- One ray ---- */
@@ -329,7 +425,7 @@ static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *h
 
 typedef struct cast_work {
     const bvx_grid *grid;
-    const bvxi_bricks *bricks;
+    const voxel_bricks *bricks;
     const double *rays;
     bvx_ray_hit *hits;
     double t_max;
@@ -383,7 +479,7 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
                                 uint64_t count, double t_max, bvx_ray_hit *hits)
 {
     static const char *const function = "bvx_grid_cast";
-    bvxi_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
+    voxel_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
     cast_work w = {grid, &bricks, rays, hits, t_max, count, bvxi_piece_count(count, CAST_GRAIN)};
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -400,9 +496,9 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
 
     /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
-        BVXI_TRY(bvxi_bricks_make(context, "cast", 0.0, 0.05, grid, &bricks));
+        BVXI_TRY(make_bricks(context, "cast", 0.0, 0.05, grid, &bricks));
     BVXI_TRY(bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w));
-    bvxi_bricks_free(context, &bricks);
+    free_bricks(context, &bricks);
     return BVX_OK;
 }
 

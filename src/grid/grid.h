@@ -1,5 +1,4 @@
-/* grid.h - what operations on grids share: checks, words of results, rows, and bricks of 8 x 8 x 8 voxels
- * that tell where nothing is set. Not installed. */
+/* grid.h - what operations on grids share: checks, words of results, rows. Not installed. */
 #ifndef BVXI_GRID_H
 #define BVXI_GRID_H
 
@@ -49,21 +48,5 @@ static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
 {
     return ~bvxi_tail_mask(grid->size[0]);
 }
-
-/* ---- Which bricks of 8 x 8 x 8 voxels hold a set one: a grid 512 times smaller ---- */
-
-enum { BVXI_BRICK_SHIFT = 3 };
-
-/* Bit i of a row is the brick of voxels 8 i .. 8 i + 7 of the window; rows of bricks as in a grid. */
-typedef struct bvxi_bricks {
-    const bvx_grid *grid;
-    uint64_t *words; /* NULL when there are none */
-    int32_t size[3], words_per_row;
-} bvxi_bricks;
-
-/* Memory (scratch): 1/512 of the grid's, rounded up to whole words a row. */
-bvx_status bvxi_bricks_make(bvx_context *ctx, const char *stage, double from, double to, const bvx_grid *grid,
-                            bvxi_bricks *bricks);
-void bvxi_bricks_free(bvx_context *ctx, bvxi_bricks *bricks);
 
 #endif

@@ -87,13 +87,6 @@ typedef struct bvxi_sharp_work {
 /* sharp_cells.c: count each slot's sharp loops in first; then, first being numbers, fill them. */
 void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker);
 void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker);
-/* sharp_turn.c: find the sides that are better turned. */
-void bvxi_sharp_turn_piece(void *work, int32_t piece, int32_t worker);
-
-/* The kept loop of the neighbour of the cell at x across a face, where it is that cell's only one; else
- * NULL. */
-bvxi_sharp_loop *bvxi_sharp_beside(const bvxi_sharp_work *w, uint64_t slot, int32_t x, int32_t face);
-
 /* ---- walking cells ---- */
 
 typedef struct bvxi_cell_walk {

@@ -116,9 +116,6 @@ typedef struct bvxi_range_tally {
  * (bvxi_range_tally) where one is given. */
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
 
-/* threshold_columns.c: the same for columns, or NULL where the processor has nothing better than runs. */
-bvxi_columns_fn *bvxi_range_columns_for(const bvx_context *ctx, int32_t type);
-
 /* Threshold a checked view into an open grid; report may be NULL. */
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid);

@@ -8,6 +8,44 @@
 
 #include <math.h>
 
+/* ---- Columns of bytes to rows of bits: in range or not, and turned at the same time ---- */
+
+/* NumPy's C order has z fastest and bits run along x. Comparing 64 bytes of each of eight columns and
+ * keeping another bit of each comparison gives eight bits of x for 64 z; eight such sets of bytes are
+ * turned as bytes, by unpacking, instead of 64 by 64 bits. The bits are those of the runs below, turned;
+ * only bytes of the columns are read. */
+
+enum { COLUMN_BYTES = 64 }; /* of a column at a time: a line of the cache */
+
+/* Arrays are slower than runs that are turned: only vectors, and arrays where they are wanted. */
+#if BVXI_SIMD_BASE
+#define BVXI_SIMD_LEVEL _base
+#include "volume/threshold_columns_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
+
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "volume/threshold_columns_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
+
+/* NULL where the processor has nothing better than runs. */
+static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
+{
+    if (bvxi_type_size(type) != 1) return NULL;
+#if BVXI_HAVE_AVX2
+    if (bvxi_cpu(ctx) == BVX_CPU_AVX2) return range_columns_avx2;
+#else
+    (void)ctx;
+#endif
+#if BVXI_SIMD_BASE
+    return range_columns_base;
+#else
+    return NULL;
+#endif
+}
+
 /* ---- Runs of samples to words of bits: in range or not, and what there is to count ---- */
 
 /* 64 samples make a word. The loops have no branch on a sample and are made vectors by compilers; samples
@@ -380,7 +418,7 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
     walk.run = bvxi_range_run_for(call.ctx, volume->sample_type);
-    walk.columns = report == NULL ? bvxi_range_columns_for(call.ctx, volume->sample_type) : NULL;
+    walk.columns = report == NULL ? range_columns_for(call.ctx, volume->sample_type) : NULL;
     walk.rule = range;
     walk.grid = grid;
     bvxi_sample_walk_plan(&walk);

@@ -1,5 +1,5 @@
 /* threshold_columns_body.h - bytes of up to 64 columns to words of rows, for volumes whose fastest axis is
- * not x. Included by threshold_columns.c once for each level of core/simd.h, with the same bits in each. */
+ * not x. Included by threshold.c once for each level of core/simd.h, with the same bits in each. */
 
 /* v lies in the range just when v - low, modulo 256, is at most high - low: of signed bytes too. */
 typedef struct BVXI_SIMD(column_range) {
