@@ -1035,7 +1035,10 @@ typedef struct bvx_repair_report {
     double parts_volume; /**< sum of the volumes of the input's components. No solid of them is larger: a
                               larger result has walls or rods as thick as voxels. 0: the input is open, or its
                               sides are unknown [Units: world] */
-    uint64_t reserved[2];
+    uint64_t
+        thin_shelled; /**< of shelled_triangles, those of components that have a volume but no voxel behind
+                                most of their area: a higher resolution makes bodies of them */
+    uint64_t reserved;
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {

@@ -91,6 +91,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_truth(t, "thin_kept", r->thin_kept);
     if (r->thin_voxels != 0) json_thin_box(t, r);
     cli_json_count(t, "shelled_triangles", r->shelled_triangles);
+    cli_json_count(t, "thin_shelled", r->thin_shelled);
     cli_json_count(t, "sheet_edges", r->sheet_edges);
     cli_text_add(t, ", \"needs\": \"%s\"", need_names[r->needs]);
     cli_json_truth(t, "copied", r->copied);
@@ -158,6 +159,12 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
 
 void cli_advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
 {
+    /* Where volumes cannot be compared, that bodies became shells of voxels says it. */
+    if (r->parts_volume == 0 && r->thin_shelled != 0)
+        cli_advise(made,
+                   "%s is thicker than the mesh at %" PRIu64
+                   " triangles of bodies that are thinner than voxels: they became shells; %s",
+                   what, r->thin_shelled, remedy);
     if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_THICKENED) * r->parts_volume) return;
     cli_advise(made,
                "%s has a volume of %.6g, all parts of the mesh together have %.6g (%+.1f %%): walls and rods "

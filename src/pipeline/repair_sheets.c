@@ -327,6 +327,22 @@ static int is_sheet(const piece_sums *s)
     return s->lid >= SHEET_LID * s->area || ((s->open || s->rod) && s->kept < SHEET_KEPT * s->area);
 }
 
+/* Triangles of bodies that the solid misses: more voxels would find them, and a shell of voxels is thicker than
+ * they are. */
+static uint64_t count_thin_shelled(const all_sums *sums, double side)
+{
+    uint64_t count = 0;
+
+    for (uint64_t i = 0; i < sums->count; i++) {
+        piece_sums const *const s = &sums->piece[i];
+
+        if (is_sheet(s) && s->lid < SHEET_LID * s->area && s->kept < SHEET_KEPT * s->area &&
+            bvxi_absolute(s->volume) >= SHEET_THIN * side * s->area)
+            count += s->triangles;
+    }
+    return count;
+}
+
 /* Triangles of bodies first, those of sheets last; pieces without area are
  * left out. Without sheets the body is the mesh. */
 static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
@@ -491,6 +507,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
+    job->report.thin_shelled = 0;
     /* Without shells all is body. */
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
@@ -499,6 +516,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     BVXI_TRY(sum_lids(job, &sums));
     BVXI_TRY(join_open_pieces(job, &sums));
     BVXI_TRY(list_parted(job, &sums));
+    job->report.thin_shelled = count_thin_shelled(&sums, bvxi_largest_spacing(&job->lattice));
     close_sums(job, &sums);
     job->report.shelled_triangles = job->sheets.triangle_count;
     job->report.shelled = job->sheets.triangle_count != 0;

@@ -72,6 +72,22 @@ run repair both.obj -o result.ply --resolution 64
 [ $status = 0 ] && grep -q '^  thin .*: kept$' out && grep -q '; 2 components, volume 2.00[78]' out
 result 'kept walls are told' $?
 
+# A rod of a tenth of a voxel, its triangles there twice, once either way: no volume of the mesh says that its shell is thicker.
+awk 'BEGIN {
+    for (z = 0; z < 2; z++) for (y = 0; y < 2; y++) for (x = 0; x < 2; x++) print "v", 10 * x - 0.08 * y, 6 * x + 0.1 * y, 3 * x + 0.1 * z
+    n = split("1 3 4 2 5 6 8 7 1 2 6 5 3 7 8 4 1 5 7 3 2 4 8 6", c)
+    for (i = 1; i < n; i += 4) {
+        print "f", c[i], c[i + 1], c[i + 2] "\nf", c[i], c[i + 2], c[i + 3]
+        print "f", c[i], c[i + 2], c[i + 1] "\nf", c[i], c[i + 3], c[i + 2]
+    }
+}' >rod.obj
+run repair rod.obj -o result.ply --resolution 10
+[ $status = 0 ] && grep -q 'warning: the result is thicker than the mesh at 12 triangles of bodies that are thinner than voxels: they became shells; take a higher --resolution' err
+result 'swollen bodies of unknown sides are told' $?
+run repair rod.obj -o result.ply --resolution 1000
+[ $status = 0 ] && [ ! -s err ] && ! grep -q shells out
+result 'and not where voxels hold them' $?
+
 run repair flipped.obj -o result.ply --resolution 48 --measure --json
 grep -q '"repair": {"sign": "winding", .*"holes": 0,' out && grep -q '"mean_off_caps": ' out && grep -q '"volume_after": ' out
 result 'report for programs' $?

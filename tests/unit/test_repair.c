@@ -281,6 +281,7 @@ static void test_sheet_becomes_a_shell(void)
                               repair_volume(40, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_INT32(1, report.shelled);
     TEST_ASSERT_EQUAL_UINT64(2, report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(0, report.thin_shelled); /* no voxels make a body of it */
 }
 
 static void test_sheet_without_shells_is_an_error(void)

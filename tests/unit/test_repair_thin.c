@@ -177,7 +177,12 @@ static void test_rods_become_shells(void)
     make_turned_box(low, high, 0.8, 0.6);
     repair_thin(64, BVX_THIN_KEEP);
     TEST_ASSERT_EQUAL_UINT64(12, report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(12, report.thin_shelled);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
+
+    /* Voxels smaller than it make a body of it. */
+    repair_thin(512, BVX_THIN_KEEP);
+    TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles + report.thin_shelled);
 }
 
 static void test_dropped_walls_are_told(void)
