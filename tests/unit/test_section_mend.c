@@ -343,6 +343,44 @@ static void test_mend_is_yes_or_no(void)
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "mend is 2"));
 }
 
+/* A tangle of some hundred points on a raster, in two sections. */
+static void crowded_tangle(uint64_t seed)
+{
+    int const most = 2 + maker_below(&seed, 3);
+    int raster = 8;
+
+    if (maker_below(&seed, 2) == 0) raster = maker_below(&seed, 2) != 0 ? 64 : 1000;
+    stack_clear(&stack);
+    for (int k = 0; k < 2; k++) {
+        uint32_t const section = stack_section(&stack, k);
+        int const loops = 1 + maker_below(&seed, most);
+        for (int l = 0; l < loops; l++) {
+            int const points = 20 + maker_below(&seed, 80);
+            stack_loop(&stack, section);
+            for (int p = 0; p < points; p++) {
+                double const x = maker_between(&seed, 0, 4, raster), y = maker_between(&seed, 0, 4, raster);
+                stack_point(&stack, x, y);
+            }
+        }
+    }
+    o.grid[0] = o.grid[1] = 2 + maker_below(&seed, 20);
+    o.depth = maker_below(&seed, 6);
+}
+
+/* Tangles whose mended loops lie so close that the mesh would not be manifold: it is looked at, and not handed out. */
+static void test_what_mending_leaves_torn_is_refused(void)
+{
+    static const uint64_t seed[] = {UINT64_C(15846870007357310575), UINT64_C(13315834234385289623)};
+
+    for (size_t i = 0; i < sizeof seed / sizeof *seed; i++) {
+        crowded_tangle(seed[i]);
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, build());
+        if (strstr(bvx_last_message(ctx), "the mended loops run too near to each other") == NULL)
+            TEST_FAIL_MESSAGE(bvx_last_message(ctx));
+        TEST_ASSERT_NULL(mesh.positions);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -361,6 +399,7 @@ int main(void)
     RUN_TEST(test_random_loops_keep_what_is_inside);
     RUN_TEST(test_large_tangles);
     RUN_TEST(test_threads_change_nothing);
+    RUN_TEST(test_what_mending_leaves_torn_is_refused);
     RUN_TEST(test_mend_is_yes_or_no);
     return UNITY_END();
 }
