@@ -81,39 +81,76 @@ build_or_remove() { # GOALS...
     return 1
 }
 
-programs_of() { # KIND: in $folder, but for those left out
+# ---- Programs beside each other: list_... prints a line for each, run_lines runs them all, count_... tells what came of them ----
+
+# What takes longest comes first, so that no processor waits at the end for one that began late. test_add_option.py comes after what gives
+# the lane of the Python package time to fetch the tools that it builds with. Names and order matter for the time alone.
+longest='s390x-golden.log check_house.sh test_python.sh packaging.sh test_level_faults test_program.sh test_levels.sh test_must_reach.py test_repair_faults
+    test_section_faults test_install.sh test_add_option.py test_voxels.sh test_oblique test_solid_same test_winding test_sharp test_levels
+    test_algebra_faults test_vote test_simplify test_regions test_level_memory test_repair_sharp test_repair test_refine_faults
+    test_section_mend test_surface_voxels_faults test_winding_loose test_collapse test_repair.sh test_faults.sh test_commands.sh test_flood'
+
+longest_first() { # on standard input: lines
+    awk -v names="$longest" 'BEGIN { n = split(names, name); for (i = 1; i <= n; i++) rank[name[i]] = i }
+        {
+            first = n + 1
+            for (i = 1; i <= NF; i++) {
+                base = $i
+                sub(/.*\//, "", base)
+                if (base in rank) first = rank[base]
+            }
+            print first, NR, $0
+        }' | sort -k 1,1n -k 2,2n | cut -d ' ' -f 3-
+}
+
+run_lines() { # on standard input: LOG SECONDS COMMAND...
+    longest_first | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+}
+
+list_command() { # NAME, COMMAND...
+    rm -f "$(log_of "$1").end"
+    echo "$(log_of "$1") $allowed $(shift && echo "$*")"
+}
+
+names_of_kind() { # KIND: but for those left out
     for source in tests/"$1"/*.c; do
-        case " $left_out " in *" $(basename "$source" .c) "*) continue ;; esac
-        echo "$folder/${source%.c}"
+        name=$(basename "$source" .c)
+        case " $left_out " in *" $name "*) continue ;; esac
+        if [ -f "$source" ]; then echo "$name"; fi
     done
 }
 
-# As many programs at a time as there are processors, then their lines in their order.
-run_kind() { # ROW, KIND, RUNNER
-    kind_names=
-    for source in tests/"$2"/*.c; do
-        name=$(basename "$source" .c)
-        case " $left_out " in *" $name "*) continue ;; esac
-        if [ -f "$source" ]; then kind_names="$kind_names $name"; fi
-    done
-
-    # shellcheck disable=SC2086
-    for name in $kind_names; do
+list_kind() { # ROW, KIND, RUNNER
+    for name in $(names_of_kind "$2"); do
         rm -f "$(log_of "$1/$2/$name").end"
-        if [ -x "$folder/tests/$2/$name" ]; then
-            echo "$(log_of "$1/$2/$name") $allowed $3 $folder/tests/$2/$name"
-        fi
-    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
-
-    for name in $kind_names; do
-        kind_log=$(log_of "$1/$2/$name")
-        if [ -f "$kind_log.end" ]; then
-            # shellcheck disable=SC2046
-            add_counts "$1/$2/$name" "$kind_log" $(cat "$kind_log.end")
-        else
-            fail "$1/$2/$name: was not built"
-        fi
+        if [ -x "$folder/tests/$2/$name" ]; then list_command "$1/$2/$name" $3 "$folder/tests/$2/$name"; fi
     done
+}
+
+count_kind() { # ROW, KIND
+    for name in $(names_of_kind "$2"); do count_log_of "$1/$2/$name"; done
+}
+
+count_log_of() { # NAME: of a program that counts its tests
+    if [ -f "$(log_of "$1").end" ]; then
+        # shellcheck disable=SC2046
+        add_counts "$1" "$(log_of "$1")" $(cat "$(log_of "$1").end")
+    else
+        fail "$1: was not built"
+    fi
+}
+
+run_kind() { # ROW, KIND, RUNNER
+    list_kind "$1" "$2" "$3" | run_lines
+    count_kind "$1" "$2"
+}
+
+list_golden() { # as run_golden
+    golden_name="$1/golden" runner=$2
+    shift 2
+    if [ -x "$folder/tests/golden/golden" ]; then
+        list_command "$golden_name${1:+ $*}" $runner "$folder/tests/golden/golden" "$@"
+    fi
 }
 
 run_golden() { # ROW, RUNNER, ARGUMENTS...
@@ -128,13 +165,17 @@ run_golden() { # ROW, RUNNER, ARGUMENTS...
     fi
 }
 
-run_fault() { # ROW
-    if echo '#include <stdarg.h>
+has_cmocka() {
+    echo '#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <setjmp.h>
 #include <cmocka.h>
-int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
+int main(void) { return 0; }' | compiles "$CC" -lcmocka
+}
+
+run_fault() { # ROW
+    if has_cmocka; then
         build "$1" fault-programs
         run_kind "$1" fault ''
     else
@@ -144,18 +185,29 @@ int main(void) { return 0; }' | compiles "$CC" -lcmocka; then
 
 # Random inputs, and the corpus that earlier runs under a fuzzer have left.
 run_fuzz() { # ROW, RUNNER, PROGRAM ARGUMENTS OF THE RANDOM INPUTS...
+    build "$1" fuzz-programs
+    list_fuzz "$@" | run_lines
+    count_fuzz "$1"
+}
+
+list_fuzz() { # as run_fuzz
     fuzz_row=$1 runner=$2
     shift 2
-    build "$fuzz_row" fuzz-programs
     for source in tests/fuzz/fuzz_*.c; do
         if [ ! -f "$source" ]; then continue; fi
-        # shellcheck disable=SC2086
-        check "$fuzz_row/fuzz/$(basename "$source" .c)" $limit $runner "$folder/${source%.c}" "$@"
+        list_command "$fuzz_row/fuzz/$(basename "$source" .c)" $runner "$folder/${source%.c}" "$@"
         for target in $(fuzz_targets "$source"); do
             if [ "fuzz_$target" = "$(basename "$source" .c)" ]; then format=; else format=$target; fi
-            # shellcheck disable=SC2086
-            check "$fuzz_row/corpus/$target" $limit $runner "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
+            list_command "$fuzz_row/corpus/$target" $runner "$folder/${source%.c}" $format "fixtures/fuzz/$target"/*
         done
+    done
+}
+
+count_fuzz() { # ROW
+    for source in tests/fuzz/fuzz_*.c; do
+        if [ ! -f "$source" ]; then continue; fi
+        count_script "$1/fuzz/$(basename "$source" .c)"
+        for target in $(fuzz_targets "$source"); do count_script "$1/corpus/$target"; done
     done
 }
 
@@ -186,31 +238,39 @@ sanitized() { # ROW, REPORT, DEFECT, INPUTS OF EACH FUZZ PROGRAM
 }
 
 # Examples in C are programs, those of the command line are scripts that take the program from BITVOX.
-run_examples() {
-    export BITVOX="$BUILD/bitvox"
-    for source in tests/examples/*.c; do
-        if [ -f "$source" ]; then check "example/$(basename "$source" .c)" $limit "$folder/${source%.c}"; fi
+names_of_examples() {
+    for source in tests/examples/*.c tests/examples/*.sh; do
+        if [ -f "$source" ]; then echo "$source"; fi
     done
-    for source in tests/examples/*.sh; do
-        if [ -f "$source" ]; then check "example/$(basename "$source")" $limit sh "$source"; fi
+}
+
+list_examples() {
+    for source in $(names_of_examples); do
+        case $source in
+        *.c) list_command "example/$(basename "$source" .c)" "$folder/${source%.c}" ;;
+        *) list_command "example/$(basename "$source")" sh "$source" ;;
+        esac
     done
+}
+
+count_examples() {
+    for source in $(names_of_examples); do count_script "example/$(basename "$source" .c)"; done
 }
 
 # Scripts get the program in BITVOX; they count their own checks or stand for one by their exit status. They run beside each other,
 # on a copy of the program, since one of them makes and installs it anew.
-run_program() {
-    BITVOX=$BUILD/tested/bitvox
-    export BITVOX
+list_program() {
     for script in tests/program/*.sh tests/program/*.py; do
-        program_log=$(log_of "program/$(basename "$script")")
-        rm -f "$program_log.end"
+        rm -f "$(log_of "program/$(basename "$script")").end"
         case $script in
         *.sh) interpreter=sh ;;
         *) interpreter=python3 ;;
         esac
-        if [ -f "$script" ] && has $interpreter; then echo "$program_log $allowed $interpreter $script"; fi
-    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+        if [ -f "$script" ] && has $interpreter; then list_command "program/$(basename "$script")" $interpreter "$script"; fi
+    done
+}
 
+count_program() {
     for script in tests/program/*.sh tests/program/*.py; do
         if [ -f "$script" ]; then count_script "program/$(basename "$script")"; fi
     done
@@ -237,12 +297,7 @@ count_script() { # NAME
 
 # The Python package, built and installed in a clean virtual environment; most of the time goes into pip.
 run_python() {
-    BITVOX=$(cd "$BUILD/tested" && pwd)/bitvox
-    export BITVOX
-    python_log=$(log_of python)
-    start=$(date +%s)
-    sh tests/tools/limited.sh "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh >"$python_log" 2>&1 </dev/null
-    echo "$? $(($(date +%s) - start))" >"$python_log.end"
+    sh tests/tools/logged.sh "$(log_of python)" "${PYTHON_SECONDS:-1500}" sh tests/tools/test_python.sh
 }
 
 count_python() {
@@ -267,24 +322,40 @@ make_locale() {
 # ---- Tiers ----
 
 build_here() {
-    build native all test-programs
+    if has_cmocka; then fault=fault-programs; else fault=; fi
+    build native all test-programs $fault
     native=$folder
     mkdir -p "$BUILD/tested"
     cp -f "$BUILD/bitvox" "$BUILD/tested/bitvox"
+    BITVOX=$(cd "$BUILD/tested" && pwd)/bitvox
+    export BITVOX
+}
+
+list_here() {
+    list_kind native unit ''
+    if [ -n "$fault" ]; then list_kind native fault ''; fi
+    list_golden native ''
+    list_golden native '' --threads 1 --portable
+    list_golden native '' --threads 8
+    list_examples
+    list_program
+    list_command checks sh tests/tools/check_house.sh "$native"
 }
 
 tests_here() {
-    run_kind native unit ''
-    run_fault native
-    run_golden native ''
-    run_golden native '' --threads 1 --portable
-    run_golden native '' --threads 8
-    run_examples
-    run_program
+    list_here | run_lines
+    count_kind native unit
+    if [ -n "$fault" ]; then count_kind native fault; else skip native/fault "the library cmocka is missing"; fi
+    count_log_of 'native/golden'
+    count_log_of 'native/golden --threads 1 --portable'
+    count_log_of 'native/golden --threads 8'
+    count_examples
+    count_program
 }
 
-checks_of_house() {
-    sh tests/tools/check_house.sh "$native" >"$(log_of checks)" 2>&1 </dev/null
+count_checks() {
+    read -r status seconds <"$(log_of checks).end"
+    add_script checks "$(log_of checks)" "$status"
 }
 
 tests_of_other_compilers() {
@@ -299,11 +370,10 @@ tests_of_other_compilers() {
     done
 }
 
-# 32-bit x86 and big-endian s390x, statically linked; BVX_QUICK=1 asks long tests to be brief.
-tests_of_other_machines() { # whole: no long test is left out on s390x
-    export BVX_QUICK=1
-    jobs=1
-    i686=
+# 32-bit x86 and big-endian s390x, statically linked; BVX_QUICK=1 asks long tests to be brief. i686_folder and s390x_folder are empty
+# where a machine is left out.
+build_machines() { # whole: no long test is left out on s390x
+    i686= i686_folder= s390x_folder= left_on_s390x=
     if has i686-linux-gnu-gcc; then
         i686=i686-linux-gnu-gcc i686_ar=i686-linux-gnu-ar
     elif echo 'int main(void) { return 0; }' | compiles "$CC" -m32 -static; then
@@ -317,28 +387,55 @@ tests_of_other_machines() { # whole: no long test is left out on s390x
             skip i686 "$emulator is missing and 32-bit programs do not run here"
         else
             build i686 test-programs
-            run_kind i686 unit "$emulator"
-            run_golden i686 "$emulator"
+            i686_folder=$folder
         fi
     else
         skip i686 "no compiler for 32-bit x86"
     fi
+
     if ! has s390x-linux-gnu-gcc; then
         skip s390x "s390x-linux-gnu-gcc is missing"
     elif ! has qemu-s390x; then
         skip s390x "qemu-s390x is missing"
     else
         if [ "$1" != whole ]; then
-            left_out=$(echo $long_tests)
+            left_on_s390x=$(echo $long_tests)
             skip s390x "$(echo $long_tests | wc -w) long tests; make test-machines runs them"
         fi
         folder=$(row_s390x print-folder)
+        left_out=$left_on_s390x
         # shellcheck disable=SC2046
-        build s390x golden-program $(programs_of unit)
-        run_kind s390x unit qemu-s390x
+        build s390x golden-program $(for name in $(names_of_kind unit); do echo "$folder/tests/unit/$name"; done)
         left_out=
-        allow 900 # all golden rows in one program
-        run_golden s390x qemu-s390x
+        s390x_folder=$folder
+    fi
+}
+
+list_machines() {
+    folder=$i686_folder
+    if [ -n "$folder" ]; then
+        list_kind i686 unit "$emulator"
+        list_golden i686 "$emulator"
+    fi
+    folder=$s390x_folder
+    if [ -n "$folder" ]; then
+        left_out=$left_on_s390x
+        list_kind s390x unit qemu-s390x
+        left_out=
+        list_golden s390x qemu-s390x
+    fi
+}
+
+count_machines() {
+    if [ -n "$i686_folder" ]; then
+        count_kind i686 unit
+        count_log_of i686/golden
+    fi
+    if [ -n "$s390x_folder" ]; then
+        left_out=$left_on_s390x
+        count_kind s390x unit
+        left_out=
+        count_log_of s390x/golden
     fi
 }
 
@@ -377,8 +474,8 @@ tests_of_windows() { # brief: the scripts that take a minute at most
         rm -f "$(log_of "windows/$(basename "$script")").end"
     done
     for script in $windows_scripts; do
-        echo "$(log_of "windows/$(basename "$script")") $allowed env BITVOX=$windows/bitvox sh $script"
-    done | xargs -P "$jobs" -L 1 sh tests/tools/logged.sh
+        list_command "windows/$(basename "$script")" env "BITVOX=$windows/bitvox" sh "$script"
+    done | run_lines
     for script in $windows_scripts; do count_script "windows/$(basename "$script")"; done
     unset SYSTEM
 }
@@ -393,54 +490,55 @@ case $tier in
 quick)
     build_here
     tests_here
-    checks_of_house
-    add_script checks "$(log_of checks)" $?
+    count_checks
     ;;
 here)
     build_here
-    # The package and the checks are a lane beside all others: they wait for downloads first, and are one process later.
-    { run_python; checks_of_house; } &
+    # The package is a lane beside all others: it waits for downloads first.
+    run_python &
     beside=$!
     trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     tests_here
     wait $beside
-    checks=$?
     count_python
-    add_script checks "$(log_of checks)" $checks
+    count_checks
     ;;
 other)
-    # Emulated machines run beside the sanitizers and the other compilers; their lines come when they have ended.
-    machines=$(log_of machines)
+    # All is built first and then runs from one line, so that no processor waits while the emulators work.
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
-    sh tests/tools/run_tests.sh beside >"$machines" 2>&1 </dev/null &
-    beside=$!
-    trap 'kill $beside 2>/dev/null; exit 130' INT TERM
     BVX_QUICK=1
     export BVX_QUICK
-    allow 900 # every allocation of the long stages, several times slower than without sanitizers
-    run_fault san
-    run_fuzz san ''
-    check 'projects that use CMake' sh tests/tools/packaging.sh quick
-    check "Python's source distribution" $limit sh tests/tools/test_python.sh sdist
+    allow 900 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
+    if has_cmocka; then fault=fault-programs; else fault=; fi
+    build_machines brief
+    build san fuzz-programs $fault
+    {
+        if [ -n "$fault" ]; then list_kind san fault ''; fi
+        list_fuzz san ''
+        list_machines
+        list_command 'projects that use CMake' sh tests/tools/packaging.sh quick
+        list_command "Python's source distribution" sh tests/tools/test_python.sh sdist
+    } | run_lines
+    if [ -n "$fault" ]; then count_kind san fault; else skip san/fault "the library cmocka is missing"; fi
+    count_fuzz san
+    count_machines
+    count_script 'projects that use CMake'
+    count_script "Python's source distribution"
     tests_of_windows brief
     unset BVX_QUICK
     tests_of_other_compilers
-    wait $beside
-    add_script "other machines" "$machines" $?
     ;;
 windows)
     tests_of_windows whole
     ;;
-machines | beside)
-    logs=$logs/machines
-    mkdir -p "$logs"
+machines)
+    BVX_QUICK=1
+    export BVX_QUICK
+    allow 1800
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
-    if [ $tier = machines ]; then
-        allow 1800
-        tests_of_other_machines whole
-    else
-        tests_of_other_machines brief
-    fi
+    build_machines whole
+    list_machines | run_lines
+    count_machines
     ;;
 san)
     build san test-programs

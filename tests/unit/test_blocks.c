@@ -22,15 +22,17 @@ static void look_at_block(const bvx_grid *g, const int32_t f[3], const int32_t b
                           uint64_t *set)
 {
     *voxels = *set = 0;
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t y = 0; y < g->size[1]; y++)
+    for (int32_t z = 0; z < g->size[2]; z++) {
+        if ((z + g->low[2]) / f[2] != block[2]) continue;
+        for (int32_t y = 0; y < g->size[1]; y++) {
+            if ((y + g->low[1]) / f[1] != block[1]) continue;
             for (int32_t x = 0; x < g->size[0]; x++) {
-                if ((x + g->low[0]) / f[0] != block[0] || (y + g->low[1]) / f[1] != block[1] ||
-                    (z + g->low[2]) / f[2] != block[2])
-                    continue;
+                if ((x + g->low[0]) / f[0] != block[0]) continue;
                 *voxels += 1;
                 *set += (uint64_t)bvx_grid_get(g, x, y, z);
             }
+        }
+    }
 }
 
 static void expect_blocks(bvx_context *context, const bvx_grid *g, const int32_t f[3])

@@ -48,14 +48,14 @@ static void make_smooth_star(void)
     maker_star(&mesh, &same, at, radius, 0, 24, 36, 65536);
 }
 
-/* The mean distance, the greater of both ways. */
+/* The mean distance, the greater of both ways. So many samples give a mean within a percent, where bounds are a factor of three. */
 static double mean_distance(const bvx_mesh *out)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_mesh_view made;
     bvx_distance_report d;
     bvx_mesh_view_of(out, &made);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &made, 300000, 1, &d));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &made, 60000, 1, &d));
     return d.mean_a_to_b > d.mean_b_to_a ? d.mean_a_to_b : d.mean_b_to_a;
 }
 
