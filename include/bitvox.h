@@ -1741,7 +1741,7 @@ BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *gri
 
 /** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first component in
  *  the order of bvx_grid_components, and so on.
- *  labels  [Size: capacity; size[0] * size[1] * size[2] at least]
+ *  labels  not NULL [Size: capacity; size[0] * size[1] * size[2] at least]
  *  count   out: the number of components; may be NULL
  *  Returns what bvx_grid_components returns.
  *  [Memory: its] [Cost: O(voxels)] */

@@ -133,8 +133,9 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
                                   1);
     BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
     total = leaf_places(&job);
+    *count = total;
 
-    /* Nothing is written where the array is too small, and the message has the number that is needed. */
+    /* Nothing is written where the array is too small: count and message have the number that is needed. */
     if (leaves != NULL) {
         if (capacity < total)
             return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u",
@@ -142,7 +143,6 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
         job.leaves = leaves;
         BVXI_TRY(bvxi_parallel(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
     }
-    *count = total;
     return BVX_OK;
 }
 

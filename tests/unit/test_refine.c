@@ -98,6 +98,8 @@ static void assert_leaves(bvx_context *c, const bvx_octree *tree, const uniform 
     int32_t *const low = maker_grow(NULL, (size_t)count * 12);
     bvx_octree_leaf *const found = maker_grow(NULL, (size_t)count * sizeof *found);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_octree_leaves(c, tree, 7, leaves, count - 1, &again));
+    TEST_ASSERT_EQUAL_UINT64(count, again);
+    again = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_leaves(c, tree, 7, leaves, count, &again));
     TEST_ASSERT_EQUAL_UINT64(count, again);
     for (uint64_t n = 0; n < count; n++) {
