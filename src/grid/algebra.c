@@ -29,6 +29,7 @@ BVXI_VECTOR_INLINE void combine_words(const uint64_t *a, const uint64_t *b, uint
                                       int32_t operation)
 {
     size_t i = 0;
+
     /* Eight loads before the first store: whether the arrays overlap does not matter to the compiler. */
     for (; i + ALGEBRA_BLOCK <= n; i += ALGEBRA_BLOCK) {
         uint64_t w[ALGEBRA_BLOCK];
@@ -75,6 +76,7 @@ static void combine_piece(void *user, int32_t index, int32_t worker)
     else
 #endif
         combine_rows(job, (size_t)begin * row, (size_t)(end - begin) * row);
+
     /* Only the complement sets bits past the end of a row. */
     if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
     for (uint64_t r = begin; r < end; r++) job->result->words[((size_t)r + 1) * row - 1] &= tail;
@@ -84,8 +86,7 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                                 int32_t operation, bvx_grid *result)
 {
     bvx_window window;
-    algebra_job job;
-    int mine;
+    int made_here;
 
     if (ctx == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
@@ -96,20 +97,20 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_grid_same(ctx, function, a, b));
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, a, result));
     BVXI_TRY(bvxi_grid_check_shift(ctx, function, b, result));
+
+    /* A result that brought words keeps them after a failure; one that was made here is freed. */
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     bvxi_grid_renew(ctx, &a->lattice, &window, result);
-    /* A result that brought words keeps them after a failure; one that was made here is freed. */
-    mine = result->words == NULL;
+    made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
-    job.a = a;
-    job.b = b;
-    job.result = result;
-    job.operation = operation;
-    job.cpu = bvxi_cpu(ctx);
+
+    algebra_job job = {.a = a, .b = b, .result = result, .operation = operation, .cpu = bvxi_cpu(ctx)};
+
+    /* A piece is whole rows, so that the end of each is cleared by who wrote it. */
     job.pieces = bvxi_piece_count(bvxi_grid_words(a), ALGEBRA_GRAIN);
     if ((uint64_t)job.pieces > bvxi_grid_rows(a)) job.pieces = (int32_t)bvxi_grid_rows(a);
-    return bvxi_grid_fill_by(ctx, "combine", job.pieces, combine_piece, &job, mine, result);
+    return bvxi_grid_fill_by(ctx, "combine", job.pieces, combine_piece, &job, made_here, result);
 }
 
 /* ---- public ---- */

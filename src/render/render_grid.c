@@ -12,8 +12,9 @@
 #define GRID_BARE     0.84 /* light on faces that a cut laid bare, so that a section reads as one */
 
 static const uint8_t removed_colour[3] = {200, 60, 50}, added_colour[3] = {70, 160, 70};
-/* The voxel whose face on an axis a sample shows, and where on the face it
- * lies (0 to 1 along the other axes). */
+
+/* The voxel whose face on an axis a sample shows, and where on the face it lies (0 to 1 along the other
+ * axes). */
 static void voxel_of_sample(const bvxi_grid_scene *s, double depth, int axis, int32_t x, int32_t y,
                             int32_t voxel[3], double part[3])
 {
@@ -110,7 +111,7 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
         face[a] = s->step_z[axis] > 0.0 ? s->picture.camera.axis[a][axis] : -s->picture.camera.axis[a][axis];
         seen->colour[a] = colour[a];
     }
-    /* A face that the cut laid bare is flat: it is none of the surface. */
+    /* A face that the cut laid bare is flat: it is not part of the surface. */
     if (!bare) normal_of_sample(s, voxel, face, seen);
     for (int a = 0; a < 3 && bare; a++) seen->normal[a] = seen->tangent[a] = face[a];
 }

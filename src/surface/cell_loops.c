@@ -1,21 +1,29 @@
 /* cell_loops.c - the closed loops in which the surface leaves a cell, read off the cell's triangles.
  *
- * A side of a triangle that no other triangle of the cell has lies on a face of the cell; these sides make
- * the loops. Each cut edge of a cell belongs to one loop. */
+ * An edge of a triangle that no other triangle of the cell has lies on a face of the cell; these edges make
+ * the loops. Guarantee: each cut edge of a cell belongs to one loop, and loops come in the order of their
+ * first triangles. */
 #include "surface/cells.h"
 #include "surface/sharp.h"
 
-/* The cell's edge behind a triangle corner of tables.h. */
+/* The cell's edge that a triangle corner of tables.h stands on. Lanes 0 to 3 are the x-edges themselves; lanes
+ * 4 and 5 count crossed y-edges, 6 and 7 crossed z-edges, of which a cell has one at its low-x side and one at
+ * its high-x side. */
 static uint8_t edge_of_corner(uint32_t cell_case, uint8_t lane, uint8_t offset)
 {
-    /* corner below the lane's edge at x = 0 */
-    uint32_t const low = lane < 6 ? lane == 4 ? 0 : 4 : lane == 6 ? 0 : 2;
-    uint32_t const high = low + (lane < 6 ? 2 : 4);
-    uint8_t first;
+    int const along_y = lane < 6, second_row = lane & 1;
+
     if (lane < 4) return lane;
-    first = (uint8_t)(lane < 6 ? 4 + 2 * (lane - 4) : 8 + 2 * (lane - 6));
-    if (offset != 0 || (cell_case >> low & 1) == (cell_case >> high & 1)) return (uint8_t)(first + 1);
-    return first;
+
+    /* The two ends of the lane's edge at the low-x side, as corners x + 2y + 4z. */
+    uint32_t const low = !second_row ? 0 : along_y ? 4 : 2;
+    uint32_t const high = low + (along_y ? 2 : 4);
+    uint8_t const first = (uint8_t)(along_y ? 4 + 2 * (lane - 4) : 8 + 2 * (lane - 6));
+
+    /* A lane's counter stands at its next crossing: that at high x when the surface passes the first edge by. */
+    int const first_is_cut = (cell_case >> low & 1) != (cell_case >> high & 1);
+
+    return offset != 0 || !first_is_cut ? (uint8_t)(first + 1) : first;
 }
 
 void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *triangles, bvxi_cell_loops *loops)
@@ -25,8 +33,9 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     const uint8_t *const offset = bvxi_cell_triangle_offset[face_rule][cell_case];
     uint8_t edge[BVXI_CELL_ROW], next[BVXI_CELL_EDGES] = {0}, seen[BVXI_CELL_EDGES] = {0};
     uint32_t vertex[BVXI_CELL_EDGES] = {0};
-    uint16_t out[BVXI_CELL_EDGES] = {0}; /* bit v of out[u]: a triangle has the side from u to v */
+    uint16_t out[BVXI_CELL_EDGES] = {0}; /* bit v of out[u]: a triangle has an edge from u to v */
 
+    /* Triangles as cut edges of the cell, and which of these a triangle joins. */
     for (uint32_t i = 0; i < 3 * count; i++) {
         edge[i] = edge_of_corner(cell_case, lane[i], offset[i]);
         vertex[edge[i]] = triangles[i];
@@ -34,16 +43,17 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     for (uint32_t i = 0; i < 3 * count; i++)
         out[edge[i]] = (uint16_t)(out[edge[i]] | 1u << edge[i % 3 == 2 ? i - 2 : i + 1]);
 
-    /* A side that only one triangle has lies on the loop; sides inside are there both ways. */
+    /* What runs one way only lies on the loop; edges inside are there both ways. */
     for (int u = 0; u < BVXI_CELL_EDGES; u++)
         for (int v = 0; v < BVXI_CELL_EDGES; v++)
             if ((out[u] >> v & 1) != 0 && (out[v] >> u & 1) == 0) next[u] = (uint8_t)v;
-    loops->count = 0;
 
-    /* A triangle of a loop that is known belongs to it; the first of a new one begins to follow. */
+    /* Triangles of one loop stand together in the tables: one that is not of the last loop begins another. */
+    loops->count = 0;
     for (uint32_t t = 0; t < count; t++) {
         bvxi_cell_loop *l;
         uint8_t u = edge[3 * t];
+
         if (seen[u]) {
             loops->loop[loops->count - 1].triangles++;
             continue;
@@ -52,6 +62,8 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
         l->first = t;
         l->triangles = 1;
         l->corners = 0;
+
+        /* Around the loop, back to where it began. */
         for (; !seen[u]; u = next[u]) {
             seen[u] = 1;
             l->edge[l->corners] = u;
@@ -64,6 +76,7 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
 static uint32_t faces_of_edge(uint8_t edge)
 {
     uint32_t const first = edge & 1, second = edge >> 1 & 1;
+
     switch (edge >> 2) {
     case 0: return 4u << first | 16u << second;
     case 1: return 1u << first | 16u << second;
@@ -79,8 +92,11 @@ int32_t bvxi_face_of_edges(uint8_t one, uint8_t two)
 int bvxi_face_is_cut_twice(uint32_t cell_case, int32_t face)
 {
     uint32_t const axis = (uint32_t)face >> 1, u = 1u << (axis + 1) % 3, v = 1u << (axis + 2) % 3;
+
+    /* Its four corners; where both diagonals agree in themselves and not with each other, all sides are cut. */
     uint32_t const base = ((uint32_t)face & 1) << axis;
     uint32_t const a = cell_case >> base & 1, b = cell_case >> (base + u) & 1;
     uint32_t const c = cell_case >> (base + v) & 1, d = cell_case >> (base + u + v) & 1;
+
     return a == d && b == c && a != b;
 }

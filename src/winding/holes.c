@@ -22,6 +22,7 @@ static void sift_edges(uint64_t *e, uint64_t at, uint64_t n)
     e[at] = value;
 }
 
+/* In place and without recursion: insertion for the few edges of most meshes, a heap for many. */
 static void sort_edges(uint64_t *e, uint64_t n)
 {
     if (n <= HOLE_INSERTION_LIMIT) {
@@ -33,6 +34,7 @@ static void sort_edges(uint64_t *e, uint64_t n)
         }
         return;
     }
+
     for (uint64_t i = n / 2; i-- > 0;) sift_edges(e, i, n);
     for (uint64_t end = n - 1; end > 0; end--) {
         uint64_t const top = e[0];
@@ -42,8 +44,9 @@ static void sort_edges(uint64_t *e, uint64_t n)
     }
 }
 
-/* ---- Corners numbered by their places ---- */
+/* ---- Corners numbered by their positions ---- */
 
+/* The order of positions, z first. */
 static int place_before(const int32_t *a, const int32_t *b)
 {
     if (a[2] != b[2]) return a[2] < b[2];
@@ -63,9 +66,8 @@ static void sift_places(const int32_t *xyz, uint32_t *v, uint64_t at, uint64_t n
     v[at] = x;
 }
 
-/* place[n]: the vertex of the n-th corner by place. Edges change to these numbers and are sorted. number:
- * scratch
- * [Size: vertex_count]. Returns how many corners there are. */
+/* place[n] becomes the vertex of the n-th corner by position; edges change to these numbers and are sorted.
+ * number: scratch [Size: vertex_count]. Returns how many corners there are. */
 static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t count, uint32_t *number,
                               uint32_t *place)
 {
@@ -77,6 +79,8 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
         uint32_t const v = (uint32_t)(edges[i / 2] >> (i % 2 != 0 ? 32 : 0));
         if (number[v]++ == 0) place[n++] = v;
     }
+
+    /* A heap, as sort_edges has it. */
     for (uint64_t i = n / 2; i-- > 0;) sift_places(s->xyz, place, i, n);
     for (uint64_t end = n; end-- > 1;) {
         uint32_t const top = place[0];
@@ -84,7 +88,8 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
         place[end] = top;
         sift_places(s->xyz, place, 0, end);
     }
-    /* Numbers by place: the same geometry gives the same numbers, whatever the vertices were called. */
+
+    /* Numbers by position: the same geometry gives the same numbers, whatever the vertices were called. */
     for (uint64_t i = 0; i < n; i++) number[place[i]] = (uint32_t)i;
     for (uint64_t i = 0; i < count; i++)
         edges[i] = (uint64_t)number[edges[i] >> 32] << 32 | number[(uint32_t)edges[i]];
@@ -94,8 +99,9 @@ static uint64_t number_places(const bvxi_snapped *s, uint64_t *edges, uint64_t c
 
 /* ---- Loops ---- */
 
+/* A walk along open edges, each taken once. */
 typedef struct hole_walk {
-    const uint64_t *edges;
+    const uint64_t *edges; /* start corner in the high half, end corner in the low half, ascending */
     uint64_t count;
     /* by corner: the next edge to try that leaves it; the next place in incoming [Size: corners + 1] */
     uint64_t *out, *in;

@@ -8,6 +8,9 @@
  * A brick whose polynomial, with its bound and with all that is near, leaves no doubt has one whole number.
  * Else small bricks sum the near triangles for each centre. Where the bound is too wide for that a centre
  * asks the tree, and at last all triangles.
+ *
+ * In the names below a brick is a box of centres, a cell a part of the sheet's tree, a brick's view its
+ * polynomial, and pending are the cells that are too near to be in it.
  * Guarantee: as sheet_turns.c, what each centre would say by itself. */
 #include "winding/turns.h"
 #include "core/vec3.h"
@@ -45,6 +48,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
         way[a] = from == NULL ? 0 : v->middle[a] - from->middle[a];
     }
     v->reach = sqrt(v->reach) * (1 + 1e-9);
+
     /* An eighth takes over the polynomial of the brick above, moved to its own middle. */
     v->error = from == NULL ? TREE_ROUNDING : from->error;
     v->near = 0;
@@ -65,6 +69,7 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
         double const r[3] = {c->centre[0] - v->middle[0], c->centre[1] - v->middle[1],
                              c->centre[2] - v->middle[2]};
         double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], reach = c->radius + v->reach;
+
         /* Far from all of the brick's centres: into the polynomial. */
         if (reach * reach < tree_near * tree_near * d2) {
             bvxi_series_add(&tree->table, c->moment, r, 0, v->local);
@@ -85,19 +90,23 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
 /* 1 when all centres of the brick have one whole number. */
 static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int32_t *whole, int *clear)
 {
-    /* Near cells alone may be half a turn: no polynomial can be certain. */
     double power[BVXI_SERIES_LOCAL], spread = v->error + v->near, n;
+
+    /* What is near may be half a turn by itself: no polynomial can be certain. */
     if (v->near >= 0.5) return 0;
+
     bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
     /* The greatest change within the brick: every term at its largest. */
     for (int i = 1; i < BVXI_SERIES_LOCAL; i++)
         spread += power[i] * (v->local[i] < 0 ? -v->local[i] : v->local[i]);
     if (!is_certain(block, v->local[0], spread, &n, clear)) return 0;
+
     *whole = (int32_t)n;
     return 1;
 }
 
-static int tell_by_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
+/* 1 when the tree, opened further and further, gives the whole number at one centre. */
+static int ask_tree(const bvxi_turns_block *block, const int64_t p[3], int32_t *whole, int *clear)
 {
     /* From coarse to fine; the first that is certain answers. */
     for (int i = 0; i < 3; i++) {
@@ -109,6 +118,7 @@ static int tell_by_tree(const bvxi_turns_block *block, const int64_t p[3], int32
     return 0;
 }
 
+/* The whole number at one centre of a brick, by the brick's view and the cells that are pending. */
 static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint32_t *pending,
                         const tree_view *v)
 {
@@ -126,10 +136,11 @@ static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint
     }
     bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
     for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+
     /* Near cells are summed exactly, so only the polynomial's error is left. */
     if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
     if (is_certain(block, turns, v->error, &n, &clear)) whole = (int32_t)n;
-    else if (!tell_by_tree(block, p, &whole, &clear)) {
+    else if (!ask_tree(block, p, &whole, &clear)) {
         ask_centre(block, at[0], at[1], at[2]);
         return;
     }
@@ -160,6 +171,8 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
     if (above == NULL) view_sheet_cell(tree, 0, pending, v);
     else
         for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(tree, left[i], pending, v);
+
+    /* One number for all, or eighths, or small enough to go centre by centre. */
     if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
     else if (b->side > TREE_SMALL) return 0;
     else view_centres(block, b, pending, v);
@@ -177,10 +190,12 @@ void bvxi_sheet_tree_block(bvxi_turns_block *block)
     memset(stack[0].at, 0, sizeof stack[0].at);
     memcpy(stack[0].size, block->size, sizeof stack[0].size);
     stack[0].side = BVXI_TURNS_SIDE;
+
     while (count > 0) {
         turns_brick const b = stack[--count];
-        /* Each level has its own list, since eighths read the one above. */
         int level = 0;
+
+        /* Each level has its own list, since eighths read the one above. */
         while (BVXI_TURNS_SIDE >> level > b.side) level++;
         if (!block->all_open && !brick_is_open(block, &b)) continue;
         if (!view_brick(block, &b, level == 0 ? NULL : &view[level - 1],
