@@ -340,24 +340,13 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
 
 static int make_info(cli_run *run, void *work, cli_made *made)
 {
-    const info_options *const own = run->own;
     info_job *const job = work;
     cli_input *const in = &job->in;
-    const char *const path = run->options->input[0];
-    int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
     int cloud;
 
     made->untitled = 1; /* samples come before the name */
-    /* Neither is read as a mesh or a grid below, so the name is said here. */
-    if (raw || cli_is_contours(run, path)) cli_text_add(&made->head, "%s\n", cli_input_name(path));
-    if (cli_is_contours(run, path)) {
-        if (own->count_crossings)
-            return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
-        return cli_tell_sections(run, path, made);
-    }
-    if (raw) return cli_tell_samples(run, path, made);
     CLI_TRY(read_for_info(run, in, &cloud, made));
-    cli_text_add(&made->head, "%s\n", cli_input_name(path));
+    cli_text_add(&made->head, "%s\n", cli_input_name(in->path));
     return cloud                  ? info_of_cloud(&in->mesh, in->path, made)
            : in->kind == CLI_MESH ? info_of_mesh(run, job, made)
            : in->kind == CLI_TREE ? info_of_tree(run, in, made)
@@ -367,6 +356,42 @@ static int make_info(cli_run *run, void *work, cli_made *made)
 static void free_info(cli_run *run, void *work)
 {
     cli_free_input(run, &((info_job *)work)->in);
+}
+
+static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, .free = free_info};
+
+/* ---- contours and bare samples ---- */
+
+static int info_of_contours(cli_run *run, void *work, cli_made *made)
+{
+    (void)work;
+    made->untitled = 1;
+    cli_text_add(&made->head, "%s\n", cli_input_name(run->options->input[0]));
+    return cli_tell_sections(run, run->options->input[0], made);
+}
+
+static int info_of_samples(cli_run *run, void *work, cli_made *made)
+{
+    (void)work;
+    made->untitled = 1;
+    cli_text_add(&made->head, "%s\n", cli_input_name(run->options->input[0]));
+    return cli_tell_samples(run, run->options->input[0], made);
+}
+
+static const cli_job info_contours = {.make = info_of_contours};
+static const cli_job info_samples = {.make = info_of_samples};
+
+/* By its name an input is contours, samples that nothing describes, or a file that is read as what it holds. */
+static int choose_info(cli_run *run, const cli_job **job)
+{
+    const info_options *const own = run->own;
+    const char *const path = run->options->input[0];
+    int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
+
+    *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
+    if (own->count_crossings && *job != &info_files)
+        return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+    return CLI_DONE;
 }
 
 const cli_command cli_info = {
@@ -392,4 +417,4 @@ const cli_command cli_info = {
                "bitvox info fixtures/knot.ply --crossings --json",
     .rows = info_rows,
     .own = sizeof(info_options),
-    .job = {.size = sizeof(info_job), .make = make_info, .free = free_info}};
+    .choose = choose_info};

@@ -14,6 +14,7 @@ typedef struct morph_options {
     bvx_hollow_options hollow;
     bvx_distance_options distance;
     int32_t neighbourhood; /* index into cli_neighbours */
+    int32_t action;        /* DILATE .. */
     int32_t drain_side;    /* 0 to 5: x-low, x-high, y-low ... */
     int32_t value_type;    /* of distances, BVX_F32 or BVX_F64 */
 } morph_options;
@@ -92,14 +93,14 @@ static const char *action_at(const void *user, int i)
     return action_names[i];
 }
 
-static int take_action(cli_run *run, morph_job *job)
+static int take_action(cli_run *run, int32_t *action)
 {
     const char *const word = run->options->input[0];
     const char *near;
 
     for (int i = 0; i < ACTIONS; i++)
         if (strcmp(word, action_names[i]) == 0) {
-            job->action = (morph_action)i;
+            *action = i;
             return CLI_DONE;
         }
     /* A misspelt action, or an input that stands in its place. */
@@ -161,12 +162,12 @@ static const cli_rule input_rules[] = {{.when = CLI_OF_GRID, .also = cli_grid_ru
 
 static int check_morph_options(cli_run *run, morph_job *job)
 {
+    const morph_options *const own = run->own;
     const char *const path = run->options->input[1];
     int kind;
 
-    CLI_TRY(take_action(run, job));
-    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(run->own, job->action),
-                            action_names[job->action]));
+    job->action = (morph_action)own->action;
+    CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
     /* What the action refuses comes first: it holds for any input. */
     CLI_TRY(cli_input_kind(run, path, &kind));
     if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
@@ -198,6 +199,23 @@ static int make_room(cli_run *run, morph_job *job)
     voxels += CLI_HOLDS(run, CLI_TO_MESH);
     o->padding = voxels < 65536.0 ? (int32_t)voxels : 65536;
     job->roomy = voxels <= 65536.0;
+    return CLI_DONE;
+}
+
+/* Its voxels, whatever the input is. */
+static int open_morph(cli_run *run, morph_job *job, cli_made *made)
+{
+    CLI_TRY(check_morph_options(run, job));
+    CLI_TRY(cli_open_voxels(run));
+    CLI_TRY(cli_read_input(run, run->options->input[1], &job->in));
+    if (job->in.kind == CLI_MESH) {
+        CLI_TRY(make_room(run, job));
+        CLI_TRY(cli_fill_input(run, &job->in));
+    }
+
+    /* A mesh always says where it lies. */
+    made->placed = job->in.kind == CLI_MESH || job->in.placed;
+    bvx_grid_count(run->context, &job->in.grid, &job->before);
     return CLI_DONE;
 }
 
@@ -331,8 +349,9 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
     return BVX_OK;
 }
 
-static void tell_changed(const cli_run *run, const morph_job *job, cli_made *made)
+static void tell_changed(const cli_run *run, const void *work, cli_made *made)
 {
+    const morph_job *const job = work;
     const morph_options *const own = run->own;
     cli_text *const t = &made->members;
 
@@ -363,10 +382,12 @@ static void tell_changed(const cli_run *run, const morph_job *job, cli_made *mad
     if (made->set == 0) cli_advise(made, "the result is empty");
 }
 
-static int make_changed(cli_run *run, morph_job *job, cli_made *made)
+static int make_changed(cli_run *run, void *work, cli_made *made)
 {
+    morph_job *const job = work;
     bvx_status status;
 
+    CLI_TRY(open_morph(run, job, made));
     cli_stage_begin(run, action_names[job->action]);
     /* A mesh that stays a mesh moves its own walls; voxels move by voxels. */
     status = moves_walls(run, job)   ? move_walls(run, job)
@@ -427,8 +448,9 @@ static double value_at(const bvx_field *f, uint64_t i)
                                     : (double)((const float *)f->distances)[i];
 }
 
-static void tell_distances(const cli_run *run, const morph_job *job, cli_made *made)
+static void tell_distances(const cli_run *run, const void *work, cli_made *made)
 {
+    const morph_job *const job = work;
     const morph_options *const own = run->own;
     const bvx_field *const f = &job->apart;
     static const char *const sides[] = {BVX_DISTANCE_LIST(CLI_NAME_OF)};
@@ -451,12 +473,14 @@ static void tell_distances(const cli_run *run, const morph_job *job, cli_made *m
                    cli_input_name(job->in.path), made->set == 0 ? "set" : "empty");
 }
 
-static int make_distances(cli_run *run, morph_job *job, cli_made *made)
+static int make_distances(cli_run *run, void *work, cli_made *made)
 {
     const morph_options *const own = run->own;
+    morph_job *const job = work;
     bvx_field *const field = &job->apart;
     bvx_status status;
 
+    CLI_TRY(open_morph(run, job, made));
     field->value_type = own->value_type;
     /* Every voxel has a distance: a field without a band. */
     field->half_width = (double)INFINITY;
@@ -473,32 +497,6 @@ static int make_distances(cli_run *run, morph_job *job, cli_made *made)
     return CLI_DONE;
 }
 
-static int make_morph(cli_run *run, void *work, cli_made *made)
-{
-    morph_job *const job = work;
-
-    CLI_TRY(check_morph_options(run, job));
-    CLI_TRY(cli_open_voxels(run));
-    CLI_TRY(cli_read_input(run, run->options->input[1], &job->in));
-    if (job->in.kind == CLI_MESH) {
-        CLI_TRY(make_room(run, job));
-        CLI_TRY(cli_fill_input(run, &job->in));
-    }
-
-    /* A mesh always says where it lies. */
-    made->placed = job->in.kind == CLI_MESH || job->in.placed;
-    bvx_grid_count(run->context, &job->in.grid, &job->before);
-    return job->action == DISTANCE ? make_distances(run, job, made) : make_changed(run, job, made);
-}
-
-static void tell_morph(const cli_run *run, const void *work, cli_made *made)
-{
-    const morph_job *const job = work;
-
-    if (job->action == DISTANCE) tell_distances(run, job, made);
-    else tell_changed(run, job, made);
-}
-
 static void free_morph(cli_run *run, void *work)
 {
     morph_job *const job = work;
@@ -512,6 +510,20 @@ static void free_morph(cli_run *run, void *work)
     bvx_field_free(run->context, &job->field);
     bvx_grid_free(run->context, &job->out);
     cli_free_input(run, &job->in);
+}
+
+static const cli_job changed_voxels = {
+    .size = sizeof(morph_job), .make = make_changed, .tell = tell_changed, .free = free_morph};
+static const cli_job voxel_distances = {
+    .size = sizeof(morph_job), .make = make_distances, .tell = tell_distances, .free = free_morph};
+
+static int choose_morph(cli_run *run, const cli_job **job)
+{
+    morph_options *const own = run->own;
+
+    CLI_TRY(take_action(run, &own->action));
+    *job = own->action == DISTANCE ? &voxel_distances : &changed_voxels;
+    return CLI_DONE;
 }
 
 const cli_command cli_morph = {
@@ -539,4 +551,4 @@ const cli_command cli_morph = {
     .rows = morph_rows,
     .start = start_morph,
     .own = sizeof(morph_options),
-    .job = {.size = sizeof(morph_job), .make = make_morph, .tell = tell_morph, .free = free_morph}};
+    .choose = choose_morph};

@@ -594,13 +594,16 @@ static int keep_bodies(cli_run *run, void *work)
     return cli_keep_outputs(run);
 }
 
-static int make_all_labels(cli_run *run, sections_job *job, cli_made *made)
+static int make_all_labels(cli_run *run, void *work, cli_made *made)
 {
+    sections_job *const job = work;
     int count, result = CLI_DONE;
-    int32_t *const label = list_labels(&job->sections, &count);
+    int32_t *label;
 
     made->write = keep_bodies;
     made->untitled = 1;
+    CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
+    label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
     if (count > CLI_MAX_OUTPUTS)
@@ -618,29 +621,27 @@ static int make_all_labels(cli_run *run, sections_job *job, cli_made *made)
     return result;
 }
 
-static int make_sections(cli_run *run, void *work, cli_made *made)
+/* ---- one body ---- */
+
+static int make_body(cli_run *run, void *work, cli_made *made)
 {
     const sections_options *const own = run->own;
     sections_job *const job = work;
     const char *const model = own->block_model;
 
-    /* Another one where each label goes to a file of its own. */
     made->write = write_body;
-    CLI_TRY(cli_check_rules(run, sections_rules, facts_of_sections(run), model));
-    if (!wants_all_labels(run)) CLI_TRY(cli_open_output(run, run->options->output));
+    CLI_TRY(cli_open_output(run, run->options->output));
     if (model != NULL) CLI_TRY(cli_open_output(run, model));
     CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
-    if (wants_all_labels(run)) return make_all_labels(run, job, made);
     CLI_TRY(build_body(run, job, own->body.label, run->options->output));
     if (model != NULL) CLI_TRY(make_blocks(run, job));
     return reduce_body(run, job);
 }
 
-static void tell_sections(const cli_run *run, const void *work, cli_made *made)
+static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
 {
     const sections_job *const job = work;
 
-    if (wants_all_labels(run)) return; /* told body by body */
     warn_of_body(run, job, made);
     /* Said once, not for each body: it is of the file. */
     if (job->report.repeated_points != 0)
@@ -658,6 +659,20 @@ static void free_sections(cli_run *run, void *work)
     cli_text_free(&job->text);
     bvx_mesh_free(run->context, &job->mesh);
     bvx_sections_free(run->context, &job->sections);
+}
+
+static const cli_job one_body = {
+    .size = sizeof(sections_job), .make = make_body, .tell = tell_one_body, .free = free_sections};
+/* Told body by body, while they are made. */
+static const cli_job every_body = {
+    .size = sizeof(sections_job), .make = make_all_labels, .free = free_sections};
+
+static int choose_sections(cli_run *run, const cli_job **job)
+{
+    const sections_options *const own = run->own;
+
+    *job = wants_all_labels(run) ? &every_body : &one_body;
+    return cli_check_rules(run, sections_rules, facts_of_sections(run), own->block_model);
 }
 
 const cli_command cli_sections = {
@@ -682,5 +697,4 @@ const cli_command cli_sections = {
     .rows = sections_rows,
     .start = start_sections,
     .own = sizeof(sections_options),
-    .job = {
-        .size = sizeof(sections_job), .make = make_sections, .tell = tell_sections, .free = free_sections}};
+    .choose = choose_sections};
