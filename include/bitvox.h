@@ -1032,12 +1032,11 @@ typedef struct bvx_repair_report {
     int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: voxels of lattice] */
     int32_t thin_resolution; /**< at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
     int32_t reserved0;
-    double parts_volume; /**< sum of the volumes of the input's components. No solid of them is larger: a
-                              larger result has walls or rods as thick as voxels. 0: the input is open, or its
-                              sides are unknown [Units: world] */
-    uint64_t
-        thin_shelled; /**< of shelled_triangles, those of components that have a volume but no voxel behind
-                                most of their area: a higher resolution makes bodies of them */
+    double parts_volume;   /**< sum of the volumes of the input's components. No solid of them is larger: a
+                                larger result has walls or rods as thick as voxels. 0: the input is open, or
+                                its sides are unknown [Units: world] */
+    uint64_t thin_shelled; /**< of shelled_triangles, those of components that have a volume but no voxel at
+                                the back of most of their area: a higher resolution makes them bodies */
     uint64_t reserved;
 } bvx_repair_report;
 
