@@ -131,6 +131,14 @@ static inline int crossing_segment(const int64_t *p, const int64_t *q, const int
     return !((a > 0 || b > 0 || c > 0) && (a < 0 || b < 0 || c < 0));
 }
 
+/* Does t lie off the plane of s, on one side of it? Then they do not meet. */
+static inline int crossing_apart(const int64_t *const s[3], const int64_t *const t[3])
+{
+    int const first = crossing_volume(s[0], s[1], s[2], t[0]);
+    return first != 0 && crossing_volume(s[0], s[1], s[2], t[1]) == first &&
+           crossing_volume(s[0], s[1], s[2], t[2]) == first;
+}
+
 /* Do two triangles of area meet in more than the vertices that they share? */
 static inline int crossing_pair(const int64_t *const s[3], const int64_t *const t[3])
 {
@@ -155,6 +163,7 @@ static inline int crossing_pair(const int64_t *const s[3], const int64_t *const 
     if (shared == 1) /* what they share besides would reach a side that is opposite to the shared vertex */
         return crossing_segment(s[(one + 1) % 3], s[(one + 2) % 3], t) ||
                crossing_segment(t[(two + 1) % 3], t[(two + 2) % 3], s);
+    if (crossing_apart(s, t) || crossing_apart(t, s)) return 0;
     for (int i = 0; i < 3; i++)
         if (crossing_segment(s[i], s[(i + 1) % 3], t) || crossing_segment(t[i], t[(i + 1) % 3], s)) return 1;
     return 0;

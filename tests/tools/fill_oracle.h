@@ -10,6 +10,18 @@
 /* The axis and the two across it, in the order of their displacements. */
 static const int fill_axes[3][3] = {{0, 1, 2}, {1, 0, 2}, {2, 0, 1}};
 
+/* Does the line pass beside the triangle's box? Displacements are less than a step of the coordinates, which are whole. */
+static inline int fill_passes(const int64_t *const p[3], const int64_t c[3], int axis)
+{
+    for (int k = 1; k < 3; k++) {
+        int const a = fill_axes[axis][k];
+        if ((p[0][a] < c[a] && p[1][a] < c[a] && p[2][a] < c[a]) ||
+            (p[0][a] > c[a] && p[1][a] > c[a] && p[2][a] > c[a]))
+            return 1;
+    }
+    return 0;
+}
+
 /* 1 when the line along an axis through the moved centre c crosses triangle
  * p before it; 2 when behind it; 0 not at all. */
 static inline int fill_crosses(const int64_t *const p[3], const int64_t c[3], int axis)
@@ -18,6 +30,7 @@ static inline int fill_crosses(const int64_t *const p[3], const int64_t c[3], in
     const int64_t *turned[3];
     int sign[4];
 
+    if (fill_passes(p, c, axis)) return 0;
     for (int i = 0; i < 3; i++) {
         for (int a = 0; a < 3; a++) q[i][a] = p[i][fill_axes[axis][a]];
         turned[i] = q[i];

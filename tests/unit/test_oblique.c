@@ -30,8 +30,11 @@ static void assert_lost_points_are_counted(void)
         double least = 1e300;
         for (uint64_t v = 0; v < mesh.vertex_count && least > 0.0; v++) {
             double off = 0.0;
-            for (uint64_t k = 0; k < 3; k++) off = fmax(off, fabs(p[3 * v + k] - stack.point[3 * i + k]));
-            least = fmin(least, off);
+            for (uint64_t k = 0; k < 3; k++) {
+                double const by = fabs(p[3 * v + k] - stack.point[3 * i + k]);
+                off = by > off ? by : off;
+            }
+            least = off < least ? off : least;
         }
         lost += least > most;
         exact += least == 0.0;
