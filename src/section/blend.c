@@ -1,14 +1,15 @@
 /* blend.c - the monotone cubic between two sections.
  *
- * Source: Fritsch, Carlson. Monotone piecewise cubic interpolation. 1980; slopes by Fritsch, Butland. A method
- * for constructing local monotone piecewise cubic interpolants. 1984, for sections at uneven distances: the
- * weighted harmonic mean of the slopes on both sides where these have one sign, else 0; at the last section
- * the slope of the parabola through three, no steeper than three times the last step and never against it.
+ * Source: Fritsch, Carlson. Monotone piecewise cubic interpolation. 1980; slopes by Fritsch, Butland. A
+ * method for constructing local monotone piecewise cubic interpolants. 1984, for sections at uneven
+ * distances: the weighted harmonic mean of the slopes on both sides where these have one sign, else 0; at the
+ * last section the slope of the parabola through three, no steeper than three times the last step and never
+ * against it.
  *
  * Guarantee: on a section it is the section's value. Between two it rises or falls all the way, so it is 0
- * once where their signs differ and nowhere where they agree, as the straight line is. So cells are traced as
- * by the linear blend. Slopes of both sides agree on a section: no kink. Where values lie on a line, as over
- * plane walls, it is that line. */
+ * once where their signs differ and nowhere where they agree, as the straight line is. So cells are traced
+ * as by the linear blend. Slopes of both sides agree on a section: no kink. Where values lie on a line, as
+ * over plane walls, it is that line. */
 #include "section/section_field.h"
 
 enum { BLEND_STEPS = 40 };

@@ -223,7 +223,8 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
     return odd;
 }
 
-/* An odd number of segments to the right, of those whose boxes reach there. Neighbours share their ends' bits. */
+/* An odd number of segments to the right, of those whose boxes reach there. Neighbours share their ends'
+ * bits. */
 int bvxi_plane_encloses(const bvxi_plane *p, double u, double v)
 {
     uint32_t stack[DISTANCE_STACK], top = 0;

@@ -1,8 +1,9 @@
 /* fans.c - whether a surface is closed, manifold and oriented where it could fail to be.
  *
- * Round a vertex of such a surface its triangles are one fan: each of its neighbours is followed by exactly one
- * other, and the way over all of them is one circle. Where that holds of every vertex the surface is closed,
- * oriented, edge- and vertex-manifold; of vertices that are not requested it is known already. */
+ * Round a vertex of such a surface its triangles are one fan: each of its neighbours is followed by
+ * exactly one other, and the way over all of them is one circle. Where that holds of every vertex the
+ * surface is closed, oriented, edge- and vertex-manifold; of vertices that are not requested it is known
+ * already. */
 #include "section/oblique.h"
 
 /* Neighbours (from, to) of the vertices requested, in the order of these. */

@@ -1,10 +1,11 @@
 /* lone_section.c - one section alone: between which planes its body lies.
  *
- * A body needs two planes, or one that it tapers to on both sides. Where the caps taper, the section itself is
- * enough and the ends reach half a thickness beyond it: a lens. Else it is copied half a thickness to either
- * side: a slab. The section stays in the middle, so that its points are vertices as they were given.
+ * A body needs two planes, or one that it tapers to on both sides. Where the caps taper, the section itself
+ * is enough and the ends reach half a thickness beyond it: a lens. Else it is copied half a thickness to
+ * either side: a slab. The section stays in the middle, so that its points are vertices as they were given.
  *
- * Loops are looked at before they are copied, so that what is refused is named by the numbers of those given. */
+ * Loops are looked at before they are copied, so that what is refused is named by the numbers of those
+ * given. */
 #include "section/lone_section.h"
 
 #include <string.h>
@@ -19,6 +20,7 @@ typedef struct lone_count {
 /* What the body has; 0 where it is not in one section alone, or not one body. */
 static int count_lone(const bvx_sections *given, uint32_t section, int32_t label, lone_count *n)
 {
+    /* One pass, which ends as soon as a second section or body is met. */
     n->loops = n->points = 0;
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const l = &given->loops[i];
@@ -55,6 +57,7 @@ static void add_copy(const bvx_sections *given, const bvx_sections_options *o, c
         double *const at = to->points + 3 * to->point_count;
         if (o->label != BVX_LABEL_ONLY && l.label != o->label) continue;
         if (l.section != n->section) continue;
+        /* The middle copy has the coordinates given, to the bit. */
         for (uint64_t k = 0; k < 3 * (uint64_t)l.point_count; k++)
             at[k] = by == 0.0 ? from[k] : from[k] + by * axis[k % 3];
         l.first_point = to->point_count;
@@ -70,6 +73,7 @@ static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx
     bvx_sections *const to = &lone->copies;
     double axis[3][3];
 
+    /* Before anything is taken: a stack within the limits may be beyond them three times over. */
     if (COPIES * n->points > INT32_MAX || COPIES * n->loops > INT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points of one section; a slab of it takes them three times, and the "
@@ -107,6 +111,8 @@ bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sect
     take_section(given, n.section, &one);
     lone->times = 1;
     lone->sections = one;
+
+    /* A lens needs no copies: its ends reach half the thickness beyond the one plane. */
     if (o->caps == BVX_CAPS_TAPER) return BVX_OK;
 
     BVXI_TRY(check_loops(ctx, function, &one, o));

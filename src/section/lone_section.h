@@ -10,7 +10,8 @@ typedef struct bvxi_lone {
     bvx_sections copies;   /* the arrays of a slab */
 } bvxi_lone;
 
-/* section: the only one that has loops of the body, or BVXI_NONE: look for it. Close it also after a failure. */
+/* section: the only one that has loops of the body, or BVXI_NONE: look for it. Close it also after a
+ * failure. */
 bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given, uint32_t section,
                           const bvx_sections_options *options, bvxi_lone *lone);
 /* What was counted once for each copy, as it was given. */

@@ -1,11 +1,11 @@
 /* mend_split.c - a section's segments, split until they meet at their ends only.
  *
  * All pairs of segments that meet are found in fixed point, exactly, as simple.c finds the first of them.
- * Where an end lies on another segment that one is split there; where two cross, both are split at the nearest
- * point of a grid that is coarser, so that there is room between crossings to move loops apart. That moves
- * segments, which may come to others: they are split too at all points within half a step of that grid, after
- * which nothing meets but beside points that lie on none of its. So it is all done again until nothing does:
- * a few times as a rule.
+ * Where an end lies on another segment that one is split there; where two cross, both are split at the
+ * nearest point of a grid that is coarser, so that there is room between crossings to move loops apart. That
+ * moves segments, which may come to others: they are split too at all points within half a step of that grid,
+ * after which nothing meets but beside points that lie on none of its. So it is all done again until nothing
+ * does: a few times as a rule.
  *
  * Source: Hobby. Practical segment intersection with finite precision output. 1999 (snap rounding). */
 #include "section/mend.h"

@@ -1,10 +1,11 @@
 /* oblique.c - the closed surface of a body through contours on planes of any position.
  *
- * A smooth number at every place has the planes' signed distances on them (oblique_field.c); where the lattice's vertices
- * change sign there is the surface. Cells that planes and surface share become tetrahedra, which the planes
- * split (oblique_cells.c), and in which the contours become edges (oblique_contours.c); signs there are those
- * of the contours' regions, so the surface meets each plane in its contours and nowhere else. All of it is a
- * matter of who is next to whom: however it is rounded, the surface is closed. */
+ * A smooth number at every place has the planes' signed distances on them (oblique_field.c); where the
+ * lattice's vertices change sign there is the surface. Cells that planes and surface share become
+ * tetrahedra, which the planes split (oblique_cells.c), and in which the contours become edges
+ * (oblique_contours.c); signs there are those of the contours' regions, so the surface meets each plane in
+ * its contours and nowhere else. All of it is a matter of who is next to whom: however it is rounded, the
+ * surface is closed. */
 #include "section/oblique.h"
 
 static void close_oblique(bvxi_oblique *o)
@@ -49,14 +50,22 @@ static void close_oblique(bvxi_oblique *o)
 
 static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
 {
+    /* What contours say where planes cross is settled before anything is measured from them. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.02, bvxi_oblique_take_planes(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.02, 0.05, bvxi_oblique_settle(o)));
+
+    /* The number between the planes: distances on them, the plate through these, and what it leaves of
+     * them. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.15, bvxi_oblique_raster(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.15, 0.2, bvxi_oblique_smooth(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.25, bvxi_oblique_rest(o)));
+
+    /* Then the cells that the surface may meet, and the tetrahedra of those with planes in them. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.25, 0.4, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.6, bvxi_oblique_split_planes(o)));
+
+    /* Signs come last of all, once every contour's edge is one of a tetrahedron. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, bvxi_oblique_contours(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.7, 0.8, bvxi_oblique_signs(o)));
     return BVXI_SHARE(o->ctx, 0.8, 1.0, bvxi_oblique_surface(o, mesh));
@@ -68,12 +77,15 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
     bvxi_oblique o;
     bvx_status status;
 
+    /* All zero is a state that can be closed, whatever step fails. */
     memset(&o, 0, sizeof o);
     o.ctx = ctx;
     o.function = function;
     o.given = given;
     o.options = *options;
     status = make_oblique(&o, mesh);
+
+    /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) *report = o.report;
     close_oblique(&o);
     return status;

@@ -63,8 +63,8 @@ typedef struct bvxi_smooth {
     double *node;
 } bvxi_smooth;
 
-/* Edges of a block's vertices along the seven ways of axes: a bit each where the surface of plain cells crosses
- * it, and the number of the first one's vertex. */
+/* Edges of a block's vertices along the seven ways of axes: a bit each where the surface of plain cells
+ * crosses it, and the number of the first one's vertex. */
 typedef struct bvxi_oblique_crossed {
     uint64_t edges[7];
     uint32_t first[7];
@@ -252,8 +252,8 @@ uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
 /* oblique_contours.c: contours become edges of the tetrahedra. */
 bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 
-/* oblique_regions.c: signs on planes by their regions; *torn: vertices of which two planes say different things, to
- * be dropped by the caller. */
+/* oblique_regions.c: signs on planes by their regions; *torn: vertices of which two planes say different
+ * things, to be dropped by the caller. */
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count);
 
 /* oblique_signs.c */
@@ -303,8 +303,8 @@ typedef struct bvxi_look {
 
 /* 0: there are too many. */
 int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
-/* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is inside,
- * *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
+/* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is
+ * inside, *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);

@@ -64,12 +64,16 @@ static void look_at_block(const bvxi_oblique *o, uint32_t known, oblique_block *
     bvxi_oblique_block_place(o, o->known[known], b->first);
     b->planes = bvxi_oblique_near_planes(o, b->first, b->plane);
     if (b->planes == 0) return;
+
+    /* Where the block's nodes are once they have moved onto planes: found once, for all of its planes. */
     for (int n = 0; n < CELL_NODES; n++) {
         int32_t const at[3] = {b->first[0] + n % 5, b->first[1] + n / 5 % 5, b->first[2] + n / 25};
         bvxi_oblique_place_among(o, at, b->plane, b->planes, place[n]);
     }
     for (uint32_t i = 0; i < b->planes; i++) {
         const bvxi_oblique_plane *const p = &o->plane[b->plane[i]];
+        /* Which sides of the plane a node counts on: both when it lies on it. A cell is touched whose nodes
+         * have both. */
         uint8_t node[CELL_NODES];
         for (int n = 0; n < CELL_NODES; n++) {
             double const h = bvxi_oblique_height(p, place[n]);
@@ -90,6 +94,8 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
             int const c = bvxi_lowest(left);
             int32_t const at[3] = {b->first[0] + (c & 3), b->first[1] + (c >> 2 & 3), b->first[2] + (c >> 4)};
             double place[3];
+            /* Corners that agree may have a bit of the surface between them all the same, on the plane
+             * alone. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
                 (bvxi_oblique_side(o, b->plane[i], place) > 0) != (int)(inside >> c & 1))
                 found |= UINT64_C(1) << c;
@@ -110,12 +116,14 @@ static void judge_piece(void *user, int32_t index, int32_t worker)
         uint64_t mixed, wanted, touched = 0;
         uint32_t touches = 0;
 
-        /* Split where corners differ, a contour runs, or a plane says another thing, if a plane is there at all. */
+        /* Split where corners differ, a contour runs, or a plane says another thing, if a plane is there
+         * at all. */
         look_at_block(o, (uint32_t)i, b);
         mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
         wanted = mixed | o->contour_cells[o->known[i]];
         wanted |= contradicted_cells(o, b, o->inside[i], ~wanted);
         for (uint32_t p = 0; p < b->planes; p++) touched |= b->touched[p];
+        /* Mixed cells without a plane are plain: they need no tetrahedra of their own. */
         o->split[i] = wanted & touched;
         o->active[i] = mixed & ~touched;
         for (uint32_t p = 0; p < b->planes; p++) touches += bvxi_popcount(b->touched[p] & o->split[i]);
@@ -203,6 +211,7 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     double at[3];
     float value;
 
+    /* Known blocks have a place for each vertex; the few beyond them are looked up by block and bit. */
     if (o->block_at[block] >= 0) {
         slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
         found = &o->vertex_at[slot];
@@ -213,6 +222,8 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     bvxi_oblique_place_among(o, vertex, plane, planes, at);
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, number));
     *found = *number;
+
+    /* The sign is the lattice's, also where rounding gives the value another one. */
     v = &o->vertex[*number];
     v->lattice = 1;
     v->parent[1] = (uint32_t)slot;
@@ -228,6 +239,7 @@ uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3])
     uint64_t block;
     int32_t known;
 
+    /* Beyond the lattice and in cells that are not split there is nothing to be beside. */
     for (int k = 0; k < 3; k++)
         if (at[k] < 0 || at[k] >= o->side[k] - 1) return BVXI_NONE;
     block = bvxi_oblique_block(o, at, &bit);
@@ -253,6 +265,8 @@ static void kuhn_neighbours(const bvxi_oblique *o, uint32_t cell, const int32_t 
     int32_t next[3], before[3];
     uint32_t up, down;
 
+    /* The way from corner 0 to corner 7 leaves the cell's corner 0 along one axis and comes to 7 along
+     * another: those are the axes across which the outer faces have their neighbours. */
     for (int x = 0; x < 3; x++) {
         next[x] = at[x] + (near >> x & 1);
         before[x] = at[x] - ((7 ^ far) >> x & 1);
@@ -281,6 +295,8 @@ static bvx_status make_tetrahedra_of(bvxi_oblique *o, uint64_t cell, const uint3
         int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
         BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));
     }
+
+    /* Six around the diagonal from corner 0 to 7 (Kuhn 1960); those of neighbours meet in whole faces. */
     for (int k = 0; k < 6; k++) {
         uint32_t v[4], n[4], number;
         for (int x = 0; x < 4; x++) v[x] = corner[bvxi_kuhn[k][x]];
@@ -302,6 +318,8 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     BVXI_TRY(bvxi_oblique_reserve(o, &o->stamp, tetra, &o->tetra_room[3], 4, what));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->vertex, vertices, &o->vertex_room, sizeof *o->vertex, what));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
+
+    /* Block by block, as a block's cells have the same planes near them. */
     for (uint32_t i = 0; i < o->known_count; i++) {
         uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
         int32_t first[3];
@@ -323,6 +341,8 @@ static bvx_status order_touches(bvxi_oblique *o)
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the cells that planes touch", &o->plane_touch));
     BVXI_TRY(
         bvxi_alloc(o->ctx, BVXI_SCRATCH, o->touch_count * 4, "the cells that planes touch", &o->touch_cell));
+
+    /* A counting sort: how many cells each plane touches, then where its cells begin. */
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     for (uint32_t i = 0, sum = 0; i <= o->plane_count; i++) {
         uint32_t const count = o->plane_touch[i];
@@ -331,6 +351,8 @@ static bvx_status order_touches(bvxi_oblique *o)
     }
     for (uint64_t i = 0; i < o->touch_count; i++)
         o->touch_cell[o->plane_touch[o->touch[i][1]]++] = o->touch[i][0];
+
+    /* Each begin has moved to its end, which is the next one's begin. */
     for (uint32_t i = o->plane_count; i-- > 0;) o->plane_touch[i + 1] = o->plane_touch[i];
     o->plane_touch[0] = 0;
     return BVX_OK;
@@ -387,6 +409,8 @@ static int side_of_plane(bvxi_oblique *o, uint32_t v, uint32_t plane, double *he
     double other;
 
     if (side != 0 || bvxi_is_on(o, v, plane)) return side;
+
+    /* A vertex in the middle of an edge that lies on one side of the plane is on that side, however near. */
     if (x->parent[0] != BVXI_NONE) {
         a = straight_side(o, x->parent[0], plane, &other);
         b = straight_side(o, x->parent[1], plane, &other);
@@ -409,8 +433,10 @@ static bvx_status split_by_plane(bvxi_oblique *o, uint32_t t, uint32_t plane)
             if (side[k] > 0) a = k;
             if (side[k] < 0) b = k;
         }
+        /* No corner on one of the sides: the plane cuts it no more. */
         if (a < 0 || b < 0) return BVX_OK;
         share = height[a] - height[b] > 0.0 ? height[a] / (height[a] - height[b]) : 0.5;
+        /* Rounding must not put the new vertex onto an old one. */
         if (!(share > 0.0 && share < 1.0)) share = 0.5;
         from = o->vertex[o->tetra[t].v[a]].at;
         to = o->vertex[o->tetra[t].v[b]].at;

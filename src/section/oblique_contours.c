@@ -11,7 +11,8 @@
 /* Rounding could lead a way in a circle; such a segment is counted as not kept. */
 enum { CONTOUR_STEPS = 1000000 };
 
-/* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not split. */
+/* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not
+ * split. */
 #define FACE_MISS 1e-3
 
 /* A triangle of a plane: the tetrahedron, and the corner opposite it. */
@@ -32,8 +33,8 @@ static double cross_uv(const double a[2], const double b[2], const double c[2])
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* Replaces *best where uv lies deeper inside the triangle opposite the corner; one with a corner off the plane is
- * none. */
+/* Replaces *best where uv lies deeper inside the triangle opposite the corner; one with a corner off the
+ * plane is none. */
 static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, int corner,
                              const double uv[2], plane_face *best)
 {
@@ -46,6 +47,9 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
         vertex_uv(o, plane, o->tetra[t].v[k], at[n]);
         which[n++] = k;
     }
+
+    /* Seen from one side or the other, the triangle may run either way: its area's sign says which is
+     * inside. */
     area = cross_uv(at[0], at[1], at[2]);
     for (int k = 0; k < 3; k++) {
         const double *const a = at[(k + 1) % 3], *const b = at[(k + 2) % 3];
@@ -56,6 +60,8 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
         least = in;
         edge = which[k];
     }
+
+    /* The one in which the place lies deepest; of equal ones the first. */
     if (!(least > best->least)) return;
     best->tetra = t;
     best->corner = corner;
@@ -82,6 +88,8 @@ static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double 
     for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
     cell = bvxi_oblique_cell_at(o, c);
     if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
+
+    /* Only when the own cell does not hold it, which is seldom. */
     for (int n = 0; n < 27 && best.least < 0.0; n++) {
         int32_t const d[3] = {c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
         cell = n == 13 ? BVXI_NONE : bvxi_oblique_cell_at(o, d);
@@ -107,6 +115,8 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
 
     *vertex = BVXI_NONE;
     if (f.tetra == BVXI_NONE) return BVX_OK;
+
+    /* Two vertices at one place would have an edge of no length: an old one that is as near is taken. */
     t = &o->tetra[f.tetra];
     for (int k = 0; k < 4; k++) {
         double square = 0.0;
@@ -116,6 +126,8 @@ static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double giv
         *vertex = t->v[k];
         return BVX_OK;
     }
+
+    /* Inside the triangle, or so near a side that the side itself is split. */
     if (f.least > BVXI_OBLIQUE_NEAR) return bvxi_tetra_split_face(o, f.tetra, f.corner, at, vertex);
     for (int k = 0; k < 4; k++)
         if (k != f.corner && k != f.edge) end[n++ & 1] = t->v[k];
@@ -129,6 +141,7 @@ static bvx_status insert_knots(bvxi_oblique *o)
         bvxi_knot *const k = &o->knot[i];
         double at[3];
 
+        /* Knots that agree are one place, whose root stands for all of them. */
         if (k->joined != i) continue;
         bvxi_knot_place(o, (uint32_t)i, at);
         BVXI_TRY(insert_point(o, k->plane, at, &k->vertex));
@@ -143,6 +156,8 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *verte
     const bvxi_plane *const p = &f->plane;
 
     memset(vertex, 0xff, (size_t)p->point_count * 4);
+
+    /* Points that are knots have their vertex already, where the knot is, which may have moved. */
     for (uint32_t k = f->knot; k != BVXI_NONE; k = o->knot[k].next)
         if (o->knot[k].share == 0.0) {
             uint32_t const at = o->knot[bvxi_knot_root(o, k)].vertex;
@@ -174,8 +189,8 @@ typedef struct way_line {
     double nearest; /* how far off the vertex lies that was found; -1: it is the end */
 } way_line;
 
-/* Judges one edge v of the triangles around where the line begins: any vertex on it comes before any edge that it
- * crosses; of several vertices the one nearest the line, and its end before all. */
+/* Judges one edge v of the triangles around where the line begins: any vertex on it comes before any edge
+ * that it crosses; of several vertices the one nearest the line, and its end before all. */
 static void judge_step(const bvxi_oblique *o, way_line *line, uint32_t t, const uint32_t v[2], way_step *step)
 {
     const double *const d = line->way;
@@ -195,6 +210,8 @@ static void judge_step(const bvxi_oblique *o, way_line *line, uint32_t t, const 
         }
     }
     if (step->vertex != BVXI_NONE || (off[0] > 0.0) == (off[1] > 0.0)) return;
+
+    /* Crossed ahead, not behind, and between the ends: those themselves were looked at above. */
     share = off[0] / (off[0] - off[1]);
     if (!(along[0] + share * (along[1] - along[0]) > 0.0) || !(share > 0.0 && share < 1.0)) return;
     step->tetra = t;
@@ -246,10 +263,13 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
         BVXI_TRY(next_step(o, plane, from, to, &step));
         if (step.vertex == BVXI_NONE && step.tetra != BVXI_NONE)
             BVXI_TRY(bvxi_tetra_split_edge(o, step.tetra, step.edge[0], step.edge[1], step.at, &step.vertex));
+        /* Where contours contradict each other a way may lead nowhere: it is counted, and the surface is
+         * closed without it. */
         if (step.vertex == BVXI_NONE || steps == CONTOUR_STEPS) {
             o->report.unkept_edges++;
             return BVX_OK;
         }
+        /* The plane and the direction are kept, from which the sides of the edge follow. */
         o->vertex[step.vertex].sign = 0;
         BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, from, step.vertex, &value));
         *value = 2 * plane + (from > step.vertex);
@@ -266,6 +286,7 @@ static bvx_status insert_way(bvxi_oblique *o, uint32_t plane, uint32_t segment, 
     for (; knot != BVXI_NONE; knot = bvxi_knot_after(o, plane, segment, o->knot[knot].share)) {
         uint32_t const way = o->knot[bvxi_knot_root(o, knot)].vertex;
 
+        /* A knot that was moved off this plane is left out rather than gone to. */
         if (way == BVXI_NONE || !bvxi_is_on(o, way, plane)) continue;
         BVXI_TRY(insert_segment(o, plane, from, way));
         from = way;
@@ -279,6 +300,8 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
 
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)o->point_count * 4, "the points of contours",
                         &o->point_vertex));
+
+    /* All points before any segment: a segment must not run past a point that is not there yet. */
     BVXI_TRY(insert_knots(o));
     for (uint32_t i = 0; i < o->plane_count; i++) {
         BVXI_TRY(insert_points(o, i, o->point_vertex + first));

@@ -7,7 +7,8 @@
  * gradient on a plane that of its own values and of nothing else.
  *
  * The smooth number (oblique_smooth.c) comes near to the planes' distances; what is left of them is spread by
- * the weights to the nearest planes' surroundings. Far from its contours a plane only asks for the right sign.
+ * the weights to the nearest planes' surroundings. Far from its contours a plane only asks for the right
+ * sign.
  *
  * Signs on the planes are decided elsewhere. Beyond the contours' box the way to it is taken off: the body
  * ends in a dome. */
@@ -39,6 +40,7 @@ static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t
                      v = p->raster_low[1] + BVXI_RASTER_STEP * row;
         double at[3];
 
+        /* The raster's point in space, where the smooth number is known. */
         for (int k = 0; k < 3; k++)
             at[k] = p->offset * p->normal[k] + (u * p->axis[0][k] + v * p->axis[1][k]);
         p->rest[n] = (float)rest_of(o, p->raster[n], bvxi_smooth_at(&o->smooth, at));
@@ -97,7 +99,10 @@ double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], cons
         double const h = bvxi_absolute(bvxi_oblique_height(p, at));
         double weight;
 
+        /* A plane farther off than the reach has the weight 0. */
         if (h >= o->reach) continue;
+        /* Inverse distance, less what it is at the reach, so that it ends there without a step; cubed, as the
+         * nearer plane should decide. */
         weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
         weight *= weight * weight;
         sum += weight * (p->raster == NULL ? rest_of(o, -0.25 * o->longest, smooth)

@@ -90,6 +90,7 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
     uint32_t on = BVXI_NONE;
     float rounded;
 
+    /* Outside along the lattice's border, so that the surface closes within it. */
     for (int k = 0; k < 3; k++)
         if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return -1.0F;
     /* on no plane, unless it moves onto one: a plane within reach of nothing is one that it moves onto */
@@ -98,6 +99,8 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
             if (bvxi_absolute(bvxi_oblique_height(&o->plane[near[i]], at)) <= BVXI_OBLIQUE_NEAR) on = near[i];
     value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at)
                             : bvxi_oblique_number_among(o, at, heard, heard_count);
+
+    /* Never 0, also not by rounding: each vertex is on one side. */
     rounded = (float)value;
     if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
     return rounded;
@@ -131,6 +134,8 @@ static void first_vertex_piece(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(n, bvxi_piece_count(n, 512), index, &begin, &end);
+
+    /* One vertex a block; where neighbours agree, all between them is taken to be on that side. */
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         bvxi_oblique_block_place(o, (uint32_t)i, first);
@@ -140,6 +145,7 @@ static void first_vertex_piece(void *user, int32_t index, int32_t worker)
 
 static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 {
+    /* Blocks are numbered as they come, so that values are held for those alone that are known. */
     if (o->block_at[block] >= 0) return BVX_OK;
     BVXI_TRY(bvxi_oblique_grow(o, &o->known, o->known_count, &o->known_room, 4, "the blocks of the lattice"));
     o->block_at[block] = (int32_t)o->known_count;
@@ -167,6 +173,7 @@ static void known_piece(void *user, int32_t index, int32_t worker)
         uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], near_count, heard_count;
 
         bvxi_oblique_block_place(o, o->known[i], first);
+        /* The planes that matter are found once a block, not once for each of its vertices. */
         near_count = bvxi_oblique_near_planes(o, first, near);
         heard_count = heard_planes(o, first, heard);
         for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
@@ -198,6 +205,7 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
     for (int n = 0; n < 27; n++) {
         int const d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
         int32_t b[3];
+        /* All 26 blocks around; the middle one is the block itself. */
         int out = n == 13;
         uint64_t block;
         for (int k = 0; k < 3; k++) {
@@ -207,6 +215,7 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
         if (out) continue;
         block = ((uint64_t)b[2] * (uint64_t)o->blocks[1] + (uint64_t)b[1]) * (uint64_t)o->blocks[0] +
                 (uint64_t)b[0];
+        /* A neighbour is known too where the surface may lie between both. */
         if (o->block_at[block] < 0 &&
             disagrees(o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_sign[block]))
             BVXI_TRY(know_block(o, block));
@@ -222,6 +231,7 @@ static bvx_status follow_surface(bvxi_oblique *o)
         known_job job;
         uint32_t const end = o->known_count;
 
+        /* Values of the new blocks at once and in parallel; then, in order, the blocks that these lead to. */
         BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &o->value, o->value_room * 4,
                              (uint64_t)end * BVXI_BLOCK_SIZE * 4, "the lattice's values"));
         o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
@@ -245,6 +255,7 @@ static void mark_place(bvxi_oblique *o, const double at[3])
     for (int k = 0; k < 3; k++) {
         low[k] = (int32_t)floor(at[k] - MARK_REACH);
         high[k] = (int32_t)floor(at[k] + MARK_REACH);
+        /* Contours lie within the lattice, but the reach around them may not. */
         if (low[k] < 0) low[k] = 0;
         if (high[k] > o->side[k] - 2) high[k] = o->side[k] - 2;
     }
@@ -263,6 +274,7 @@ static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
     int32_t steps;
 
     for (int k = 0; k < 3; k++) square += (b[k] - a[k]) * (b[k] - a[k]);
+    /* A quarter of a cell from place to place: less than the reach, so that no cell between is missed. */
     steps = (int32_t)(sqrt(square) * 4.0) + 1;
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
@@ -271,8 +283,8 @@ static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
     }
 }
 
-/* What a stretch of a contour sweeps on its way from (a, b) to where it is moved, (c, d): there the plane says
- * another thing afterwards. */
+/* What a stretch of a contour sweeps on its way from (a, b) to where it is moved, (c, d): there the plane
+ * says another thing afterwards. */
 static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], const double c[3],
                        const double d[3])
 {
@@ -285,6 +297,8 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
         square[2] += (b[k] - a[k]) * (b[k] - a[k]);
         square[3] += (d[k] - c[k]) * (d[k] - c[k]);
     }
+
+    /* What is moved by less than the reach sweeps nothing that is not marked by its ends. */
     mark_segment(o, c, d);
     if (square[0] < MARK_REACH * MARK_REACH && square[1] < MARK_REACH * MARK_REACH) return;
 
@@ -300,8 +314,8 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
     }
 }
 
-/* A segment as given, and from knot to knot what it sweeps on its way to them; after: the one behind it, whose
- * first point may be moved. */
+/* A segment as given, and from knot to knot what it sweeps on its way to them; after: the one behind it,
+ * whose first point may be moved. */
 static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment, uint32_t after,
                                const double a[3], const double b[3])
 {
@@ -309,9 +323,12 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
     double at[3], moved[3], next_at[3], next_moved[3];
 
     mark_segment(o, a, b);
+
+    /* A knot at the next segment's own begin is this one's end. */
     if (end != BVXI_NONE && o->knot[end].share > 0.0) end = BVXI_NONE;
     if (k == BVXI_NONE && end == BVXI_NONE) return;
 
+    /* From knot to knot: where each stretch was, and where it is. */
     memcpy(at, a, sizeof at);
     memcpy(moved, a, sizeof moved);
     for (; k != BVXI_NONE; k = bvxi_knot_after(o, plane, segment, o->knot[k].share)) {
@@ -348,6 +365,8 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
     double height[8], count = 0.0;
 
     at[0] = at[1] = at[2] = 0.0;
+
+    /* Heights at the corners say which edges the plane crosses. */
     for (int c = 0; c < 8; c++) {
         double const corner[3] = {first[0] + (c & 1 ? side : 0.0), first[1] + (c & 2 ? side : 0.0),
                                   first[2] + (c & 4 ? side : 0.0)};
@@ -388,6 +407,7 @@ static void plane_block_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         double at[3];
+        /* Blocks with contours are known in any case. */
         if (o->contour_cells[i] != 0) continue;
         bvxi_oblique_block_place(o, (uint32_t)i, first);
         for (uint32_t k = 0; k < o->plane_count; k++)
@@ -407,6 +427,8 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2,
                         bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, first_vertex_piece, o)));
+
+    /* Before the planes are looked at, which leave out the blocks that contours mark. */
     mark_contours(o);
     BVXI_TRY(
         BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, plane_block_piece, o)));
@@ -423,6 +445,8 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
         }
         if (known) BVXI_TRY(know_block(o, i));
     }
+
+    /* The second bit has done its work. */
     for (uint64_t i = 0; i < n; i++) o->block_sign[i] &= 1;
     return BVX_OK;
 }
@@ -434,6 +458,8 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_sign));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
+
+    /* All bits set: no block is known yet. */
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
     return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));

@@ -63,6 +63,7 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
     double const near = BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR;
     bvxi_knot *k;
 
+    /* Three planes in one line meet a contour at one place: it gets one knot. */
     for (uint32_t i = o->plane[plane].knot; i != BVXI_NONE; i = o->knot[i].next)
         if (o->knot[i].segment == segment && square_between(o->knot[i].at, at) <= near) {
             *number = i;
@@ -93,6 +94,7 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b)
     uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
     bvxi_knot *keep, *gone;
 
+    /* The lower number is the root, whatever came first. */
     if (x == y) return;
     if (y < x) {
         uint32_t const swap = x;
@@ -110,6 +112,8 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b)
         keep->exact = 1;
         return;
     }
+
+    /* Sums and counts: of many that are joined each weighs the same in the mean. */
     for (int k = 0; k < 3; k++) keep->sum[k] += gone->sum[k];
     keep->count += gone->count;
 }
@@ -130,11 +134,14 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
         bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[n], b);
         ha = bvxi_oblique_height(&o->plane[other], a);
         hb = bvxi_oblique_height(&o->plane[other], b);
+        /* A point on the other plane but for rounding is on it, for the segments before and after it
+         * alike. */
         if (bvxi_absolute(ha) <= BVXI_OBLIQUE_NEAR) ha = 0.0;
         if (bvxi_absolute(hb) <= BVXI_OBLIQUE_NEAR) hb = 0.0;
         if ((ha < 0.0) == (hb < 0.0)) continue;
         share = ha / (ha - hb);
         for (int k = 0; k < 3; k++) at[k] = a[k] + share * (b[k] - a[k]);
+        /* A crossing at a point is that point, which has the coordinates given. */
         if (square_between(at, a) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) share = 0.0;
         else if (square_between(at, b) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) {
             share = 0.0;
@@ -180,7 +187,8 @@ static bvx_status refuse_gap(bvxi_oblique *o, uint32_t a, uint32_t b, const doub
         o->origin[2] + o->step * at[2], gap * o->step, o->agree * o->step);
 }
 
-/* How far a contour would have to move at most: along the line, or across it where one only just reaches it. */
+/* How far a contour would have to move at most: along the line, or across it where one only just reaches
+ * it. */
 static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const line_event *from,
                         const line_event *to)
 {
@@ -204,6 +212,7 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
         int const apart = inside[0] != inside[1];
         double gap;
 
+        /* Along the line each crossing goes in or out of one plane's contours. */
         inside[e->which] ^= 1;
         if (!apart) {
             since = i;
@@ -212,6 +221,7 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
         gap = way_apart(o, a, b, before, e);
         if (gap > o->agree) return refuse_gap(o, a, b, o->knot[before->knot].at, gap);
         if (gap * o->step > o->report.largest_gap) o->report.largest_gap = gap * o->step;
+        /* In and out again of the same plane, with nothing of the other: there is nothing to move it to. */
         if (e->which == before->which) {
             o->report.gaps++;
             continue;
@@ -232,6 +242,7 @@ static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
     length = sqrt((w->direction[0] * w->direction[0] + w->direction[1] * w->direction[1]) +
                   w->direction[2] * w->direction[2]);
     if (!(length > 1e-9)) return BVX_OK; /* they cross nowhere near */
+    /* Places along the line are lengths then, which agree is one of. */
     for (int k = 0; k < 3; k++) w->direction[k] /= length;
     w->count = 0;
     BVXI_TRY(find_events(o, w, a, b, 0));

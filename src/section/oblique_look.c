@@ -1,8 +1,8 @@
 /* oblique_look.c - what lies round vertices and edges, looked at by several threads at once.
  *
- * tetrahedra.c walks with scratch arrays that there is one of. Here all that is gathered lies in the caller's
- * frame, so that many vertices can be judged side by side; what is larger than that is left to the walk. Nothing
- * is changed. */
+ * tetrahedra.c walks with scratch arrays that there is one of. Here all that is gathered lies in the
+ * caller's frame, so that many vertices can be judged side by side; what is larger than that is left to
+ * the walk. Nothing is changed. */
 #include "section/oblique.h"
 
 /* A free place in a table of numbers that is never full, or the number's own. */

@@ -1,4 +1,5 @@
-/* oblique_raster.c - signed distances on each plane: a raster a plane, two cells wide and bilinear in between.
+/* oblique_raster.c - signed distances on each plane: a raster a plane, two cells wide and bilinear in
+ * between.
  *
  * Signs next to contours are not taken from it but computed. */
 #include "section/oblique.h"
@@ -65,6 +66,8 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
         memcpy(p->raster_size, size, sizeof size);
         rows += (uint64_t)size[1];
     }
+
+    /* All rows of all planes are one list, so that threads share planes of any size evenly. */
     if (rows > INT32_MAX)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: too many planes and cells",
                              o->function);
@@ -80,6 +83,7 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
     bvxi_oblique_uv(p, at, uv);
     for (int k = 0; k < 2; k++) {
         double x = (uv[k] - p->raster_low[k]) * (1.0 / BVXI_RASTER_STEP);
+        /* Places just beyond the raster take its border. */
         double const most = p->raster_size[k] - 1;
         x = x < 0.0 ? 0.0 : x > most ? most : x;
         i[k] = (int32_t)x;

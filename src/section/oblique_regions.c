@@ -1,8 +1,9 @@
 /* oblique_regions.c - on each plane, which of its regions between contours are inside.
  *
- * Where contours were moved to agree, the side that a place has of them is no longer that of the ones given: it is
- * told by the tetrahedra. Vertices of a plane that hang together without a contour between them are a region; the
- * contours' edges around it run so that inside is on their left, and each votes by the area of its triangle. */
+ * Where contours were moved to agree, the side that a place has of them is no longer that of the ones
+ * given: it is told by the tetrahedra. Vertices of a plane that hang together without a contour between
+ * them are a region; the contours' edges around it run so that inside is on their left, and each votes by
+ * the area of its triangle. */
 #include "section/oblique.h"
 
 #include "bits/bits.h"
@@ -98,7 +99,8 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
             uint32_t const x = v[k];
             double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[region_root(w, x)];
             if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
-            /* One that lies on several planes has the first one's sign; that the others differ is remembered. */
+            /* One that lies on several planes has the first one's sign; that the others differ is
+             * remembered. */
             if (bvxi_first_plane(o, x) == plane) {
                 bvxi_flip_sign(o, x);
                 continue;

@@ -16,9 +16,9 @@
 
 #define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
 
-/* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled after
- * that one by one, in order, and so are those of which something has changed since then: the result is that of
- * going through all of them. */
+/* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled
+ * after that one by one, in order, and so are those of which something has changed since then: the result
+ * is that of going through all of them. */
 typedef struct signs_job {
     bvxi_oblique *o;
     int32_t pieces;
@@ -35,6 +35,7 @@ static void change_round(const signs_job *job, uint32_t v)
 
 static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
 {
+    /* On a plane its contours decide, off all planes the smooth number. */
     double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
                                             : bvxi_oblique_number(o, x->at);
 
@@ -52,6 +53,7 @@ static void signs_piece(void *user, int32_t index, int32_t worker)
     bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
+        /* Vertices of contours have no sign, and those of the lattice have theirs from it. */
         if (x->sign == 0) x->value = 0.0F;
         else if (!x->lattice) give_sign(o, x, bvxi_first_plane(o, (uint32_t)i));
     }
@@ -80,11 +82,14 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
             double at[3];
             uint32_t m;
             if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
+            /* A contour's own edge stays: the surface runs along it. */
             if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
             middle_of(o, v, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
             give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
         }
+
+    /* Then faces, as the edges that were split above may have left none between three. */
     for (int k = 0; k < 4; k++) {
         uint32_t v[3], m;
         double at[3];
@@ -116,6 +121,7 @@ static uint32_t link_root(const link_work *w, uint32_t i)
 
 static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
 {
+    /* The number says that it is there already, without a search. */
     if (w->number[v] != BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
     BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
@@ -128,6 +134,7 @@ static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
 
 static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
 {
+    /* First all vertices around, so that each has a number before any two are joined. */
     w->count = 0;
     BVXI_TRY(bvxi_tetra_star(o, v));
     for (uint64_t i = 0; i < o->star_count; i++) {
@@ -143,6 +150,7 @@ static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
                 if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
                     o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
                     continue;
+                /* The lower number is the root, whatever came first. */
                 x = link_root(w, w->number[t->v[a]]);
                 y = link_root(w, w->number[t->v[b]]);
                 w->joined[x > y ? x : y] = x > y ? y : x;
@@ -165,8 +173,8 @@ static int has_inside(const bvxi_oblique *o, const link_work *w)
     return 0;
 }
 
-/* The Euler number of what is inside round a vertex: 1 where its own sign opens and closes nothing. *all: there
- * is nothing else. */
+/* The Euler number of what is inside round a vertex: 1 where its own sign opens and closes nothing. *all:
+ * there is nothing else. */
 static bvx_status euler_round(bvxi_oblique *o, link_work *w, uint32_t v, int64_t *euler, int *all)
 {
     int64_t corners = 0, edges = 0, faces = 0;
@@ -198,8 +206,8 @@ static int has_whole_star(const bvxi_oblique *o, uint32_t v)
     return 1;
 }
 
-/* The sign that makes no bridge and no hole, where one does and the other does not. Those around a vertex that
- * gets another sign are to be looked at again. */
+/* The sign that makes no bridge and no hole, where one does and the other does not. Those around a vertex
+ * that gets another sign are to be looked at again. */
 static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     int64_t euler = 1;
@@ -263,6 +271,7 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
     status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
     if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
     for (uint64_t i = 0; i < torn_count && status == BVX_OK; i++) status = settle_sign(o, &w, torn[i], job);
+    /* All are judged at once; what changes from here on is marked, to be looked at again. */
     memset(job->again, 0, (size_t)job->vertices);
     if (status == BVX_OK)
         status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_loose_piece, job);
@@ -293,6 +302,7 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 /* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
 static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
 {
+    /* Half as far on the other side; a value of 0 would have no crossing beside it. */
     o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
     o->vertex[m].value = -0.5F * o->vertex[of].value;
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
@@ -319,12 +329,14 @@ static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32
     uint32_t t = BVXI_NONE, m;
     double at[3];
 
+    /* Of the tetrahedra around the edge two have the vertex; one face between them is split for both. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
     for (uint64_t i = 0; i < o->ring_count; i++) {
         const bvxi_tetra *const x = &o->tetra[o->ring[i]];
         if (bvxi_corner_of(x, u) == 4) continue;
+        /* Near the edge rather than in the middle: what lies beyond keeps most of its room. */
         for (int k = 0; k < 3; k++)
             at[k] = 0.4 * (o->vertex[a].at[k] + o->vertex[b].at[k]) + 0.2 * o->vertex[u].at[k];
         for (int k = 0; k < 4; k++)
@@ -350,6 +362,8 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
     if (t == BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
     if (!closed) return BVX_OK;
+
+    /* Of each two neighbours in the ring the vertex that both have: so each comes once, in turn. */
     o->star_count = 0;
     for (uint64_t i = 0; i < o->ring_count; i++) {
         BVXI_TRY(

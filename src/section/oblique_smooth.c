@@ -6,13 +6,13 @@
  *
  * A coarse grid of nodes covers the lattice. Where one of its lines crosses a plane, the cubic through four
  * nodes of the line is tied to the plane's distance there; between planes the sum of all squared second
- * differences is a minimum. Ties weaken where a plane says that its contours are far: what a distance is there
- * depends on the plane, and only the surface matters. The system is solved on grids of a quarter and of half
- * the nodes along each side first, each the start of the next.
+ * differences is a minimum. Ties weaken where a plane says that its contours are far: what a distance is
+ * there depends on the plane, and only the surface matters. The system is solved on grids of a quarter and of
+ * half the nodes along each side first, each the start of the next.
  *
- * Distances of planes that cross need not agree with each other, so ties are springs; what they leave on each
- * plane is spread by weights (oblique_field.c). Slices are computed apart from each other and sums are added
- * in one order: the same bits for any number of threads. */
+ * Distances of planes that cross need not agree with each other, so ties are springs; what they leave on
+ * each plane is spread by weights (oblique_field.c). Slices are computed apart from each other and sums
+ * are added in one order: the same bits for any number of threads. */
 #include "section/oblique.h"
 
 enum {
@@ -43,6 +43,7 @@ static void keys_shares(double t, double share[4])
 {
     double const s = 1.0 - t;
 
+    /* Shares sum to 1 and are symmetric in t and s, so that the number goes smoothly from cell to cell. */
     share[0] = -0.5 * t * s * s;
     share[1] = s * (1.0 + t - 1.5 * t * t);
     share[2] = t * (1.0 + s - 1.5 * s * s);
@@ -56,13 +57,17 @@ double bvxi_smooth_at(const bvxi_smooth *g, const double at[3])
     const double *node = g->node;
 
     for (int k = 0; k < 3; k++) {
+        /* Node 1 stands at the lattice's origin: one node lies before it, for the cubic's four. */
         double const x = at[k] * g->scale + 1.0;
         int32_t i = x > 1.0 ? (int32_t)x : 1;
 
+        /* Places on the border take the last cell that has a node beyond it. */
         if (i > g->size[k] - 3) i = g->size[k] - 3;
         keys_shares(x - i, share[k]);
         node += (i - 1) * (k == 0 ? 1 : k == 1 ? row : slice);
     }
+
+    /* Sums by rows, then by slices, always in this order: the same bits everywhere. */
     for (int z = 0; z < 4; z++, node += slice) {
         double flat = 0.0;
         for (int y = 0; y < 4; y++) {
@@ -85,8 +90,10 @@ static void add_tie(const smooth_work *w, const double at[3], int axis, double v
     int64_t first = -step;
     double share[4];
 
+    /* On a line of the grid only the four nodes along it have a share. */
     keys_shares(at[axis] - (int32_t)at[axis], share);
     for (int k = 0; k < 3; k++) first += (int32_t)at[k] * w->step[k];
+    /* The spring's square adds to each pair of these nodes; of symmetric pairs one half is kept. */
     for (int a = 0; a < 4; a++) {
         int64_t const node = first + a * step;
         w->residual[node] += strength * share[a] * value;
@@ -104,6 +111,7 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
     const bvxi_oblique_plane *const p = &w->o->plane[plane];
     int const b = (axis + 1) % 3, c = (axis + 2) % 3;
 
+    /* A plane along the axis crosses its lines nowhere, or too far off; the other axes tie it. */
     if (bvxi_absolute(p->normal[axis]) < 1e-6) return;
     for (int32_t j = 1; j < g->size[c] - 1; j++)
         for (int32_t i = 1; i < g->size[b] - 1; i++) {
@@ -113,9 +121,12 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
             at[c] = (j - 1) / g->scale;
             at[axis] = (p->offset - (p->normal[b] * at[b] + p->normal[c] * at[c])) / p->normal[axis];
             node[axis] = at[axis] * g->scale + 1.0;
+            /* Beyond the nodes that have two neighbours on either side the cubic is not defined. */
             if (!(node[axis] >= 1.0 && node[axis] < g->size[axis] - 2)) continue;
             node[b] = i;
             node[c] = j;
+            /* Near a contour the distance is what the body is; far from it, only a hint: the fourth power
+             * lets it fade. */
             value = bvxi_oblique_distance(w->o, plane, at);
             off = value * g->scale;
             off *= off;
@@ -132,6 +143,8 @@ static void make_tables(smooth_work *w, int axis)
 
     memset(w->plate[axis], 0, sizeof w->plate[axis]);
     memset(w->slope[axis], 0, sizeof w->slope[axis]);
+
+    /* A difference is taken where all of its nodes exist: the plate's border is free, bent by nothing. */
     for (int c = 1; c + 1 < size; c++)
         for (int a = -1; a <= 1; a++)
             for (int b = -1; b <= 1; b++)
@@ -157,20 +170,27 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
     const double *const plate_y = w->plate[1][j], *const plate_z = w->plate[2][k];
     const double *const slope_y = w->slope[1][j], *const slope_z = w->slope[2][k];
 
+    /* Zeros beside the row stand for nodes beyond the grid, so that the loops need no test for its ends. */
     memset(own, 0, sizeof own);
     memset(across, 0, sizeof across);
     memset(out, 0, (size_t)n * 8);
     memcpy(own + 2, x, (size_t)n * 8);
+
+    /* Across the rows each difference is a multiple of a whole row, which the compiler turns into vectors. */
     for (int d = -2; d <= 2; d++) {
         add_row(out, x + d * w->step[1], plate_y[d + 2], n);
         add_row(out, x + d * w->step[2], plate_z[d + 2], n);
     }
+
+    /* The mixed differences of y and z act on whole rows too; those with x wait for the loop below. */
     for (int d = -1; d <= 1; d++) {
         add_row(across + 1, x + d * w->step[1], slope_y[d + 1], n);
         add_row(across + 1, x + d * w->step[2], slope_z[d + 1], n);
         for (int e = -1; e <= 1; e++)
             add_row(out, x + d * w->step[1] + e * w->step[2], 2.0 * slope_y[d + 1] * slope_z[e + 1], n);
     }
+
+    /* Brackets fix the order of the sums, which compilers must not choose. */
     for (int32_t i = 0; i < n; i++) {
         const double *const a = w->plate[0][i], *const b = w->slope[0][i];
         double const bent = ((a[0] * own[i] + a[1] * own[i + 1]) + (a[3] * own[i + 3] + a[4] * own[i + 4])) +
@@ -189,6 +209,8 @@ static void pull_row(const smooth_work *w, int64_t first, const double *x, doubl
 
     for (int32_t i = 0; i < n; i++) out[i] += (double)band[i] * x[i];
     for (int axis = 0; axis < 3; axis++)
+        /* A band holds the pair of a node and the one d on; the pair with the one d before stands at that
+         * node. */
         for (int d = 1; d <= 3; d++) {
             int64_t const s = d * w->step[axis];
             band += room;
@@ -259,6 +281,7 @@ static bvx_status solve_plate(smooth_work *w)
     double *const way = w->way + w->padding;
     double left, first;
 
+    /* The nodes may come from a coarser level, so the first residual is not just that of the ties. */
     make_scale(w);
     memcpy(way, w->grid.node, (size_t)w->nodes * 8);
     BVXI_TRY(BVXI_SHARE(w->o->ctx, 0.0, 0.01, make_image(w)));
@@ -270,9 +293,11 @@ static bvx_status solve_plate(smooth_work *w)
 
         BVXI_TRY(BVXI_SHARE(w->o->ctx, done, done + 1.0 / SMOOTH_ROUNDS, make_image(w)));
         curvature = dot_way_image(w);
+        /* Only where rounding is all that is left: the matrix is positive. */
         if (!(curvature > 0.0)) break;
         share = left / curvature;
         left = lessen_residual(w, share);
+        /* The new way is conjugate to all before it, by the recurrence of conjugate gradients. */
         turn = left / before;
         for (uint64_t i = 0; i < w->nodes; i++) {
             w->grid.node[i] += share * way[i];
@@ -293,6 +318,8 @@ static void lay_smooth_level(smooth_work *w, double spacing)
         w->step[k] = (int64_t)w->nodes;
         w->nodes *= (uint64_t)w->grid.size[k];
     }
+
+    /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
     w->padding = 3 * (uint64_t)w->step[2];
 }
 
@@ -315,11 +342,14 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     uint64_t const bands = SMOOTH_BANDS * (w->nodes + w->padding);
     bvx_context *const ctx = w->o->ctx;
 
+    /* The bands are floats: they are most of the memory, and ties need no more digits than that. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->residual));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->image));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->scale));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (w->nodes + 2 * w->padding) * 8, what, &w->way));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bands * 4, what, &w->band));
+
+    /* A coarse solution is near in all but the details, so that few rounds are enough. */
     if (coarser->node != NULL) begin_with(w, coarser);
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
@@ -338,6 +368,8 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 
     memset(&w, 0, sizeof w);
     w.o = o;
+
+    /* The coarser nodes are needed until this level has begun with them. */
     lay_smooth_level(&w, spacing);
     BVXI_TRY(
         bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, w.nodes * 8, "the nodes of the smooth number", &w.grid.node));
@@ -352,6 +384,7 @@ bvx_status bvxi_oblique_smooth(bvxi_oblique *o)
 {
     double const spacing = o->longest > SMOOTH_NODES ? o->longest / SMOOTH_NODES : 1.0;
 
+    /* Each level has eight times the nodes of the one before it; the shares of progress follow that. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.05, make_smooth_level(o, 4.0 * spacing)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.2, make_smooth_level(o, 2.0 * spacing)));
     return BVXI_SHARE(o->ctx, 0.2, 1.0, make_smooth_level(o, spacing));

@@ -44,6 +44,8 @@ static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
     uint32_t slot;
 
     if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
+
+    /* The place of each in the lattice, from the slot of its block. */
     for (int e = 0; e < 2; e++) {
         slot = e == 0 ? one : two;
         bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
@@ -54,6 +56,8 @@ static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
         up |= (place[1][k] > place[0][k]) << k;
         down |= (place[1][k] < place[0][k]) << k;
     }
+
+    /* Edges belong to their lower end, and are numbered there by the axes that they run along. */
     slot = up != 0 ? one : two;
     return bvxi_oblique_plain_vertex(o, slot / BVXI_BLOCK_SIZE, (int)(slot % BVXI_BLOCK_SIZE), up | down);
 }
@@ -65,6 +69,8 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
     uint32_t *found;
 
     if (b->sign == 0) return contour_vertex(o, out, number);
+
+    /* Plain cells beside this one have made the vertex, and both must take the same. */
     *number = vertex_of_plain(o, in, out);
     if (*number != BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_edge_add(o, &o->crossing, in, out, &found));
@@ -83,6 +89,7 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 {
     uint32_t *t;
 
+    /* Corners on a contour may be one vertex: what is left of such a triangle is an edge. */
     if (a == b || b == c || c == a) return BVX_OK;
     BVXI_TRY(bvxi_oblique_grow(o, &o->triangle, o->triangle_count, &o->triangle_room, 12,
                                "the triangles of the surface"));
@@ -145,6 +152,8 @@ static bvx_status march_all(bvxi_oblique *o)
     uint64_t more = 0;
 
     job.o = o;
+
+    /* Counted first, so that the arrays of triangles are taken once. */
     job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
@@ -187,6 +196,7 @@ static void give_contour_points(bvxi_oblique *o)
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
+            /* A contour point that the surface does not reach is counted later. */
             if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
             o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
             memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
@@ -255,6 +265,7 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
 {
     uint64_t kept = 0;
 
+    /* What hangs together by triangles is one body. */
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++) {
@@ -265,6 +276,8 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = root_vertex(joined, (uint32_t)i);
     memset(o->kept, 0, (size_t)o->position_count);
     mark_bodies(o, joined);
+
+    /* Triangles of the others go; the order of those that stay is as it was. */
     for (uint64_t t = 0; t < o->triangle_count; t++) {
         if (!o->kept[joined[o->triangle[3 * t]]]) continue;
         if (kept != t) memcpy(o->triangle + 3 * kept, o->triangle + 3 * t, 12);
@@ -272,6 +285,7 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     }
     o->triangle_count = kept;
 
+    /* Vertices in the order in which triangles come to them; those of none have no number. */
     memset(joined, 0xff, (size_t)o->position_count * 4);
     *vertices = 0;
     for (uint64_t t = 0; t < 3 * o->triangle_count; t++) {
@@ -281,13 +295,14 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     }
 }
 
-/* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is looked at:
- * contours that are far from agreeing may leave a tear there. */
+/* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is
+ * looked at: contours that are far from agreeing may leave a tear there. */
 static bvx_status refuse_torn(bvxi_oblique *o)
 {
     uint64_t broken = 0;
 
-    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are looked at. */
+    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are
+     * looked at. */
     memset(o->kept, 0, (size_t)o->position_count);
     for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
     BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));

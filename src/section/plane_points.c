@@ -1,4 +1,5 @@
-/* plane_points.c - the points of one plane placed on it and snapped, and its loops directed: the inside is on the left of all. */
+/* plane_points.c - the points of one plane placed on it and snapped, and its loops directed: the inside is
+ * on the left of all. */
 #include "section/section.h"
 
 #include "lattice/wide.h"

@@ -168,8 +168,8 @@ static inline double bvxi_along_axis(const double axis[3], const double p[3])
     return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
 }
 
-/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their left 
- * */
+/* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their
+ * left */
 
 bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sections *given,
                            const bvx_sections_options *options, bvxi_stack *stack);
@@ -215,7 +215,8 @@ bvx_status bvxi_planes_ready(bvxi_stack *stack);
 /* One plane, with messages; these are what planes are gone over again with when something is wrong. */
 bvx_status bvxi_plane_place(bvxi_stack *stack, bvxi_plane *plane, double low[2], double high[2]);
 void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
-/* Steps of the fixed point from the grid's begin to a place along axis k; the coordinate is twice that and 1. */
+/* Steps of the fixed point from the grid's begin to a place along axis k; the coordinate is twice that and
+ * 1. */
 int32_t bvxi_snap_steps(const bvxi_stack *stack, int k, double along);
 /* 1 when a loop encloses a point of none of its segments. */
 int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);

@@ -165,8 +165,8 @@ static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
     return 1;
 }
 
-/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from: the
- * plane on which the place is inside. */
+/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from:
+ * the plane on which the place is inside. */
 static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
 {
     double value[BVXI_BLEND_SECTIONS];

@@ -229,8 +229,8 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     return bvxi_stack_open(ctx, sections_name, sections, options, stack);
 }
 
-/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be: such a
- * mesh is refused, not handed out. */
+/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
+ * such a mesh is refused, not handed out. */
 static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, int own)
 {
     bvx_certificate c;
@@ -246,8 +246,9 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     return status;
 }
 
-/* The stack with sections put in where parts are shifted, in place of the one that is open; it is on the same grid
- * and its ends reach as far. What was counted of the given sections stands in the report as it is. */
+/* The stack with sections put in where parts are shifted, in place of the one that is open; it is on the
+ * same grid and its ends reach as far. What was counted of the given sections stands in the report as it
+ * is. */
 static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
 {
     bvx_context *const ctx = s->ctx;

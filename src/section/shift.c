@@ -1,10 +1,11 @@
 /* shift.c - slanted parts: sections put in between two whose parts would share too little to join.
  *
- * A blend of two sections' distances joins what overlaps. A vessel that runs aslant may share no area with the
- * next section at all, and falls apart into ridges. Here each part moves from one section to the next
- * (shift_discs.c, shift_between.c) and sections are put in on the way, as many as make neighbours overlap by most
- * of their width. The given sections stay as they are, and what is built of all of them passes through their
- * contours exactly as without. Where no part moves by more than an eighth of its width nothing is put in. */
+ * A blend of two sections' distances joins what overlaps. A vessel that runs aslant may share no area with
+ * the next section at all, and falls apart into ridges. Here each part moves from one section to the next
+ * (shift_discs.c, shift_between.c) and sections are put in on the way, as many as make neighbours overlap
+ * by most of their width. The given sections stay as they are, and what is built of all of them passes
+ * through their contours exactly as without. Where no part moves by more than an eighth of its width
+ * nothing is put in. */
 #include "section/shift.h"
 
 /* A given plane's loops, with the steps that mending moved their points by. */
@@ -22,7 +23,8 @@ static bvx_status copy_plane(const bvxi_stack *s, const bvxi_plane *p, uint32_t 
     return BVX_OK;
 }
 
-/* Points may lie off their plane by a quarter of the way to the next one, which must hold for those put in. */
+/* Points may lie off their plane by a quarter of the way to the next one, which must hold for those put
+ * in. */
 static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_disc_groups *g)
 {
     double const gap = pair[1].w - pair[0].w;
@@ -36,6 +38,8 @@ static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_d
             if (off > most) most = off;
             if (-off > most) most = -off;
         }
+
+    /* A little less than the quarter that is checked, for rounding. */
     while (g->steps > 1 && 0.2 * gap / g->steps < most) g->steps--;
 }
 
@@ -44,6 +48,7 @@ static bvx_status add_shift_position(bvx_context *ctx, bvxi_shifted *to, double 
     bvx_sections *const body = &to->body.sections;
     uint64_t const room = to->position_room < 16 ? 16 : 2 * to->position_room;
 
+    /* Twice as many each time, as how many there will be is known only at the end. */
     if (body->section_count == to->position_room) {
         BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &to->positions, to->position_room * 8, room * 8,
                              "the positions of sections"));
@@ -60,6 +65,7 @@ static bvx_status put_between(const bvxi_stack *s, const bvxi_plane *pair, bvxi_
     bvxi_disc_groups g;
     bvx_status status = bvxi_disc_groups_open(s, on, &g);
 
+    /* Positions first, as the loops are numbered by them. */
     if (status == BVX_OK) keep_points_near(s, pair, &g);
     for (uint32_t n = 1; n < g.steps && status == BVX_OK; n++)
         status = add_shift_position(s->ctx, to, pair[0].w + (double)n / g.steps * (pair[1].w - pair[0].w));

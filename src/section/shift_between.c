@@ -1,13 +1,15 @@
-/* shift_between.c - the contours of sections between two given ones, whose parts are moved from one to the other.
+/* shift_between.c - the contours of sections between two given ones, whose parts are moved from one to the
+ * other.
  *
- * At a share t of the way a group of discs is where (1 - t) a(x - t by) + t b(x + (1 - t) by) is positive: the
- * blend of its signed distances on both planes, each moved to where the group is by then. Outlines are joined,
- * holes cut out of them, islands put in again, and the border is traced on a lattice by marching squares.
+ * At a share t of the way a group of discs is where (1 - t) a(x - t by) + t b(x + (1 - t) by) is positive:
+ * the blend of its signed distances on both planes, each moved to where the group is by then. Outlines are
+ * joined, holes cut out of them, islands put in again, and the border is traced on a lattice by marching
+ * squares.
  *
- * What the borders enclose stays within the blend of the boxes on both planes: a signed distance is at most that
- * to any line beyond its disc, and these blend to a line between both. So the added contours lie in the box of
- * the given ones. Distances have a slope of at most 1, and so has their blend: from a place that is d off the
- * border nothing within d needs a look.
+ * What the borders enclose stays within the blend of the boxes on both planes: a signed distance is at most
+ * that to any line beyond its disc, and these blend to a line between both. So the added contours lie in the
+ * box of the given ones. Distances have a slope of at most 1, and so has their blend: from a place that is d
+ * off the border nothing within d needs a look.
  *
  * Source: Herman, Zheng, Bucholtz. Shape-based Interpolation. 1992; the blend, here of moved parts. */
 #include "section/shift.h"
@@ -40,12 +42,14 @@ static double *shift_value(double *value, const shift_lattice *l, int32_t i, int
 
 /* ---- the field ---- */
 
-/* A group at a share of the way. What ends is gone half way: there its deepest place is as deep as it sank. */
+/* A group at a share of the way. What ends is gone half way: there its deepest place is as deep as it
+ * sank. */
 static double group_value(shift_lattice *l, const bvxi_disc_group *g, double t, double u, double v)
 {
     double value[2];
 
     for (int k = 0; k < 2; k++) {
+        /* The place as seen from the plane: moved back by the part of the shift that the group has gone. */
         double const back = k == 0 ? -t : 1.0 - t;
         value[k] = g->count[k] == 0
                        ? -g->deep
@@ -58,6 +62,7 @@ static double group_value(shift_lattice *l, const bvxi_disc_group *g, double t, 
 static void lattice_range(const shift_lattice *l, const bvxi_disc_group *g, double t, int32_t range[2][2])
 {
     for (int k = 0; k < 2; k++) {
+        /* Of a group that ends both boxes are the one that it has. */
         const double *const a = g->box[g->count[0] == 0], *const b = g->box[g->count[1] != 0];
         double const low = (1.0 - t) * a[k] + t * b[k], high = (1.0 - t) * a[k + 2] + t * b[k + 2];
         double const first = floor((low - l->origin[k]) / l->step[k]) - 1.0;
@@ -81,7 +86,8 @@ static void fill_group_values(shift_lattice *l, const bvxi_disc_group *g, double
                                          l->origin[1] + j * l->step[1]);
             double const far = ((d < 0.0 ? -d : d) - edge) / l->step[0];
             int32_t const most = range[0][1] - i, reach = far > most ? most : far > 0.0 ? (int32_t)far : 0;
-            /* Values that were passed over are bounds, so that the greatest of several groups has the right sign. */
+            /* Values that were passed over are bounds, so that the greatest of several groups has the
+             * right sign. */
             for (int32_t n = 0; n <= reach; n++) {
                 double *const value = shift_value(l->level, l, i + n, j);
                 double const bound = d < 0.0 ? d + n * l->step[0] : d - n * l->step[0];
@@ -102,6 +108,7 @@ static void fill_values(shift_lattice *l, double t)
 {
     size_t const n = (size_t)l->size[0] * (size_t)l->size[1];
 
+    /* Far outside, so that what is in no group's box is outside. */
     clear_values(l, l->value);
     for (uint32_t depth = 0; depth < l->g->depths; depth++) {
         clear_values(l, l->level);
@@ -115,12 +122,14 @@ static void fill_values(shift_lattice *l, double t)
     }
 }
 
-/* How deep inside a group that ends is at most, on the lattice; half the width of one that holds no point of it. */
+/* How deep inside a group that ends is at most, on the lattice; half the width of one that holds no point
+ * of it. */
 static void find_deep(shift_lattice *l, bvxi_disc_group *g)
 {
     int const k = g->count[0] == 0;
     int32_t range[2][2];
 
+    /* At its own plane, where nothing of it has sunk yet. */
     lattice_range(l, g, k, range);
     for (int32_t j = range[1][0]; j <= range[1][1]; j++)
         for (int32_t i = range[0][0]; i <= range[0][1]; i++) {
@@ -145,6 +154,7 @@ static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
                  b = *shift_value(l->value, l, i + (axis == 0), j + axis);
     double share = a / (a - b), at[2], place[3];
 
+    /* Also where the values are bounds, of which one may be infinitely large. */
     if (!(share > SHIFT_OFF)) share = SHIFT_OFF;
     if (share > 1.0 - SHIFT_OFF) share = 1.0 - SHIFT_OFF;
     at[0] = l->origin[0] + (i + (axis == 0 ? share : 0.0)) * l->step[0];
@@ -153,8 +163,8 @@ static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
     return bvxi_mended_add_point(l->s->ctx, l->to, place, 0, 0);
 }
 
-/* Sides of a cell are 0 low v, 1 high u, 2 high v, 3 low u, its corners 0 to 3 counter-clockwise from the low one;
- * side n runs from corner n to the next one. */
+/* Sides of a cell are 0 low v, 1 high u, 2 high v, 3 low u, its corners 0 to 3 counter-clockwise from the
+ * low one; side n runs from corner n to the next one. */
 static void cell_corners(shift_lattice *l, int32_t i, int32_t j, int inside[4])
 {
     inside[0] = value_inside(l, i, j);
@@ -163,8 +173,8 @@ static void cell_corners(shift_lattice *l, int32_t i, int32_t j, int inside[4])
     inside[3] = value_inside(l, i, j + 1);
 }
 
-/* The side by which a border leaves that came in by one, inside on its left. Where all four sides are crossed it
- * turns right around the corner outside when the middle is inside, else left. */
+/* The side by which a border leaves that came in by one, inside on its left. Where all four sides are
+ * crossed it turns right around the corner outside when the middle is inside, else left. */
 static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
 {
     int inside[4];
@@ -176,6 +186,8 @@ static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
                  (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
         return middle > 0.0 ? (from + 1) & 3 : (from + 3) & 3;
     }
+
+    /* Two sides are crossed: the other one of them. */
     for (int n = 1; n < 3; n++)
         if (inside[(from + n) & 3] != inside[(from + n + 1) & 3]) return (from + n) & 3;
     return (from + 3) & 3;
@@ -200,6 +212,8 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     int from = up ? 0 : 2;
 
     BVXI_TRY(bvxi_mended_add_loop(l->s->ctx, l->to, l->section, l->s->options.label));
+
+    /* Inside is on the left of the way, so that it comes into the cell below from its upper side. */
     if (!up) j--;
     for (;;) {
         /* The side's edge, as its low end and axis. */
@@ -234,8 +248,8 @@ static bvx_status trace_section(shift_lattice *l)
 
 /* ---- sections ---- */
 
-/* The grid's cells halved until the thinnest part that moves is some of them wide; half a cell aside, so that no
- * crossing lies on a line of the grid. */
+/* The grid's cells halved until the thinnest part that moves is some of them wide; half a cell aside, so
+ * that no crossing lies on a line of the grid. */
 static void lay_shift_lattice(shift_lattice *l)
 {
     const bvxi_stack *const s = l->s;
@@ -257,6 +271,7 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
 {
     double const below = l->on[0].plane->w, above = l->on[1].plane->w;
 
+    /* How deep what ends is must be known before the first section, and is the same for all. */
     for (uint32_t i = 0; i < l->g->count; i++)
         if (l->g->group[i].count[0] == 0 || l->g->group[i].count[1] == 0) find_deep(l, &l->g->group[i]);
     for (uint32_t n = 1; n < l->g->steps; n++) {
@@ -277,6 +292,7 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
     uint64_t points;
     bvx_status status;
 
+    /* The lattice follows from the thinnest part that moves, so each pair of sections has its own. */
     memset(&l, 0, sizeof l);
     l.s = s;
     l.on = on;

@@ -1,12 +1,13 @@
 /* shift_discs.c - which parts of two sections become each other, and by how much they move on the way.
  *
- * A disc is what a loop encloses, holes filled: outlines, holes and islands are discs of depth 0, 1 and 2, and
- * discs of one depth never overlap. Discs of one depth that overlap a disc of the other section form a group
- * with it. Those that overlap none are paired by their centres, the nearest first; of equally near ones that of
- * the lowest number below, then above. So the pairs do not depend on the order of anything but the loops.
+ * A disc is what a loop encloses, holes filled: outlines, holes and islands are discs of depth 0, 1 and 2,
+ * and discs of one depth never overlap. Discs of one depth that overlap a disc of the other section form a
+ * group with it. Those that overlap none are paired by their centres, the nearest first; of equally near ones
+ * that of the lowest number below, then above. So the pairs do not depend on the order of anything but the
+ * loops.
  *
- * A group of one disc on either plane moves from one centre to the other; where a part splits or joins, no single
- * shift is right and it stays where it is. A disc that is left alone ends half way. */
+ * A group of one disc on either plane moves from one centre to the other; where a part splits or joins, no
+ * single shift is right and it stays where it is. A disc that is left alone ends half way. */
 #include "section/shift.h"
 
 #include <math.h>
@@ -75,6 +76,7 @@ static void make_discs(bvxi_discs *d)
     const bvxi_plane *const p = d->plane;
     uint64_t group = 0, box = 0;
 
+    /* A view takes its segments by number; the numbers of a loop follow each other. */
     for (uint32_t i = 0; i < p->point_count; i++) d->segment[i] = i;
     for (uint32_t c = 0; c < d->count; c++) {
         bvxi_disc *const disc = &d->disc[c];
@@ -168,7 +170,8 @@ static int has_point_in(const bvxi_disc *a, const bvxi_disc *b)
     return 0;
 }
 
-/* By their points. Two that cross like a plus have none in each other; their centres pair them all the same. */
+/* By their points. Two that cross like a plus have none in each other; their centres pair them all the
+ * same. */
 static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
 {
     for (int k = 0; k < 2; k++)
@@ -181,6 +184,7 @@ static void join_overlapping(bvxi_discs on[2], uint8_t *met)
     for (uint32_t i = 0; i < on[0].count; i++)
         for (uint32_t j = 0; j < on[1].count; j++) {
             const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
+            /* A hole over an outline is no overlap of parts. */
             if (a->depth != b->depth || !discs_overlap(a, b)) continue;
             met[i] = met[on[0].count + j] = 1;
             join_discs(on, i, on[0].count + j);
@@ -218,8 +222,8 @@ static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t 
     return near;
 }
 
-/* The nearest pair of all is joined, until none is left. What was nearest to each disc is looked for again only
- * when another has taken it. */
+/* The nearest pair of all is joined, until none is left. What was nearest to each disc is looked for again
+ * only when another has taken it. */
 static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, double reach)
 {
     for (uint32_t i = 0; i < on[0].count; i++)
@@ -230,6 +234,7 @@ static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, doubl
             if (!met[i] && near[i].to != BVXI_NONE &&
                 (best == BVXI_NONE || near[i].square < near[best].square))
                 best = i;
+        /* None left that has anything within reach. */
         if (best == BVXI_NONE) return;
 
         if (met[on[0].count + near[best].to]) {
@@ -248,6 +253,7 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
     bvxi_disc *const d = &on[k].disc[number];
     bvxi_disc_group *const group = &g->group[d->root];
 
+    /* The box of all discs of the group on this plane. */
     for (int i = 0; i < 2; i++) {
         if (group->count[k] == 0 || d->box[i] < group->box[k][i]) group->box[k][i] = d->box[i];
         if (group->count[k] == 0 || d->box[i + 2] > group->box[k][i + 2])
@@ -282,6 +288,7 @@ static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *gr
     double const share = width > 0.0 ? far * SHIFT_STEPS_A_WIDTH / width : 0.0;
     double const steps = floor(share) < share ? floor(share) + 1.0 : share;
 
+    /* Discs that overlap may have centres farther apart than is to be shifted: they stay where they are. */
     if (far > reach) return;
     for (int k = 0; k < 2; k++) group->by[k] = b->centre[k] - a->centre[k];
     if (!(steps > 1.0)) return;
@@ -343,6 +350,7 @@ double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *g, int 
         bvxi_disc *const d = &on[k].disc[i];
         double const at[2] = {u, v};
         double distance;
+        /* Neither nearer nor around the place. */
         if (disc_box_distance(d->box, u, v) > least) continue;
         distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
         if (distance < least) least = distance;
