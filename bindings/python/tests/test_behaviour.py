@@ -280,3 +280,18 @@ def test_squares_are_of_cubes():
     grid = bitvox.Grid.from_numpy(np.ones((4, 4, 4)), spacing=(1, 2, 3))
     with pytest.raises(bitvox.ArgumentError, match="squares=False"):
         grid.distance(squares=True)
+
+
+@pytest.mark.parametrize("name", ["dilate", "erode", "open", "close", "components", "label"])
+def test_connectivity_is_one_word(name):
+    grid = bitvox.Grid.from_numpy(ball_grid(12))
+    call = getattr(grid, name)
+    for connectivity in (6, 18, 26):
+        call(connectivity=connectivity)
+    with pytest.raises(bitvox.ArgumentError, match=r"^connectivity is 7[;,]"):
+        call(connectivity=7)
+
+
+def test_everything_says_what_it_is(knot):
+    assert repr(bitvox.Closest(knot)) == f"Closest({knot.n_vertices} vertices, {knot.n_faces} faces)"
+    assert repr(bitvox.slice_mesh(box_mesh((0, 0, 0), (4, 4, 4)), spacing=4.0)) == "Sections(1 plane, 1 loop, 1 body)"

@@ -154,11 +154,11 @@ def test_morphology_of_chunks(local, size, beyond):
     grid, volume = stretched()
     cut = volume(size)
     for name in ("dilate", "erode", "open", "close"):
-        for options in ({}, {"neighbourhood": 26}, {"steps": 3, "neighbourhood": 18}, {"radius": 0.8}, {"radius": 2.0}):
+        for options in ({}, {"connectivity": 26}, {"steps": 3, "connectivity": 18}, {"radius": 0.8}, {"radius": 2.0}):
             made = getattr(cut, name)(**options, beyond=beyond).compute()
             assert made.content_hash() == getattr(grid, name)(**options, beyond=beyond).content_hash(), (name, options)
     assert cut.hollow(1.0, beyond=beyond).compute() == grid.hollow(1.0, beyond=beyond) != grid
-    for wrong in (lambda: cut.dilate(neighbourhood=7), lambda: cut.open(0), lambda: cut.erode(2, radius=1.0), lambda: cut.close(radius=-1.0), lambda: cut.hollow(0.0)):
+    for wrong in (lambda: cut.dilate(connectivity=7), lambda: cut.open(0), lambda: cut.erode(2, radius=1.0), lambda: cut.close(radius=-1.0), lambda: cut.hollow(0.0)):
         with pytest.raises(bitvox.Error):
             wrong()  # before anything is computed
 

@@ -20,9 +20,9 @@ def random_grid(seed, shape, share, spacing=1.0):
 @settings(deadline=None, max_examples=40)
 @given(st.integers(0, 2**32), st.tuples(st.sampled_from([1, 63, 64, 65, 127, 128, 129]), st.integers(1, 9), st.integers(1, 9)),
        st.sampled_from([0.02, 0.4, 0.95]), st.sampled_from([6, 18, 26]), st.integers(1, 4), st.booleans())
-def test_neighbourhoods(seed, shape, share, neighbourhood, steps, beyond):
+def test_neighbourhoods(seed, shape, share, connectivity, steps, beyond):
     array, grid = random_grid(seed, shape, share)
-    structure = ndimage.generate_binary_structure(3, STRUCTURES[neighbourhood])
+    structure = ndimage.generate_binary_structure(3, STRUCTURES[connectivity])
     room = 2 * steps + 1
     wide = np.pad(array, room, constant_values=beyond)
     inner = tuple(slice(room, -room) for _ in range(3))
@@ -33,7 +33,7 @@ def test_neighbourhoods(seed, shape, share, neighbourhood, steps, beyond):
     def eroded(a):
         return ndimage.binary_erosion(a, structure, iterations=steps, border_value=beyond)
 
-    options = {"neighbourhood": neighbourhood, "beyond": beyond}
+    options = {"connectivity": connectivity, "beyond": beyond}
     assert np.array_equal(grid.dilate(steps, **options).to_numpy(), dilated(wide)[inner])
     assert np.array_equal(grid.erode(steps, **options).to_numpy(), eroded(wide)[inner])
     assert np.array_equal(grid.open(steps, **options).to_numpy(), dilated(eroded(wide))[inner])
@@ -97,7 +97,7 @@ def test_hollow():
 
 def test_what_is_refused():
     grid = Grid.from_numpy(np.ones((3, 3, 3), bool), spacing=(1, 1, 2))
-    for wrong in (lambda: grid.dilate(neighbourhood=7), lambda: grid.open(2, radius=1.0),
+    for wrong in (lambda: grid.dilate(connectivity=7), lambda: grid.open(2, radius=1.0),
                   lambda: grid.close(radius=-1.0), lambda: grid.hollow(0.0), lambda: grid.hollow(1.0, drain_side="top"),
                   lambda: grid.hollow(1.0, drain_at=(1, 2, 3)), lambda: grid.distance("up"), lambda: grid.distance(dtype="int32"),
                   lambda: grid.distance(squares=True), lambda: grid.distance(beyond="full")):

@@ -42,7 +42,7 @@ NAMES = {
                                                                "labels": bitvox.Grid.label}),
     "compare": ([bitvox.compare], {}),
     "morph": ([bitvox.Grid.dilate, bitvox.Grid.hollow, bitvox.Grid.distance, bitvox.voxelize, bitvox.surface, bitvox.simplify],
-              {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", **OF_MESHES}),
+              {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", "neighbourhood": "connectivity", **OF_MESHES}),
     "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample, "no-sharp": "sharp", **OF_MESHES}),
     "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_MESHES, **OF_VOLUMES}),
     "info": ([bitvox.read, bitvox.read_volume], {"crossings": bitvox.Mesh.crossings, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
@@ -172,10 +172,10 @@ def grids(tmp_path):
     return a, b
 
 
-@pytest.mark.parametrize("action, options", [("dilate", {"steps": 3, "neighbourhood": 18}), ("erode", {"radius": 0.25, "beyond": "set"}), ("open", {"neighbourhood": 26}),
+@pytest.mark.parametrize("action, options", [("dilate", {"steps": 3, "connectivity": 18}), ("erode", {"radius": 0.25, "beyond": "set"}), ("open", {"connectivity": 26}),
                                              ("close", {"radius": 0.3}), ("hollow", {"thickness": 0.2, "drain": 0.12, "drain_side": "y-high"})])
 def test_morph(tmp_path, grids, action, options):
-    words = [w for name, value in options.items() for w in ("--" + name.replace("_", "-"), value)]
+    words = [w for name, value in options.items() for w in ("--" + {"connectivity": "neighbourhood"}.get(name, name).replace("_", "-"), value)]
     program("morph", action, tmp_path / "a.bvx", "-o", tmp_path / "c.bvx", *words)
     if "beyond" in options:
         options = {**options, "beyond": options["beyond"] == "set"}

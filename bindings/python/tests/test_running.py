@@ -302,7 +302,7 @@ def everything(mesh, grid):
         bitvox.loads(bitvox.dumps(mesh, "ply"), "ply").content_hash(), bitvox.render(mesh, size=(40, 30)).png(),
         bitvox.render(grid, size=(40, 30), slices=("z", 2)).png(), (grid | grid).content_hash(), bitvox.Lattice.fit(mesh, resolution=9),
         bitvox.boolean(mesh, surface, "union", resolution=20).content_hash(), (grid - ~grid ^ grid & grid).content_hash(),
-        [g.content_hash() for g in (grid.dilate(2), grid.erode(neighbourhood=26), grid.open(radius=2.0), grid.close(steps=2), grid.hollow(1.5))],
+        [g.content_hash() for g in (grid.dilate(2), grid.erode(connectivity=26), grid.open(radius=2.0), grid.close(steps=2), grid.hollow(1.5))],
         [g.content_hash() for g in (grid.downsample(2), grid.crop(), grid.pad(3), grid.permute("zyx", "y"), grid.resample(solid.lattice))],
         grid.distance("signed", nearest=True)[1].tobytes(), grid.distance(squares=True).tobytes(), grid.coverage(3).tobytes(), grid.content(),
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,

@@ -135,7 +135,7 @@ def compare(at):
 
 def morph(at):
     for action, words, options in (("dilate", ("--steps", 2), {"steps": 2}), ("erode", ("--radius", 0.2), {"radius": 0.2}), ("open", (), {}),
-                                   ("close", ("--neighbourhood", 26), {"neighbourhood": 26}), ("hollow", ("--thickness", 0.3), {"thickness": 0.3})):
+                                   ("close", ("--neighbourhood", 26), {"connectivity": 26}), ("hollow", ("--thickness", 0.3), {"thickness": 0.3})):
         at.run("morph", action, at / "solid.bvx", "-o", at / f"{action}.bvx", *words)
         at.same(getattr(at.solid, action)(**options), f"{action}.bvx")
 

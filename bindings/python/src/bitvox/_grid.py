@@ -746,9 +746,11 @@ class Grid:
 
     # ---- growing, shrinking, distances ----
 
-    def _morphed(self, operation: Any, steps: int, neighbourhood: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
+    def _morphed(self, operation: Any, steps: int, connectivity: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
-        options.neighbourhood = in_range("neighbourhood", neighbourhood, 0, 26) if radius is None else 0
+        if radius is None and in_range("connectivity", connectivity, 0, 2**31 - 1) not in (6, 18, 26):
+            raise ArgumentError(f"connectivity is {connectivity}; it must be 6, 18 or 26")
+        options.neighbourhood = connectivity if radius is None else 0
         options.steps = in_range("steps", steps, 1, 65536)
         if radius is not None and not 0.0 <= float(radius) < float("inf"):
             raise ArgumentError(f"radius is {radius}; it must be finite and not negative")
@@ -759,7 +761,7 @@ class Grid:
             run.check(operation(run.context, self._c, options, made))
         return Grid._made(made)
 
-    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+    def dilate(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
                threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Voxels that have a set one among their neighbours, or within a ball.
 
@@ -768,11 +770,11 @@ class Grid:
         Parameters
         ----------
         steps
-            how many times the neighbourhood is applied.
-        neighbourhood
+            how many times it is done.
+        connectivity
             6 (across faces), 18 (and edges) or 26 (and corners).
         radius
-            of a ball in place of the neighbourhood; centres at most so far count [world].
+            of a ball, in place of steps and connectivity; centres at most this far count [world].
         beyond
             True when voxels beyond the window count as set.
 
@@ -781,15 +783,15 @@ class Grid:
         >>> bitvox.Grid.from_numpy(np.ones((1, 1, 1))).pad(2).dilate(radius=1.5).count
         19
         """
-        return self._morphed(lib.bvx_grid_dilate, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.bvx_grid_dilate, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
-    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+    def erode(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Voxels that have no empty one among their neighbours, or within a ball.
 
         Parameters
         ----------
-        steps, neighbourhood, radius, beyond
+        steps, connectivity, radius, beyond
             as for `dilate`.
 
         Examples
@@ -797,15 +799,15 @@ class Grid:
         >>> bitvox.Grid.from_numpy(np.ones((5, 5, 5))).erode(2).count
         1
         """
-        return self._morphed(lib.bvx_grid_erode, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.bvx_grid_erode, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
-    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+    def open(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Eroded, then dilated: without what is too thin; a part of the grid.
 
         Parameters
         ----------
-        steps, neighbourhood, radius, beyond
+        steps, connectivity, radius, beyond
             as for `dilate`.
 
         Examples
@@ -814,15 +816,15 @@ class Grid:
         >>> solid.open() <= solid
         True
         """
-        return self._morphed(lib.bvx_grid_open, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.bvx_grid_open, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
-    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False,
+    def close(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
         """Dilated, then eroded: with small gaps filled; the grid is a part of it.
 
         Parameters
         ----------
-        steps, neighbourhood, radius, beyond
+        steps, connectivity, radius, beyond
             as for `dilate`.
 
         Examples
@@ -831,7 +833,7 @@ class Grid:
         >>> solid <= solid.close()
         True
         """
-        return self._morphed(lib.bvx_grid_close, steps, neighbourhood, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.bvx_grid_close, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
     def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: Side = "z-low", drain_at: Sequence[float] | None = None,
                beyond: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:

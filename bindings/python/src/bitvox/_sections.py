@@ -290,7 +290,8 @@ class Sections:
         return shown(self, {"planes": len(self.positions), "loops": len(self.loops), "bodies": self.labels, "normal": self.normal})
 
     def __repr__(self) -> str:
-        return f"Sections({len(self.positions)} planes, {len(self.loops)} loops, {len(self.labels)} bodies)"
+        counts = ((len(self.positions), "plane", "planes"), (len(self.loops), "loop", "loops"), (len(self.labels), "body", "bodies"))
+        return f"Sections({', '.join(f'{n} {one if n == 1 else more}' for n, one, more in counts)})"
 
 
 _PARALLEL = 1e-4  # rad, as the library takes planes for parallel

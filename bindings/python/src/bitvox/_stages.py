@@ -600,7 +600,7 @@ class Closest:
 
     def __init__(self, mesh: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
         out = ffi.new("bvx_closest **")
-        self._mesh = Mesh.of(mesh)  # arrays that are the caller's stay his; for copies and equality
+        self._mesh = Mesh.of(mesh)  # the caller's arrays are not copied; for pickling and equality
         with Run(threads, memory_limit, progress) as run:
             run.check(lib.bvx_closest_create(run.context, self._mesh._view(run), out))
         self._c = ffi.gc(out[0], lib.bvxpy_free_closest)
@@ -615,6 +615,9 @@ class Closest:
 
     def __reduce__(self) -> Any:
         return Closest, (self._mesh,)
+
+    def __repr__(self) -> str:
+        return f"Closest({self._mesh.n_vertices} vertices, {self._mesh.n_faces} faces)"
 
     def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
         """The nearest points of the mesh.

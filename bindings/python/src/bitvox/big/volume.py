@@ -211,12 +211,12 @@ class Volume:
         reach = (steps,) * 3 if radius is None else _reach(self.lattice, radius)
         return self.around(_morph, [times * n for n in reach], name, (steps,), options)
 
-    def dilate(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+    def dilate(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
         """`Grid.dilate` of the whole, with a halo of ``steps`` voxels, or of the ``radius``, around each chunk.
 
         Parameters
         ----------
-        steps, neighbourhood, radius, beyond
+        steps, connectivity, radius, beyond
             as for `Grid.dilate`; ``beyond`` the lattice, that is.
 
         Examples
@@ -225,10 +225,10 @@ class Volume:
         >>> volume.dilate(2).compute() == volume.compute().dilate(2)
         True
         """
-        return self._morphed("dilate", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+        return self._morphed("dilate", 1, steps, connectivity=connectivity, radius=radius, beyond=beyond)
 
-    def erode(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.erode` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` and halo as for `dilate`.
+    def erode(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.erode` of the whole; ``steps``, ``connectivity``, ``radius``, ``beyond`` and halo as for `dilate`.
 
         Examples
         --------
@@ -236,10 +236,10 @@ class Volume:
         >>> volume.erode().compute() <= volume.compute()
         True
         """
-        return self._morphed("erode", 1, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+        return self._morphed("erode", 1, steps, connectivity=connectivity, radius=radius, beyond=beyond)
 
-    def open(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.open` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
+    def open(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.open` of the whole; ``steps``, ``connectivity``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
 
         Examples
         --------
@@ -247,10 +247,10 @@ class Volume:
         >>> volume.open().compute() == volume.compute().open()
         True
         """
-        return self._morphed("open", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+        return self._morphed("open", 2, steps, connectivity=connectivity, radius=radius, beyond=beyond)
 
-    def close(self, steps: int = 1, *, neighbourhood: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
-        """`Grid.close` of the whole; ``steps``, ``neighbourhood``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
+    def close(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False) -> Volume:
+        """`Grid.close` of the whole; ``steps``, ``connectivity``, ``radius``, ``beyond`` as for `dilate`, with twice its halo.
 
         Examples
         --------
@@ -258,7 +258,7 @@ class Volume:
         >>> volume.close().compute() == volume.compute().close()
         True
         """
-        return self._morphed("close", 2, steps, neighbourhood=neighbourhood, radius=radius, beyond=beyond)
+        return self._morphed("close", 2, steps, connectivity=connectivity, radius=radius, beyond=beyond)
 
     def hollow(self, thickness: float, *, beyond: bool = False) -> Volume:
         """`Grid.hollow` of the whole, without a drain hole, which would have to look at all of it; the halo is the thickness.
