@@ -333,7 +333,8 @@ BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
  *  dropped  out: the number of triangles removed
  *  Returns BVX_ERR_RANGE (an index beyond the vertices, with its triangle). After a failure the mesh is
  *  unchanged.
- *  [Memory: 4 bytes a vertex, where there is something to remove] [Cost: O(vertices + triangles)] */
+ *  [Memory: 4 bytes a vertex, where there is something to remove]
+ *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_mesh_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped);
 
 /** Hash of type, counts, frame, positions and triangles, the same on every machine. */
@@ -372,8 +373,9 @@ typedef struct bvx_certificate {
  *  used or not. A mesh without triangles is no error: its certificate says closed 0. [Limit: (2^32 - 1) / 3
  *  triangles]
  *  Returns BVX_ERR_RANGE (index or coordinate).
- *  [Memory: about 60 bytes a triangle] [Cost: O(triangles), radix sorts] [Exact: all but volume and area,
- *  which are sums of doubles in triangle order and the same everywhere] */
+ *  [Memory: about 60 bytes a triangle]
+ *  [Cost: O(triangles), radix sorts]
+ *  [Exact: all but volume and area, which are sums of doubles in triangle order and the same everywhere] */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
@@ -386,9 +388,10 @@ BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mes
  *  capacity  in pairs [Limit: the list has fewer than 2^32]
  *  Returns BVX_ERR_RANGE (index or coordinate; too many pairs).
  *  [Memory: 85 bytes a triangle (f64: 121) and 4 a vertex, or 10 a vertex where that is more; 24 a listed
- *  pair] [Cost: O(triangles log triangles + pairs of triangles whose boxes meet)] [Exact: for all finite
- *  doubles, without tolerance, in any order of vertices and triangles. On a thread that flushes subnormal
- *  numbers: for coordinates that are 0 or at least 2^-960 in size] */
+ *  pair]
+ *  [Cost: O(triangles log triangles + pairs of triangles whose boxes meet)]
+ *  [Exact: for all finite doubles, without tolerance, in any order of vertices and triangles. On a thread
+ *  that flushes subnormal numbers: for coordinates that are 0 or at least 2^-960 in size] */
 BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,
                                       uint32_t *pairs, uint64_t capacity);
 
@@ -397,7 +400,8 @@ BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view 
  *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, weighted by area
  *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet; 1: the mean of its vertices' normals
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: 24 bytes a vertex] [Cost: O(vertices + triangles)]
+ *  [Memory: 24 bytes a vertex]
+ *  [Cost: O(vertices + triangles)]
  *  Source: Gouraud. Continuous Shading of Curved Surfaces. 1971 */
 BVX_API bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
                                     float *vertex_normals, float *facet_normals);
@@ -417,7 +421,8 @@ typedef struct bvx_distance_report {
  *  whose nearest triangle has no area are left out of the normals' means. The order of triangles, corners and
  *  vertices does not change a bit.
  *  Returns BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE.
- *  [Memory: 72 bytes a triangle of both (f64: 108), and 8] [Cost: O((samples + triangles) log triangles)] */
+ *  [Memory: 72 bytes a triangle of both (f64: 108), and 8]
+ *  [Cost: O((samples + triangles) log triangles)] */
 BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);
 
@@ -455,7 +460,8 @@ BVX_API void bvx_lattice_options_init(bvx_lattice_options *options, size_t size)
  *  smallest count that covers them.
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index beyond the
  *  vertices, dims beyond 2^25).
- *  [Memory: none] [Cost: O(vertices + triangles)] */
+ *  [Memory: none]
+ *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                    bvx_lattice *lattice);
 
@@ -467,7 +473,8 @@ BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_vie
  *  not 0.
  *  Returns BVX_ERR_ARGUMENT (also low above high), BVX_ERR_EMPTY (a point and no spacing), BVX_ERR_RANGE (a
  *  coordinate that is not finite, dims beyond 2^25).
- *  [Memory: none] [Cost: O(1)] */
+ *  [Memory: none]
+ *  [Cost: O(1)] */
 BVX_API bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
                                        const bvx_lattice_options *options, bvx_lattice *lattice);
 
@@ -645,9 +652,11 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *  BVX_ERR_RANGE (index of a vertex or triangle: not finite, beyond the vertices, or too far from the lattice
  *  for its fixed point).
  *  [Memory: the grid, 16 bytes a vertex, 1 a row, up to 6.3 MiB for triangles, 160 KiB a worker; each rule
- *  adds what docs/rules.md lists] [Cost: O(vertices + triangles + crossings + words); VOTE three times that;
- *  REGIONS and FLOOD add bvx_voxelize_surface] [Exact: a window has the bits of the whole but for REGIONS and
- *  FLOOD. The angles of VOTE and WINDING near holes are doubles to 1e-8, the same everywhere]
+ *  adds what docs/rules.md lists]
+ *  [Cost: O(vertices + triangles + crossings + words); VOTE three times that; REGIONS and FLOOD add
+ *  bvx_voxelize_surface]
+ *  [Exact: a window has the bits of the whole but for REGIONS and FLOOD. The angles of VOTE and WINDING near
+ *  holes are doubles to 1e-8, the same everywhere]
  *  Source: "LOD by voxelization and downsampling" 2.3, with exact ties; of votes and winding numbers:
  *  docs/papers.md. */
 BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
@@ -681,7 +690,8 @@ BVX_API void bvx_compare_fills_options_init(bvx_compare_fills_options *options, 
 /** Fill a mesh by the rules parity, nonzero, vote, flood and regions, and report where they differ. On a
  *  clean closed mesh they differ only in cavities. Whole lattices only.
  *  Returns what bvx_voxelize_solid returns, but accepts a flood that finds nothing.
- *  [Memory: seven grids beside what flood needs] [Cost: that of vote, nonzero, regions and flood together] */
+ *  [Memory: seven grids beside what flood needs]
+ *  [Cost: that of vote, nonzero, regions and flood together] */
 BVX_API bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_lattice *lattice, const bvx_compare_fills_options *options,
                                      bvx_fill_comparison *comparison);
@@ -736,9 +746,9 @@ BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size)
  *  segments or points that they are (thin: they have no crossing).
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (vertex or index, as in bvx_voxelize_solid).
  *  [Memory: the grid, 16 bytes a vertex, and with several threads 4 for each triangle and tile of rows that
- *  it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel] [Cost: O(vertices +
- *  triangles + runs + words); sampled: O(points in the window); attached: twice more] [Exact: in any order of
- *  triangles and corners; a window has the bits of the whole]
+ *  it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel]
+ *  [Cost: O(vertices + triangles + runs + words); sampled: O(points in the window); attached: twice more]
+ *  [Exact: in any order of triangles and corners; a window has the bits of the whole]
  *  Source: Schwarz, Seidel. Fast Parallel Surface and Solid Voxelization on GPUs. 2010 (conservative); Laine.
  *  A Topological Approach to Voxelization. 2013 (thin); "Fast voxelization based on TIN" Algorithm 1
  *  (sampled). */
@@ -780,7 +790,8 @@ typedef struct bvx_extract_options {
 BVX_API void bvx_extract_options_init(bvx_extract_options *options, size_t size);
 
 /** The exact size of what bvx_extract_surface would make.
- *  [Memory: 16 bytes a row] [Cost: O(words + crossings)] */
+ *  [Memory: 16 bytes a row]
+ *  [Cost: O(words + crossings)] */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
                                      const bvx_extract_options *options, uint64_t *vertex_count,
                                      uint64_t *triangle_count);
@@ -794,7 +805,8 @@ BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
  *  bytes. Vertices are in order of (z, y, axis, x) of their edge, triangles of (z, y, x) of their cell.
  *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or
  *  local_frame; 2^32 vertices or more). An empty grid gives an empty mesh.
- *  [Memory: the mesh and 16 bytes a row] [Cost: O(words + crossings)]
+ *  [Memory: the mesh and 16 bytes a row]
+ *  [Cost: O(words + crossings)]
  *  Source: Lorensen, Cline. Marching Cubes. 1987; face rules and triangulations from
  *  src/surface/tables.py. */
 BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid,
@@ -833,7 +845,8 @@ BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
 /** Join meshes with keys (windows of one lattice): the result has the bytes of the whole extracted at once,
  *  keys included.
  *  Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ), BVX_ERR_RANGE.
- *  [Memory: the result, and 24 bytes a vertex or triangle of the parts] [Cost: O(n), radix sorts] */
+ *  [Memory: the result, and 24 bytes a vertex or triangle of the parts]
+ *  [Cost: O(n), radix sorts] */
 BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count,
                                   bvx_mesh *whole);
 
@@ -938,7 +951,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *  Returns BVX_ERR_ARGUMENT (also a mesh that is not as above, with an edge), BVX_ERR_EMPTY (no triangle),
  *  BVX_ERR_RANGE (coordinates; strict: a level that cannot be made).
  *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; above 20,000 triangles 1.3 MB a thread;
- *  with a colour weight 190 bytes a vertex] [Cost: O(triangles), some microseconds for each that goes]
+ *  with a colour weight 190 bytes a vertex]
+ *  [Cost: O(triangles), some microseconds for each that goes]
  *  [Exact: the order of vertices and triangles of an oriented mesh changes nothing]
  *  Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; more:
  *  docs/papers.md. */
@@ -1085,10 +1099,11 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  *  below least_part), BVX_ERR_RANGE (also target_triangles that no resolution meets).
  *  [Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to
  *  the surface and what bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both
- *  meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512, with a report 36 and 155] [Cost: the
- *  solid, closest points of the centres next to the surface, the surface; target_triangles: the solid at each
- *  resolution tried] [Exact: any order of triangles, vertices and corners of a closed mesh, also inside out,
- *  gives the same bytes]
+ *  meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512, with a report 36 and 155]
+ *  [Cost: the solid, closest points of the centres next to the surface, the surface; target_triangles: the
+ *  solid at each resolution tried]
+ *  [Exact: any order of triangles, vertices and corners of a closed mesh, also inside out, gives the same
+ *  bytes]
  *  Source: "Model repair by a vector distance field", with its formula corrected. */
 BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh,
                               const bvx_repair_options *options, bvx_mesh *repaired);
@@ -1178,7 +1193,8 @@ BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
 /** The resolution at which bvx_build_levels measures a mesh when none is given: from 256 to 320, so that the
  *  measured surface has about 16 times the triangles of the finest level.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
- *  [Memory: none] [Cost: O(triangles)] */
+ *  [Memory: none]
+ *  [Cost: O(triangles)] */
 BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh,
                                    const bvx_levels_options *options, uint64_t level_count,
                                    int32_t *resolution);
@@ -1195,7 +1211,8 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  that suffices).
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
  *  of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a border edge,
- *  400 KB, and 1.3 MB a thread above 20,000 triangles] [Cost: that of bvx_repair and bvx_mesh_simplify]
+ *  400 KB, and 1.3 MB a thread above 20,000 triangles]
+ *  [Cost: that of bvx_repair and bvx_mesh_simplify]
  *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]
  *  Source: "Model repair by a vector distance field" for the surface; for the levels as bvx_mesh_simplify. */
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
@@ -1271,8 +1288,8 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in bvx_extract_surface).
  *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them), 16 bytes a row,
  *  32 (sharp: 36) for each centre next to a mesh's part of the surface; in turns what bvx_voxelize_solid
- *  needs and what bvx_measure_field needs a triangle] [Cost: two solids, O(triangles log triangles), the
- *  closest points of these centres, the surface] */
+ *  needs and what bvx_measure_field needs a triangle]
+ *  [Cost: two solids, O(triangles log triangles), the closest points of these centres, the surface] */
 BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                int32_t operation, const bvx_boolean_options *options, bvx_mesh *result);
 
@@ -1325,7 +1342,8 @@ BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
  *  padding     voxels added on every side of the solid
  *  limited     out, may be NULL: 1 when memory decided, else 0
  *  Returns BVX_ERR_EMPTY (no triangles, or all in one point), BVX_ERR_RANGE.
- *  [Memory: none] [Cost: O(vertices + triangles)] */
+ *  [Memory: none]
+ *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
                                  const bvx_lod_options *options, uint64_t level_count, int32_t padding,
                                  int32_t *resolution, int32_t *limited);
@@ -1341,8 +1359,8 @@ BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh
  *  Returns BVX_ERR_RANGE (a resolution above the grid's; f32 as in bvx_extract_surface; a target below the
  *  triangles of the coarsest level), BVX_ERR_EMPTY (a level that keeps nothing, named).
  *  [Memory: the meshes, one coarse grid, 24 bytes a sample row and column (coverage: and 4 bytes a sample;
- *  collapse: and about 300 bytes a vertex before it)] [Cost: O(words + samples) a level, collapse O(triangles
- *  log triangles)]
+ *  collapse: and about 300 bytes a vertex before it)]
+ *  [Cost: O(words + samples) a level, collapse O(triangles log triangles)]
  *  Source: "LOD by voxelization and downsampling" 2.4, with the position inside the step and the phase
  *  defined. */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
@@ -1365,15 +1383,16 @@ typedef struct bvx_closest_point {
 
 /** Prepare a mesh. A handle that is passed again is overwritten: free it first.
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: 72 bytes a triangle (f64: 108)] [Cost: O(triangles log triangles)] */
+ *  [Memory: 72 bytes a triangle (f64: 108)]
+ *  [Cost: O(triangles log triangles)] */
 BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest);
 
 /** Find the closest points to count points, x y z each [Units: world]. Distances come from one stated
  *  evaluation in doubles, so results depend only on mesh and point. A distance beyond the largest double is
  *  infinity.
  *  Returns BVX_ERR_RANGE (a point that is not finite, with its index).
- *  [Memory: none up to 64 points, else 24 bytes a point, at most 1.5 MiB] [Cost: O(log triangles) a point
- *  near the surface, more farther off] */
+ *  [Memory: none up to 64 points, else 24 bytes a point, at most 1.5 MiB]
+ *  [Cost: O(log triangles) a point near the surface, more farther off] */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
 
@@ -1434,9 +1453,10 @@ BVX_API void bvx_field_options_init(bvx_field_options *options, size_t size);
  *  of area), BVX_ERR_RANGE (index or coordinate; EXACT, WINDING and VOTE: as bvx_voxelize_solid; voxels or
  *  distances that floats do not hold: take BVX_F64).
  *  [Memory: two grids, 8 bytes a row, 16 a value (f64: 32; without vectors 4 or 8), 5 a value for features;
- *  about that of bvx_closest_create; that of the sign: docs/rules.md] [Cost: O(triangles log triangles +
- *  values log triangles) and that of the sign] [Exact: the bytes depend on mesh and lattice only; a window
- *  has the values of the whole. EXACT, WINDING, VOTE: inside is bvx_voxelize_solid's, bit for bit]
+ *  about that of bvx_closest_create; that of the sign: docs/rules.md]
+ *  [Cost: O(triangles log triangles + values log triangles) and that of the sign]
+ *  [Exact: the bytes depend on mesh and lattice only; a window has the values of the whole. EXACT, WINDING,
+ *  VOTE: inside is bvx_voxelize_solid's, bit for bit]
  *  Source: "Model repair by a vector distance field"; Baerentzen, Aanaes. Signed Distance Computation Using
  *  the Angle Weighted Pseudonormal. 2005. */
 BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh,
@@ -1460,9 +1480,10 @@ enum {
  *  values    [Size: size[0] * size[1] * size[2], times 3 for vectors] infinite beyond the largest float
  *  Returns BVX_ERR_ARGUMENT (also a field whose rows are not those of its band), BVX_ERR_EMPTY (PROPAGATED:
  *  no value), BVX_ERR_LATTICE, BVX_ERR_RANGE.
- *  [Memory: none; PROPAGATED: 4 bytes a voxel, 12 a value] [Cost: O(voxels)] [Exact: CONSTANT, and fields
- *  whose half_width is infinity. PROPAGATED uses the window's band only, so a window may have larger
- *  distances than the whole]
+ *  [Memory: none; PROPAGATED: 4 bytes a voxel, 12 a value]
+ *  [Cost: O(voxels)]
+ *  [Exact: CONSTANT, and fields whose half_width is infinity. PROPAGATED uses the window's band only, so a
+ *  window may have larger distances than the whole]
  *  Source: Danielsson. Euclidean Distance Mapping. 1980, re-measured. */
 BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                    int32_t far_rule, int32_t vectors, float *values);
@@ -1513,7 +1534,8 @@ BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_fie
 /** Combine two grids of one lattice and window, 64 voxels at a time: a or b; a and b; a without b; one of
  *  both. In place: the result may be one of the operands (after BVX_CANCELLED its bits are then unspecified).
  *  Returns BVX_ERR_LATTICE (their lattices or windows differ, and in which field).
- *  [Memory: the result] [Cost: O(words)] */
+ *  [Memory: the result]
+ *  [Cost: O(words)] */
 BVX_API bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                   bvx_grid *result);
 BVX_API bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
@@ -1530,9 +1552,10 @@ BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *gri
  *  between centres is lost: for integer factors take bvx_grid_downsample.
  *  window  of lattice; NULL or all zero: all of it
  *  Returns BVX_ERR_RANGE (an invalid lattice or window).
- *  [Memory: the result, 4 bytes for each voxel of a line along each axis] [Cost: O(words of the result +
- *  runs)] [Exact: along each axis the voxel is floor((centre - origin) / spacing) in doubles, centre = the
- *  other origin + (index + 1/2) * its spacing; a window has the bits of the whole] */
+ *  [Memory: the result, 4 bytes for each voxel of a line along each axis]
+ *  [Cost: O(words of the result + runs)]
+ *  [Exact: along each axis the voxel is floor((centre - origin) / spacing) in doubles, centre = the other
+ *  origin + (index + 1/2) * its spacing; a window has the bits of the whole] */
 BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
                                      const bvx_window *window, bvx_grid *result);
 
@@ -1551,8 +1574,9 @@ enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
  *  rule    BVX_REDUCE_...
  *  Returns BVX_ERR_RANGE (too many voxels a block, spacing beyond doubles).
  *  [Memory: the result, 64 bytes for each word of a row, and 24 bytes times the binary digits of a block's
- *  voxels for each word of a row and worker] [Cost: O(words)] [Exact: yes; windows whose sides lie between
- *  blocks have the bits of the whole] */
+ *  voxels for each word of a row and worker]
+ *  [Cost: O(words)]
+ *  [Exact: yes; windows whose sides lie between blocks have the bits of the whole] */
 BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                        int32_t rule, bvx_grid *result);
 
@@ -1565,13 +1589,15 @@ BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid,
 
 /** The smallest window that holds all set voxels, as bvx_grid_crop takes it; all zero (which elsewhere means
  *  the whole lattice) when none is set.
- *  [Memory: 24 bytes for each of up to 256 parts] [Cost: O(words)] */
+ *  [Memory: 24 bytes for each of up to 256 parts]
+ *  [Cost: O(words)] */
 BVX_API bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window);
 
 /** The same lattice through another window, which may reach beyond the grid's own, where all is empty.
  *  window  NULL or all zero: the whole lattice
  *  Returns BVX_ERR_RANGE (a window outside the lattice).
- *  [Memory: the result] [Cost: O(words of the result)] */
+ *  [Memory: the result]
+ *  [Cost: O(words of the result)] */
 BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
                                  bvx_grid *result);
 
@@ -1587,7 +1613,8 @@ BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, cons
  *  window are permuted too; a flip mirrors the lattice's box in itself, so the origin stays.
  *  axes   0, 1, 2 in any order
  *  flips  0 or 1 each; NULL: none
- *  [Memory: the result] [Cost: O(words), rows that turn in blocks of 64 x 64 bits] */
+ *  [Memory: the result]
+ *  [Cost: O(words), rows that turn in blocks of 64 x 64 bits] */
 BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
                                     const int32_t flips[3], bvx_grid *result);
 
@@ -1614,9 +1641,9 @@ BVX_API void bvx_morph_options_init(bvx_morph_options *options, size_t size);
  *  close   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid
  *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400).
  *  [Memory: the result, and some slices for each worker; balls of more than 35 voxels up to 136 bytes a row;
- *  open and close with a ball one or two more grids (docs/rules.md)] [Cost: O(words * steps); a ball: O(words
- *  * radius^2), at most O(voxels)] [Exact: yes; a window with a halo of the reach (open, close: twice) has
- *  the bits of the whole]
+ *  open and close with a ball one or two more grids (docs/rules.md)]
+ *  [Cost: O(words * steps); a ball: O(words * radius^2), at most O(voxels)]
+ *  [Exact: yes; a window with a halo of the reach (open, close: twice) has the bits of the whole]
  *  Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance. */
 BVX_API bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid,
                                    const bvx_morph_options *options, bvx_grid *result);
@@ -1698,9 +1725,10 @@ BVX_API void bvx_distance_options_init(bvx_distance_options *options, size_t siz
  *  values      [Size: nx * ny * nz] [Units: world]
  *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100).
  *  [Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of
- *  the longer side along y or z for each worker] [Cost: O(voxels), SIGNED twice] [Exact: which voxel is
- *  nearest is decided without rounding; of cubic voxels the square is an integer. A window with a halo has
- *  the values of the whole up to the distance to the halo's end]
+ *  the longer side along y or z for each worker]
+ *  [Cost: O(voxels), SIGNED twice]
+ *  [Exact: which voxel is nearest is decided without rounding; of cubic voxels the square is an integer. A
+ *  window with a halo has the values of the whole up to the distance to the halo's end]
  *  Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear
  *  Time. 2000. */
 BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid,
@@ -1731,8 +1759,9 @@ typedef struct bvx_component {
  *  connectivity  6: across faces; 18: and edges; 26: and corners
  *  parts         [Size: capacity]
  *  Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more).
- *  [Memory: 4 bytes a run and 24 for each word of a slice] [Cost: O(words + runs)] [Exact: of the voxels in
- *  the window]
+ *  [Memory: 4 bytes a run and 24 for each word of a slice]
+ *  [Cost: O(words + runs)]
+ *  [Exact: of the voxels in the window]
  *  Source: Rosenfeld, Pfaltz. Sequential Operations in Digital Picture Processing. 1966; on runs, 64 voxels
  *  at a time. */
 BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
@@ -1743,7 +1772,8 @@ BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *gri
  *  labels  not NULL [Size: capacity; size[0] * size[1] * size[2] at least]
  *  count   out: the number of components; may be NULL
  *  Returns what bvx_grid_components returns.
- *  [Memory: its] [Cost: O(voxels)] */
+ *  [Memory: its]
+ *  [Cost: O(voxels)] */
 BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                   uint32_t *labels, uint64_t capacity, uint64_t *count);
 
@@ -1770,7 +1800,8 @@ BVX_API void bvx_keep_options_init(bvx_keep_options *options, size_t size);
 
 /** Keep some of a grid's components. In place: the result may be the grid.
  *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index), BVX_ERR_RANGE.
- *  [Memory: the result, that of bvx_grid_components, and 9 bytes a part] [Cost: O(words + runs)] */
+ *  [Memory: the result, that of bvx_grid_components, and 9 bytes a part]
+ *  [Cost: O(words + runs)] */
 BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                  bvx_grid *result);
 
@@ -1781,7 +1812,8 @@ BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, con
  *  filled        out, may be NULL: voxels that were set
  *  Returns what bvx_grid_keep returns.
  *  [Memory: the result, 4 bytes a run of empty voxels, 24 for each word of a slice, and 10 a component of the
- *  empty voxels] [Cost: O(words + runs)] */
+ *  empty voxels]
+ *  [Cost: O(words + runs)] */
 BVX_API bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                           uint64_t at_most, bvx_grid *result, uint64_t *filled);
 
@@ -1800,7 +1832,8 @@ typedef struct bvx_topology {
  *                connect only across faces, and empty ones across edges and corners too
  *  Returns BVX_ERR_RANGE.
  *  [Memory: that of bvx_grid_components for set and for empty voxels, and a byte a component of the empty
- *  ones] [Cost: O(words + runs)]
+ *  ones]
+ *  [Cost: O(words + runs)]
  *  Source: Gray. Local Properties of Binary Images in Two Dimensions. 1971: the Euler number of cells, summed
  *  over rows (docs/rules.md). */
 BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
@@ -1828,8 +1861,8 @@ typedef struct bvx_seed {
  *  limit    maximum number of lines to scan [Default: 0, all]
  *  seed     out; found 0 is no error
  *  Returns BVX_ERR_RANGE; with a mesh as bvx_voxelize_solid.
- *  [Memory: none; with a mesh that of the rule vote] [Cost: O(lines scanned); with a mesh and that of the
- *  rule vote]
+ *  [Memory: none; with a mesh that of the rule vote]
+ *  [Cost: O(lines scanned); with a mesh and that of the rule vote]
  *  Source: "Fast voxelization based on TIN" Algorithm 2, bounded, and with its seed verified. */
 BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                  uint64_t limit, bvx_seed *seed);
@@ -1848,8 +1881,8 @@ BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surfac
  *  6), edges too (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
  *  seeds  x y z each, of the grid's window, none on a set voxel [Size: seed_count * 3]
  *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its index), BVX_ERR_RANGE.
- *  [Memory: the result, 4 bytes a run of empty voxels and 24 for each word of a slice] [Cost: O(words +
- *  runs)] */
+ *  [Memory: the result, 4 bytes a run of empty voxels and 24 for each word of a slice]
+ *  [Cost: O(words + runs)] */
 BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,
                                  uint64_t seed_count, int32_t connectivity, bvx_grid *filled);
 
@@ -1870,8 +1903,8 @@ typedef struct bvx_ray_hit {
  *  stated evaluation in doubles. A ray that starts on a face has t 0 and axis -1.
  *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
  *  finite, with its index).
- *  [Memory: for many rays 1/512 of the grid] [Cost: O(voxels crossed), empty words and bricks of 8 x 8 x 8
- *  passed at once] */
+ *  [Memory: for many rays 1/512 of the grid]
+ *  [Cost: O(voxels crossed), empty words and bricks of 8 x 8 x 8 passed at once] */
 BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
                                  uint64_t count, double t_max, bvx_ray_hit *hits);
 
@@ -1895,7 +1928,8 @@ typedef struct bvx_grid_difference {
 
 /** Compare two grids.
  *  Returns BVX_ERR_LATTICE (their lattices or windows differ, and in which field).
- *  [Memory: 12 bytes a run of differing voxels and 24 for each word of a slice] [Cost: O(words + runs)] */
+ *  [Memory: 12 bytes a run of differing voxels and 24 for each word of a slice]
+ *  [Cost: O(words + runs)] */
 BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                     bvx_grid_difference *difference);
 
@@ -1904,7 +1938,8 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 /** A lattice around a cloud of points, as bvx_lattice_fit_with around a mesh. All vertices of the view count;
  *  triangles are ignored.
  *  Returns BVX_ERR_EMPTY (no point; only one position and no spacing), BVX_ERR_RANGE.
- *  [Memory: none] [Cost: O(points)] */
+ *  [Memory: none]
+ *  [Cost: O(points)] */
 BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points,
                                           const bvx_lattice_options *options, bvx_lattice *lattice);
 
@@ -1938,8 +1973,9 @@ BVX_API void bvx_points_options_init(bvx_points_options *options, size_t size);
  *  Returns BVX_ERR_ARGUMENT (also a window with body), BVX_ERR_EMPTY (no points), BVX_ERR_RANGE (a point that
  *  is not finite, with its index).
  *  [Memory: the grid; one more for each binary digit of minimum - 1; body: a grid of close_gaps more voxels a
- *  side, and what bvx_grid_fill_cavities needs for that] [Cost: O(points + words); body: as
- *  bvx_grid_fill_cavities, and O(words * log gap)] [Exact: a window has the bits of the whole] */
+ *  side, and what bvx_grid_fill_cavities needs for that]
+ *  [Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap)]
+ *  [Exact: a window has the bits of the whole] */
 BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points,
                                        const bvx_lattice *lattice, const bvx_points_options *options,
                                        bvx_grid *grid);
@@ -1989,8 +2025,9 @@ typedef struct bvx_volume_report {
  *  report     may be NULL
  *  Returns BVX_ERR_ARGUMENT (also a view with an invalid type, stride or reserved field), BVX_ERR_RANGE
  *  (window outside the lattice).
- *  [Memory: the grid, and 12 KiB with a report] [Cost: O(samples), read once in the order of the fastest
- *  axis, 64 at a time] [Exact: for all types, no sample is rounded; a window has the bits of the whole] */
+ *  [Memory: the grid, and 12 KiB with a report]
+ *  [Cost: O(samples), read once in the order of the fastest axis, 64 at a time]
+ *  [Exact: for all types, no sample is rounded; a window has the bits of the whole] */
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
@@ -2018,8 +2055,8 @@ BVX_API void bvx_scalar_options_init(bvx_scalar_options *options, size_t size);
  *        has no crossing
  *  Returns BVX_ERR_RANGE (positions too coarse: take BVX_POSITION_AUTO, f64 or local_frame; 2^32 vertices or
  *  more).
- *  [Memory: the mesh, one bit a sample and 16 bytes a row] [Cost: O(samples), read once, and samples next to
- *  the surface again]
+ *  [Memory: the mesh, one bit a sample and 16 bytes a row]
+ *  [Cost: O(samples), read once, and samples next to the surface again]
  *  Source: Lorensen, Cline. Marching Cubes. 1987; triangulations from src/surface/tables.py. */
 BVX_API bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
                                       const bvx_scalar_options *options, bvx_mesh *mesh);
@@ -2035,7 +2072,8 @@ typedef struct bvx_label {
 /** The values other than 0 of a volume of integers, ascending, each with its voxels and their box.
  *  bvx_threshold from a value to itself gives a label's voxels.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_CAPACITY.
- *  [Memory: up to 200 bytes a label] [Cost: O(samples)] */
+ *  [Memory: up to 200 bytes a label]
+ *  [Cost: O(samples)] */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
 
@@ -2260,9 +2298,9 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes
  *  that contradict each other: all named), BVX_ERR_RANGE (not finite, an index beyond its array or the
  *  limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
- *  [Memory: about 150 bytes a contour point or crossing, 20 a cell of one section, the mesh twice] [Cost:
- *  O(crossings log points + cells / 64 a section), times layers between sections] [Exact: inside tests, in
- *  fixed point of 2^-29 of the extent]
+ *  [Memory: about 150 bytes a contour point or crossing, 20 a cell of one section, the mesh twice]
+ *  [Cost: O(crossings log points + cells / 64 a section), times layers between sections]
+ *  [Exact: inside tests, in fixed point of 2^-29 of the extent]
  *  Source: "Surface modelling in section data fields", with crossings on planes by the contour;
  *  docs/papers.md. */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
@@ -2289,8 +2327,8 @@ BVX_API void bvx_slice_options_init(bvx_slice_options *options, size_t size);
  *  area divided by the perimeter).
  *  Returns BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its
  *  position), BVX_ERR_RANGE.
- *  [Memory: the points, 60 bytes each while a plane is cut, and 100 bytes a triangle] [Cost: O(triangles log
- *  triangles + points log points)] */
+ *  [Memory: the points, 60 bytes each while a plane is cut, and 100 bytes a triangle]
+ *  [Cost: O(triangles log triangles + points log points)] */
 BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh,
                                   const bvx_slice_options *options, bvx_sections *sections);
 
@@ -2355,7 +2393,8 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  *  the number of levels that fits).
  *  [Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split
  *  voxel; for the two finest split levels 20 a voxel and 5 for each triangle that touches it; a grid of up to
- *  128 MiB] [Cost: O(triangles of each split voxel + voxels)]
+ *  128 MiB]
+ *  [Cost: O(triangles of each split voxel + voxels)]
  *  Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2, with a worklist in place of one
  *  traversal. */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
@@ -2368,7 +2407,8 @@ BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, c
  *  options     in and out: its levels are set. Its window and tolerance are considered
  *  base        out
  *  Returns what bvx_lattice_fit returns.
- *  [Memory: none] [Cost: O(triangles)] */
+ *  [Memory: none]
+ *  [Cost: O(triangles)] */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
 
@@ -2389,7 +2429,8 @@ BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree
 
 /** The leaves that hold voxels of the last level, three indices each.
  *  Returns BVX_ERR_RANGE (a voxel beyond the lattice, with its index).
- *  [Memory: none] [Cost: O(levels) a voxel] */
+ *  [Memory: none]
+ *  [Cost: O(levels) a voxel] */
 BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels,
                                  uint64_t count, bvx_octree_leaf *leaves);
 
@@ -2419,13 +2460,15 @@ typedef struct bvx_octree_hit {
 /** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). The lowest (t, z, y,
  *  x) is that of the leaves' low corners.
  *  Returns what bvx_grid_cast returns.
- *  [Memory: none] [Cost: O(rows of the base + octets crossed) a ray] */
+ *  [Memory: none]
+ *  [Cost: O(rows of the base + octets crossed) a ray] */
 BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states,
                                    const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits);
 
 /** The leaves in a set of states (0: surface and inside), by base voxel (z, y, x), within it along the curve
  *  that takes x first, then y, then z at each level.
- *  [Memory: none] [Cost: O(voxels)] */
+ *  [Memory: none]
+ *  [Cost: O(voxels)] */
 BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
 
@@ -2435,7 +2478,8 @@ BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tre
  *  states  BVX_STATE_... added; 0: surface and inside
  *  window  of the level's lattice; NULL or all zero: all of it
  *  Returns BVX_ERR_RANGE.
- *  [Memory: the grid] [Cost: O(words + voxels in the window)] */
+ *  [Memory: the grid]
+ *  [Cost: O(words + voxels in the window)] */
 BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
                                      int32_t states, const bvx_window *window, bvx_grid *grid);
 
@@ -2444,8 +2488,8 @@ BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tre
  *  sides closed. mesh brings no arrays of the caller's.
  *  Returns what bvx_octree_expand, bvx_extract_surface and bvx_mesh_merge return; dims are below 2^20, as for
  *  keys.
- *  [Memory: the surface twice, with keys, and what merging takes] [Cost: O(surface + blocks of 256 x 256 x
- *  256 voxels)] */
+ *  [Memory: the surface twice, with keys, and what merging takes]
+ *  [Cost: O(surface + blocks of 256 x 256 x 256 voxels)] */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
 
@@ -2525,7 +2569,8 @@ BVX_API bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes,
  *  BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are ignored
  *  Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite), BVX_ERR_EMPTY
  *  (no point).
- *  [Memory: the points, at most 16 times size and 32 KiB] [Cost: O(bytes)] */
+ *  [Memory: the points, at most 16 times size and 32 KiB]
+ *  [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                    bvx_mesh *points);
 
@@ -2561,7 +2606,8 @@ BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
  *  The readers here skip them.
  *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles)
  *  or OFF.
- *  [Memory: normals: 24 bytes a vertex more] [Cost: O(vertices + triangles)] */
+ *  [Memory: normals: 24 bytes a vertex more]
+ *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
                                        const bvx_write_options *options, int32_t format, bvx_buffer *file);
 
@@ -2583,7 +2629,8 @@ typedef struct bvx_write_report {
  *  Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0
  *  then.
  *  [Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and
- *  10 a vertex while equal ones are counted] [Cost: O(vertices + triangles)] */
+ *  10 a vertex while equal ones are counted]
+ *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                      int32_t format, bvx_write_report *reports);
 
@@ -2597,8 +2644,8 @@ BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *level
  *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds: 2^32 - 1
  *  bytes, f32 positions about the centre), BVX_ERR_UNSUPPORTED (another format). Messages name the level.
  *  [Memory: the file; 24 bytes a vertex of all levels; with uv_triangles 12 bytes a triangle and 8 a vertex
- *  as written, and 72 a triangle of one level at a time; about 450 bytes a level] [Cost: O(vertices +
- *  triangles)]
+ *  as written, and 72 a triangle of one level at a time; about 450 bytes a level]
+ *  [Cost: O(vertices + triangles)]
  *  Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0. */
 BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                     int32_t format, bvx_buffer *file);
@@ -2612,8 +2659,8 @@ BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
  *  Returns BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
  *  that it cannot hold).
- *  [Memory: the file; BINVOX: and 64 layers of x a worker] [Cost: O(voxels) bytes written; BVX, BINVOX:
- *  O(words + runs)] */
+ *  [Memory: the file; BINVOX: and 64 layers of x a worker]
+ *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format,
                                   bvx_buffer *file);
 
@@ -2631,7 +2678,8 @@ BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree
 /** Read an octree from the bytes of a .bvx file that bvx_write_octree made; *tree as for bvx_refine.
  *  Everything is checked before anything is allocated, and no file expands to more than its bytes.
  *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version).
- *  [Memory: the tree, at most twice size and 32 KiB] [Cost: O(bytes)] */
+ *  [Memory: the tree, at most twice size and 32 KiB]
+ *  [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
 
 /** Write a field, dense, in its own type: signed distances (vectors 0) or vectors (1). Beyond the band stand
@@ -2643,7 +2691,8 @@ BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint
  *  BVX_FORMAT_VTI   point data "distance" or "vector" at the centres, raw appended; Origin is the first one
  *  Returns BVX_ERR_ARGUMENT (also a field without vectors, or whose rows are not those of its band),
  *  BVX_ERR_LATTICE, BVX_ERR_UNSUPPORTED (no format for fields), BVX_ERR_RANGE.
- *  [Memory: the file] [Cost: O(voxels)] */
+ *  [Memory: the file]
+ *  [Cost: O(voxels)] */
 BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors,
                                    int32_t format, bvx_buffer *file);
 
@@ -2657,7 +2706,8 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
  *  limits), BVX_ERR_UNSUPPORTED (compressed data, more than one model, turned axes).
  *  [Memory: the grid, and at most size and 32 KiB (VTI in base64: the decoded samples; BVX: the offsets of
  *  slices); BINVOX: and 64 layers of x a worker. Packed formats can expand to far more than their bytes: set
- *  a memory limit for files from strangers] [Cost: O(bytes + words)] */
+ *  a memory limit for files from strangers]
+ *  [Cost: O(bytes + words)] */
 BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  const bvx_window *window, bvx_grid *grid);
 
@@ -2697,7 +2747,8 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *                  ny, nz of any direction (normals are set). A first point repeated at the end is left out
  *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (no contour format), BVX_ERR_EMPTY,
  *  BVX_ERR_RANGE.
- *  [Memory: with the stack at most 40 times size and 32 KiB] [Cost: O(bytes)] */
+ *  [Memory: with the stack at most 40 times size and 32 KiB]
+ *  [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                      const bvx_read_sections_options *options, bvx_sections *sections);
 
