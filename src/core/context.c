@@ -124,10 +124,10 @@ static void place_pool(bvx_context *c)
 }
 
 /* The context and its helpers' state, where they are the library's own. */
-static size_t context_size(const bvx_context_options *o)
+static size_t context_size(const bvx_context_options *o, int32_t threads)
 {
     return aligned_size(sizeof(bvx_context)) +
-           (o->parallel == NULL ? aligned_size(bvxi_pool_size(choose_threads(o))) : 0);
+           (o->parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
 }
 
 const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options)
@@ -136,7 +136,8 @@ const char *bvx_context_fault(int32_t header_version, const bvx_context_options 
     context_fault const f = take_context_options(header_version, options, &o);
 
     /* Nothing is written to the arena, which may be another context's. */
-    if (f.status != BVX_OK || o.arena == NULL || fits_in_arena(o.arena, o.arena_size, context_size(&o)))
+    if (f.status != BVX_OK || o.arena == NULL ||
+        fits_in_arena(o.arena, o.arena_size, context_size(&o, choose_threads(&o))))
         return f.text;
     return "the arena is too small for the context and its threads";
 }
@@ -162,8 +163,8 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
 
     /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
      * context takes. */
-    threads = choose_threads(&o);
-    size = context_size(&o);
+    threads = choose_threads(&o); /* once: to count processors takes longer than all that follows */
+    size = context_size(&o, threads);
     table = o.arena == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
     c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena)
                         : o.alloc(o.alloc_user, size + table, BVXI_ALIGN);

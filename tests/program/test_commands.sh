@@ -78,6 +78,7 @@ reports 'info --json: crossings are not counted' '"crossings" not in r["meshes"]
 works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
 refuses 2 'box.npy is not a mesh' info box.npy --crossings
+refuses 2 'waves.raw is not a mesh' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --crossings
 works 'info of a grid' info box.npy
 holds 'info: dims' says '^  dims +12 x 8 x 8$'
 holds 'info: voxels and share' says '^  voxels +128 set, 16.7 % of all$'
