@@ -48,7 +48,7 @@ static int64_t euler_of_rows(const uint64_t *const rows[4], int32_t words, uint6
 static const uint64_t *euler_row(const bvx_grid *g, int32_t y, int32_t z)
 {
     if (y < 0 || z < 0 || y >= g->size[1] || z >= g->size[2]) return NULL;
-    return g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
+    return bvxi_grid_row(g, y, z);
 }
 
 static int64_t euler_number(const bvx_grid *g, int any)

@@ -4,10 +4,10 @@
  * model. 2010, section 3, with a seed for every region in place of one, and each seed's side decided by the
  * exact rule.
  *
- * A conservative surface lets no path between face neighbours through, so on a mesh without holes all centres
- * of a region lie on one side, and those on which the three axes agree say on which. A single wrong row is
- * outvoted by its region. Where a hole joins inside and outside the region has both; then each centre keeps
- * its own vote.
+ * A conservative surface lets no path between face neighbours through, so on a mesh without holes all
+ * centres of a region lie on one side, and those on which the three axes agree say on which. A single wrong
+ * row is outvoted by its region. Where a hole joins inside and outside the region has both; then each
+ * centre keeps its own vote.
  * Guarantee: exact, global. */
 #include "fill/fills.h"
 #include "components/room.h"
@@ -26,6 +26,7 @@ static size_t region_row(const bvx_grid *g, int32_t y, int32_t z)
     return ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
 }
 
+/* For bvxi_spaces_each, one run after another: both sides of a region are known after its last run only. */
 static void look_at_run(void *user, uint32_t region, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     region_work *const w = user;

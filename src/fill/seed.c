@@ -227,9 +227,7 @@ static int find_seed_box(seed_search *s)
         for (int32_t y = 0; y < g->size[1]; y++) {
             bvxi_row_runs runs;
             int32_t begin, end, least = -1, most = 0;
-            bvxi_row_runs_start(
-                &runs, g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
-                g->size[0], 0);
+            bvxi_row_runs_start(&runs, bvxi_grid_row(g, y, z), g->size[0], 0);
             /* A row's first and last run are its ends. */
             while (bvxi_row_runs_next(&runs, &begin, &end)) {
                 if (least < 0) least = begin;

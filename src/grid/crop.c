@@ -127,8 +127,8 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
             memset(row, 0, (size_t)to->words_per_row * 8);
             continue;
         }
-        bvxi_shift_row(g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
-                       g->words_per_row, job->from[0], row, to->words_per_row);
+        bvxi_shift_row(bvxi_grid_row(g, (int32_t)y, (int32_t)z), g->words_per_row, job->from[0], row,
+                       to->words_per_row);
         /* The shift brings bits past the result's row. */
         row[to->words_per_row - 1] &= tail;
     }

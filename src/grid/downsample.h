@@ -61,7 +61,7 @@ static inline const uint64_t *bvxi_fine_row(const bvxi_downsample *d, int32_t j,
 {
     const bvx_grid *const g = d->fine;
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return NULL;
-    return g->words + ((uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j) * (uint64_t)g->words_per_row;
+    return bvxi_grid_row(g, j, k);
 }
 
 /* floor(threshold * total / 65536): a whole weight is above the threshold when it is above this. */

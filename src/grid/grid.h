@@ -43,6 +43,13 @@ static inline uint64_t bvxi_grid_words(const bvx_grid *grid)
     return bvxi_grid_rows(grid) * (uint64_t)grid->words_per_row;
 }
 
+/* The words of row (y, z), which the window has. */
+static inline uint64_t *bvxi_grid_row(const bvx_grid *grid, int32_t y, int32_t z)
+{
+    return grid->words +
+           ((uint64_t)z * (uint64_t)grid->size[1] + (uint64_t)y) * (uint64_t)grid->words_per_row;
+}
+
 /* Bits of each row's last word at or past size[0]: nothing of the library's sets them. */
 static inline uint64_t bvxi_grid_past(const bvx_grid *grid)
 {

@@ -191,9 +191,7 @@ static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t
     int32_t begin, end;
     bvxi_row_runs runs;
     memset(row, 0, (size_t)job->result->words_per_row * 8);
-    bvxi_row_runs_start(&runs,
-                        g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row,
-                        g->size[0], 0);
+    bvxi_row_runs_start(&runs, bvxi_grid_row(g, y, z), g->size[0], 0);
     /* A run of the grid becomes a run of the result: its ends are looked up, not its voxels. */
     while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
 }

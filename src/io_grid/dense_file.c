@@ -98,8 +98,7 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
     int64_t const first = x - part->low[0] < 0 ? 0 : x - part->low[0];
     int64_t const stop = end - part->low[0] > part->size[0] ? part->size[0] : end - part->low[0];
     if (j < 0 || j >= part->size[1] || k < 0 || k >= part->size[2] || first >= stop) return;
-    bvxi_set_run(grid->words + ((size_t)k * (size_t)grid->size[1] + (size_t)j) * (size_t)grid->words_per_row,
-                 (int32_t)first, (int32_t)stop);
+    bvxi_set_run(bvxi_grid_row(grid, (int32_t)j, (int32_t)k), (int32_t)first, (int32_t)stop);
 }
 
 /* ---- Read ---- */

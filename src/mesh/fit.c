@@ -1,7 +1,7 @@
 /* fit.c - a lattice around a mesh, a cloud of points, or a box.
  *
- * Low-aligned: the mesh's bounds begin on the low corner of the first voxel behind the padding. dims are the
- * least count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division,
+ * Low-aligned: the mesh's bounds begin on the low corner of the first voxel after the padding. dims are the
+ * smallest count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division,
  * holds no centre, and does not cost a layer of voxels. */
 #include "lattice/lattice.h"
 #include "mesh/view.h"

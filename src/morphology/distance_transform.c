@@ -1,10 +1,10 @@
-/* distance_transform.c - distances from the centres of a grid's voxels to set or empty ones, as squares or as
- * lengths.
+/* distance_transform.c - distances from the centres of a grid's voxels to set or empty ones, as squares or
+ * as lengths.
  *
- * Source: Meijster, Roerdink, Hesselink 2000, by tiles (transform.c). Cubic voxels: whole numbers of steps,
- * so the spacing enters once, behind the root; where the window's diagonal is too long for 32 bits the same
- * whole numbers are carried as doubles. SIGNED is two transforms, of which the second writes on set voxels
- * only. */
+ * Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear
+ * Time. 2000, by tiles (transform.c). Cubic voxels: whole numbers of steps, so the spacing enters once,
+ * behind the root; where the window's diagonal is too long for 32 bits the same whole numbers are carried
+ * as doubles. SIGNED is two transforms, of which the second writes on set voxels only. */
 #include "grid/grid.h"
 #include "morphology/transform.h"
 

@@ -36,7 +36,7 @@ uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3])
     if (first[0] >= g->size[0]) return 0;
     for (int32_t z = 0; z < BVXI_NEAR_SIDE && first[2] + z < g->size[2]; z++)
         for (int32_t y = 0; y < BVXI_NEAR_SIDE && first[1] + y < g->size[1]; y++)
-            slots |= (bvxi_near_row(g, first[1] + y, first[2] + z)[first[0] >> 6] >> (first[0] & 63) & 15)
+            slots |= (bvxi_grid_row(g, first[1] + y, first[2] + z)[first[0] >> 6] >> (first[0] & 63) & 15)
                      << (4 * y + 16 * z);
     return slots;
 }
@@ -106,7 +106,7 @@ static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t s
         for (int32_t y = 0; y < BVXI_NEAR_SIDE; y++) {
             uint64_t const row = slots >> (4 * y + 16 * z) & 15;
             if (row != 0)
-                bvxi_near_row(g, first[1] + y, first[2] + z)[first[0] >> 6] |= row << (first[0] & 63);
+                bvxi_grid_row(g, first[1] + y, first[2] + z)[first[0] >> 6] |= row << (first[0] & 63);
         }
 }
 

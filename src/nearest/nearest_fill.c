@@ -40,7 +40,7 @@ static void begin_fill_ranks(const fill_work *w, const bvxi_near_run *r, fill_ra
     for (int32_t z = 0; z < BVXI_NEAR_CUBE && r->z * BVXI_NEAR_CUBE + z < w->where->size[2]; z++)
         for (int32_t y = 0; y < BVXI_NEAR_CUBE && r->y * BVXI_NEAR_CUBE + y < w->where->size[1]; y++) {
             int32_t const j = r->y * BVXI_NEAR_CUBE + y, k = r->z * BVXI_NEAR_CUBE + z;
-            const uint64_t *const row = bvxi_near_row(w->where, j, k);
+            const uint64_t *const row = bvxi_grid_row(w->where, j, k);
             uint64_t n = w->values->first[(uint64_t)k * (uint64_t)w->where->size[1] + (uint64_t)j];
 
             /* The row's prefix is stored, what lies before the run in its row is counted: once for 64

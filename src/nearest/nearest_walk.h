@@ -58,11 +58,6 @@ static inline void bvxi_near_brick_first(const bvxi_near_run *r, int32_t x, int3
     first[2] = r->z * BVXI_NEAR_CUBE + (b >> 4) * BVXI_NEAR_SIDE;
 }
 
-static inline uint64_t *bvxi_near_row(const bvx_grid *g, int32_t y, int32_t z)
-{
-    return g->words + ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row;
-}
-
 /* Slots of a brick that lie in the window. */
 uint64_t bvxi_near_slots_inside(const bvx_grid *g, const int32_t first[3]);
 /* Slots that are set; slots outside are not. */

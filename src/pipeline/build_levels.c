@@ -419,8 +419,8 @@ static void turn_the_whole(levels_job *job, const bvx_mesh_view *welded, uint32_
 }
 
 /* Pieces by their volumes: turned as a whole where that makes all right, measured where it does not. */
-static void turn_or_measure(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner, bvxi_part *pieces,
-                            uint64_t count)
+static void turn_or_measure(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner,
+                            bvxi_mesh_piece *pieces, uint64_t count)
 {
     int const inside_out = job->report.before.volume < 0;
 
@@ -439,7 +439,7 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     const bvx_certificate *const c = &job->report.before;
     uint64_t const vertices = welded->vertex_count;
     uint32_t *same, *piece;
-    bvxi_part *pieces = NULL;
+    bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
     if (c->components == 1 && c->volume > 0) return BVX_OK;
@@ -448,7 +448,7 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     piece = same + vertices;
     for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
     bvxi_pieces(welded, same, piece);
-    BVXI_TRY(bvxi_parts_open(job->ctx, welded, piece, c, &pieces, &count));
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, welded, piece, c, &pieces, &count));
     turn_or_measure(job, welded, corner, pieces, count);
     bvxi_drop(job->ctx, pieces);
     bvxi_drop(job->ctx, same);

@@ -14,7 +14,7 @@ enum {
     MOST_TURNED = 4096  /* pieces beyond which none is turned: pairs of boxes would take long */
 };
 
-static void add_to_piece(bvxi_part *s, const double p[3][3])
+static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
 {
     double const *const a = p[0], *const b = p[1], *const c = p[2];
 
@@ -30,8 +30,8 @@ static void add_to_piece(bvxi_part *s, const double p[3][3])
     s->triangles++;
 }
 
-/* Number the least vertices of pieces that have triangles, from 1 on; returns how many. */
-static uint64_t number_parts(const bvx_mesh_view *mesh, const uint32_t *piece, uint32_t *number)
+/* Number the lowest vertices of pieces that have triangles, from 1 on; returns how many. */
+static uint64_t number_pieces(const bvx_mesh_view *mesh, const uint32_t *piece, uint32_t *number)
 {
     uint32_t count = 0;
 
@@ -47,39 +47,39 @@ static uint64_t number_parts(const bvx_mesh_view *mesh, const uint32_t *piece, u
 }
 
 static void add_triangles(const bvx_mesh_view *mesh, const uint32_t *piece, const uint32_t *number,
-                          const bvx_certificate *of, bvxi_part *parts)
+                          const bvx_certificate *of, bvxi_mesh_piece *pieces)
 {
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         double p[3][3];
         uint32_t v[3];
-        bvxi_part *part;
+        bvxi_mesh_piece *part;
 
         bvxi_view_triangle(mesh, t, v);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(mesh, v[k], p[k]);
             for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * of->low[a] + 0.5 * of->high[a];
         }
-        part = &parts[number[piece[v[0]]] - 1];
-        part->least = piece[v[0]];
+        part = &pieces[number[piece[v[0]]] - 1];
+        part->lowest = piece[v[0]];
         add_to_piece(part, (const double(*)[3])p);
     }
 }
 
-bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
-                           const bvx_certificate *of, bvxi_part **parts, uint64_t *count)
+bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+                                 const bvx_certificate *of, bvxi_mesh_piece **pieces, uint64_t *count)
 {
     uint32_t *number;
 
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the numbers of the pieces", &number));
-    *count = number_parts(mesh, piece, number);
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **parts, "the pieces' volumes", parts));
-    add_triangles(mesh, piece, number, of, *parts);
+    *count = number_pieces(mesh, piece, number);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **pieces, "the pieces' volumes", pieces));
+    add_triangles(mesh, piece, number, of, *pieces);
     bvxi_drop(ctx, number);
     return BVX_OK;
 }
 
-double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count)
+double bvxi_mesh_pieces_volume(const bvxi_mesh_piece *pieces, uint64_t count)
 {
     double sum = 0;
 
@@ -87,7 +87,7 @@ double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count)
     return sum / 6;
 }
 
-static int is_within_box(const bvxi_part *in, const bvxi_part *out)
+static int is_within_box(const bvxi_mesh_piece *in, const bvxi_mesh_piece *out)
 {
     for (int a = 0; a < 3; a++)
         if (!(in->low[a] > out->low[a] && in->high[a] < out->high[a])) return 0;
@@ -95,7 +95,7 @@ static int is_within_box(const bvxi_part *in, const bvxi_part *out)
 }
 
 /* 1: the box of a piece that faces outward is around this one's. */
-static int has_outer(const bvxi_part *pieces, uint64_t count, const bvxi_part *in)
+static int has_outer(const bvxi_mesh_piece *pieces, uint64_t count, const bvxi_mesh_piece *in)
 {
     for (uint64_t m = 0; m < count; m++)
         if (pieces[m].volume6 > 0 && is_within_box(in, &pieces[m])) return 1;
@@ -103,7 +103,7 @@ static int has_outer(const bvxi_part *pieces, uint64_t count, const bvxi_part *i
 }
 
 /* 1: the piece faces inward, and no box of another is around its own. */
-static int is_inverted_root(const bvxi_part *pieces, uint64_t count, uint64_t n)
+static int is_inverted_root(const bvxi_mesh_piece *pieces, uint64_t count, uint64_t n)
 {
     if (!(pieces[n].volume6 < 0)) return 0;
     for (uint64_t m = 0; m < count; m++)
@@ -111,7 +111,7 @@ static int is_inverted_root(const bvxi_part *pieces, uint64_t count, uint64_t n)
     return 1;
 }
 
-uint64_t bvxi_mark_inside_out(bvxi_part *pieces, uint64_t count)
+uint64_t bvxi_mark_inside_out(bvxi_mesh_piece *pieces, uint64_t count)
 {
     uint64_t marked = 0;
 
@@ -127,14 +127,14 @@ uint64_t bvxi_mark_inside_out(bvxi_part *pieces, uint64_t count)
     return marked;
 }
 
-int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count)
+int bvxi_cavities_lie_within(const bvxi_mesh_piece *pieces, uint64_t count)
 {
     for (uint64_t n = 0; n < count; n++)
         if (!(pieces[n].volume6 > 0) && !has_outer(pieces, count, &pieces[n])) return 0;
     return 1;
 }
 
-int bvxi_bodies_may_nest(const bvxi_part *pieces, uint64_t count)
+int bvxi_bodies_may_nest(const bvxi_mesh_piece *pieces, uint64_t count)
 {
     if (count > MOST_PAIRED) return 1;
     for (uint64_t n = 0; n < count; n++)
@@ -154,7 +154,7 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
     memset(grid, 0, sizeof grid);
     bvx_voxelize_options_init(&o, sizeof o);
     for (int i = 0; i < 2; i++) {
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the parts' solids", &grid[i].words));
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the pieces' solids", &grid[i].words));
         grid[i].word_capacity = bytes / 8;
         o.fill = rule[i];
         BVXI_TRY(

@@ -78,26 +78,26 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job);
 bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy);
 
 /* piece_volumes.c: a piece of a mesh, six times its volume and its box around the middle of the mesh. */
-typedef struct bvxi_part {
+typedef struct bvxi_mesh_piece {
     double volume6, low[3], high[3];
-    uint64_t triangles, least; /* the least vertex */
-    uint64_t turned;           /* 1: bvxi_mark_inside_out found it so */
-} bvxi_part;
+    uint64_t triangles, lowest; /* the lowest vertex */
+    uint64_t turned;            /* 1: bvxi_mark_inside_out found it so */
+} bvxi_mesh_piece;
 
-/* All pieces with triangles, in the order of their least vertices. piece: of each vertex, as bvxi_pieces
+/* All pieces with triangles, in the order of their lowest vertices. piece: of each vertex, as bvxi_pieces
  * says; of: the mesh's box. Scratch: 80 bytes a piece, until they are dropped, and
  * 4 a vertex. */
-bvx_status bvxi_parts_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
-                           const bvx_certificate *of, bvxi_part **pieces, uint64_t *count);
+bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+                                 const bvx_certificate *of, bvxi_mesh_piece **pieces, uint64_t *count);
 /* The volumes of all, each as positive: of closed pieces no solid has more. */
-double bvxi_parts_volume(const bvxi_part *pieces, uint64_t count);
+double bvxi_mesh_pieces_volume(const bvxi_mesh_piece *pieces, uint64_t count);
 /* 1: each piece that faces inward has the box of one that faces outward around it. */
-int bvxi_cavities_lie_within(const bvxi_part *pieces, uint64_t count);
+int bvxi_cavities_lie_within(const bvxi_mesh_piece *pieces, uint64_t count);
 /* Mark bodies that face inward though they are nobody's cavities by their boxes, and what lies in them;
  * returns how many pieces. Of more than 4,096 none. */
-uint64_t bvxi_mark_inside_out(bvxi_part *pieces, uint64_t count);
+uint64_t bvxi_mark_inside_out(bvxi_mesh_piece *pieces, uint64_t count);
 /* 0: no piece that faces outward can lie in another such. */
-int bvxi_bodies_may_nest(const bvxi_part *pieces, uint64_t count);
+int bvxi_bodies_may_nest(const bvxi_mesh_piece *pieces, uint64_t count);
 /* Do parity and nonzero fill the same voxels? Scratch: two grids of the lattice. */
 bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                             int *agree);

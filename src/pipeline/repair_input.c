@@ -1,4 +1,4 @@
-/* repair_input.c - what repair starts from: the lattice, and the mesh with each triangle once, its parts
+/* repair_input.c - what repair starts from: the lattice, and the mesh with each triangle once, its pieces
  * known and flipped triangles turned.
  *
  * A triangle that is there twice would count as two turns of the surface. Where a patch cannot be turned one
@@ -9,9 +9,7 @@
 
 /* ---- The lattice ---- */
 
-/* The lattice that a mesh is repaired on: fitted to it
- * with room for shells, or the caller's. */
-
+/* The lattice that a mesh is repaired on: fitted to it with space for shells, or the caller's. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
 {
     bvx_lattice_options o;
@@ -144,18 +142,18 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
 }
 
 /* Turn the pieces that face inward and are nobody's cavities, with all that lies in them. */
-static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_part *parts, uint64_t count)
+static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_mesh_piece *pieces, uint64_t count)
 {
     uint64_t const triangles = job->mesh.triangle_count;
     bvx_mesh_view const mesh = job->mesh;
-    uint8_t *turn; /* of the least vertex of each piece */
+    uint8_t *turn; /* by a piece's lowest vertex: 1 where it is turned */
 
-    /* All that is turned as a whole has the same solid: nothing need be done. */
-    uint64_t const found = bvxi_mark_inside_out(parts, count);
+    /* Where every piece is inside out the solid is the same as where none is: nothing to turn. */
+    uint64_t const found = bvxi_mark_inside_out(pieces, count);
     if (found == 0 || found == count) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->given->vertex_count, "the turned pieces", &turn));
-    for (uint64_t n = 0; n < count; n++) turn[parts[n].least] = (uint8_t)parts[n].turned;
+    for (uint64_t n = 0; n < count; n++) turn[pieces[n].lowest] = (uint8_t)pieces[n].turned;
     /* Triangles may be listed there already: each is read before it is written. */
     if (job->corner == NULL)
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles",
@@ -182,7 +180,7 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_part *parts, uint64
 static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
 {
     bvx_repair_report *const r = &job->report;
-    bvxi_part *parts = NULL;
+    bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
@@ -190,10 +188,10 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
     bvxi_pieces(&job->mesh, representative, job->piece);
     if (!r->before.closed || r->before.duplicates != 0 || r->sign == BVX_SIGN_VOTE) return BVX_OK;
 
-    BVXI_TRY(bvxi_parts_open(job->ctx, &job->mesh, job->piece, &r->before, &parts, &count));
-    r->parts_volume = bvxi_parts_volume(parts, count);
-    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, parts, count));
-    bvxi_drop(job->ctx, parts);
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, job->piece, &r->before, &pieces, &count));
+    r->parts_volume = bvxi_mesh_pieces_volume(pieces, count);
+    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, pieces, count));
+    bvxi_drop(job->ctx, pieces);
     return BVX_OK;
 }
 

@@ -1,7 +1,7 @@
 /* repair_needs.c - what is wrong with a mesh, and a copy of one with which nothing is.
  *
- * The certificate says most. A mesh of several parts is asked more: a part that is turned inward must be the
- * cavity of another, and no part may lie within another without being its cavity; the rules parity and
+ * The certificate says most. A mesh of several pieces is asked more: a piece that is turned inward must be the
+ * cavity of another, and no piece may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
@@ -17,14 +17,14 @@ static int32_t need_of_certificate(const bvx_certificate *c)
     return c->volume > 0 ? BVX_NEEDS_NOTHING : BVX_NEEDS_OUTSIDE_IN;
 }
 
-/* ---- Several parts ---- */
+/* ---- Several pieces ---- */
 
 static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 {
-    bvxi_part *pieces = NULL;
+    bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
-    BVXI_TRY(bvxi_parts_open(job->ctx, &job->mesh, job->piece, &job->report.before, &pieces, &count));
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, job->piece, &job->report.before, &pieces, &count));
     *right = bvxi_cavities_lie_within(pieces, count);
     bvxi_drop(job->ctx, pieces);
     return BVX_OK;
@@ -64,6 +64,7 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
 
 /* ---- The copy ---- */
 
+/* number: zeros, by welded vertex; first 1 where a triangle has the vertex, then its index in the copy. */
 static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representative, uint32_t *number,
                              bvx_mesh *copy)
 {

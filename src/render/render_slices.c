@@ -190,11 +190,6 @@ static pixel_span span_of_pixel(const sheet_side *side, int32_t pixel)
     return s;
 }
 
-static const uint64_t *slice_row(const bvx_grid *g, int32_t y, int32_t z)
-{
-    return g->words + ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
-}
-
 static int64_t slice_bit(const uint64_t *row, int32_t x)
 {
     return (int64_t)(row[x >> 6] >> (x & 63) & 1);
@@ -224,13 +219,13 @@ static int64_t sum_along_right(const slice_sheet *s, const pixel_span *p, int32_
     if (s->axis == 0) { /* rows run into the sheet */
         for (int32_t u = p->begin; u < p->end; u++) {
             int64_t const share = u == p->begin ? p->first : u == p->end - 1 ? p->last : p->whole;
-            sum += share * slice_bit(slice_row(g, u, v), slice);
+            sum += share * slice_bit(bvxi_grid_row(g, u, v), slice);
         }
         return sum;
     }
 
     /* Along a row the voxels between the ends count by popcount. */
-    const uint64_t *const row = s->axis == 1 ? slice_row(g, slice, v) : slice_row(g, v, slice);
+    const uint64_t *const row = s->axis == 1 ? bvxi_grid_row(g, slice, v) : bvxi_grid_row(g, v, slice);
     sum = p->first * slice_bit(row, p->begin);
     if (p->end - p->begin == 1) return sum;
     return sum + p->whole * count_slice_run(row, p->begin + 1, p->end - 1) +

@@ -42,7 +42,7 @@ static inline const uint64_t *bvxi_face_voxels(const bvxi_faces *f, int32_t j, i
 {
     const bvx_grid *const g = f->grid;
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return f->empty_row;
-    return g->words + ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
+    return bvxi_grid_row(g, j, k);
 }
 
 /* Word w of a row of voxels as seen from corners: bit i is the voxel behind

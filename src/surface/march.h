@@ -130,7 +130,7 @@ static inline const uint64_t *bvxi_march_row(const bvxi_march *m, int32_t j, int
 {
     const bvx_grid *const g = m->grid;
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return m->empty_row;
-    return g->words + ((uint64_t)k * (uint64_t)g->size[1] + (uint64_t)j) * (uint64_t)g->words_per_row;
+    return bvxi_grid_row(g, j, k);
 }
 
 /* Cells of edge word n that are visited. */

@@ -1,12 +1,12 @@
 /* sampled.c - voxels that hold a point of the triangle's subdivision.
  *
- * Source: Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model. 2010, Algorithm
- * 1. The paper cuts the longest edge l into ceil(l / w) parts, which leaves edges as long as a voxel; here it
- * is k = floor(l / w) + 1, so that the parts are shorter, as its text asks. The points (a k + (b - a) i + (c
- * - a) j) / k, i + j <= k, are rational: whole voxels and a rest in parts of k 2^F. A step is shorter than a
- * voxel, so walking takes no division; only triangles that stick out of the tile are divided, once a row. So
- * neither the order of the corners nor rounding shows. Lengths are counted in voxels: stretched voxels are
- * cubes here.
+ * Source: Chen, Qiu, Fu, Ma. Fast voxelization based on triangulated irregular network model. 2010,
+ * Algorithm 1. The paper cuts the longest edge l into ceil(l / w) parts, w a voxel's side, which leaves
+ * edges as long as a voxel; here it is k = floor(l / w) + 1, so that the parts are shorter, as its text
+ * asks. The points (a k + (b - a) i + (c - a) j) / k, i + j <= k, are rational: whole voxels and a rest in
+ * parts of k 2^F. A step is shorter than a voxel, so walking takes no division; only triangles that stick
+ * out of the tile are divided, once a row. So neither the order of the corners nor rounding shows. Lengths
+ * are counted in voxels: stretched voxels are cubes here.
  * Bit budget: k <= 2^28 and k 2^F < 2^32, so coordinates times k stay below 2^60.
  * Guarantee: exact; 26-connected on connected meshes, not 6-separating. Cost: (k + 1)(k + 2) / 2 points a
  * triangle, less those outside the window, but at least k. */
