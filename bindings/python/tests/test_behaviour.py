@@ -295,3 +295,10 @@ def test_connectivity_is_one_word(name):
 def test_everything_says_what_it_is(knot):
     assert repr(bitvox.Closest(knot)) == f"Closest({knot.n_vertices} vertices, {knot.n_faces} faces)"
     assert repr(bitvox.slice_mesh(box_mesh((0, 0, 0), (4, 4, 4)), spacing=4.0)) == "Sections(1 plane, 1 loop, 1 body)"
+
+
+def test_what_is_not_a_grid_has_a_remedy(knot):
+    volume = bitvox.Volume(np.zeros((3, 3, 3)))
+    for wrong, words in ((knot, "voxelize"), ("knot.ply", "voxelize"), (volume, "method surface"), (3, "three-dimensional array")):
+        with pytest.raises(TypeError, match=f"is not a grid: .*{words}"):
+            bitvox.surface(wrong)

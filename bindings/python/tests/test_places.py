@@ -331,6 +331,24 @@ def test_masks_are_placed_as_volumes_are():
             bitvox.Grid.from_numpy(array, **wrong)
 
 
+def test_places_are_not_lost_by_the_way(tmp_path):
+    """What has a place is not taken as a bare array; Volume.of takes it with its place."""
+    grid = bitvox.Grid.from_numpy(np.random.default_rng(1).random((5, 6, 7)) < 0.5, spacing=(1, 2, 3), center0=(4, 5, 6))
+    volume = bitvox.Volume(grid.to_numpy(), spacing=(1, 2, 3), center0=(4, 5, 6))
+    field = bitvox.field(grid.surface(), lattice=grid.lattice)
+    assert bitvox.Volume.of(grid) == volume and np.array_equal(bitvox.Volume.of(field), field.to_numpy()) and bitvox.Volume.of(field).center0 == (4, 5, 6)
+    for call, words in ((lambda: bitvox.Volume(grid), "Volume.of keeps it"), (lambda: bitvox.Volume(volume), "Volume.of keeps it"), (lambda: bitvox.Volume("a.nrrd"), "read_volume"),
+                        (lambda: bitvox.Grid.from_numpy(volume), "Volume.threshold"), (lambda: bitvox.Grid.from_numpy(grid), "to_numpy"),
+                        (lambda: bitvox.Volume.of("a.nrrd"), "read_volume"), (lambda: bitvox.Volume.of(grid.to_numpy()), r"Volume\(array")):
+        with pytest.raises(TypeError, match=words):
+            call()
+    with pytest.raises(bitvox.ArgumentError, match="itself"):
+        bitvox.Volume.of(grid, frame="lps")
+    for name in ("a.mha", "a.npz", "a.tif", "a.vtk", "a.raw"):
+        with pytest.raises(bitvox.UnsupportedError, match="bitvox.read_volume"):
+            bitvox.read(tmp_path / name)
+
+
 def test_volumes_are_transformed():
     volume = bitvox.Volume(np.random.default_rng(2).random((4, 5, 6)), spacing=(1, 2, 3), center0=(4, 5, 6), frame="lps")
     matrix = np.array([[0.8, -0.6, 0, 1], [0.6, 0.8, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]])

@@ -27,6 +27,8 @@ def volume_from(source: Any, scalars: str | None, order: Order | None, spacing: 
         raise ArgumentError("scalars is for pyvista.ImageData")
     if hasattr(source, "dims") and hasattr(source, "coords"):
         return _from_xarray(source, order, spacing, center0)
+    if isinstance(source, arrays.numpy("Volume.of").ndarray):
+        raise TypeError("an array of numpy has no place of its own: give Volume(array, order=..., spacing=..., center0=...)")
     if hasattr(source, "shape") and hasattr(source, "dtype") and len(source.shape) == 3:  # Zarr, h5py and the like
         np = arrays.numpy("Volume.of")
         return Volume(np.asarray(source[...]), order=order or "zyx", spacing=1.0 if spacing is None else spacing, center0=center0)

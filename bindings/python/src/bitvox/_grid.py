@@ -101,6 +101,9 @@ class Grid:
         9
         """
         np = arrays.numpy("Grid.from_numpy")
+        if hasattr(array, "lattice"):
+            raise TypeError(f"array must be an array, not {type(array).__name__}, whose place would be lost; " +
+                            ("Volume.threshold keeps it" if hasattr(array, "threshold") else "give its to_numpy() and lattice=, low="))
         found = arrays.as_numpy(array, "array")
         if found.ndim != 3 or 0 in found.shape:
             raise ArgumentError(f"array has shape {found.shape}; it must have three axes, none of them empty")

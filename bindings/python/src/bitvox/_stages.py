@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
 
@@ -427,7 +428,9 @@ def grid_of(source: Any) -> Grid:
         return source
     if getattr(source, "ndim", 0) == 3:
         return Grid.from_numpy(source)
-    raise TypeError(f"{type(source).__name__} is not a grid: give a Grid or a three-dimensional array")
+    remedy = ("bitvox.voxelize makes a grid of a mesh" if hasattr(source, "faces") or isinstance(source, (str, os.PathLike)) else
+              "it has a method surface" if hasattr(source, "lattice") else "give a Grid or a three-dimensional array")
+    raise TypeError(f"{type(source).__name__} is not a grid: {remedy}")
 
 
 def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:

@@ -77,6 +77,10 @@ class Volume:
         np = arrays.numpy("Volume")
         if any(hasattr(array, name) for name in ("GetDirection", "dataobj", "direction_matrix")):  # their places would be lost
             raise TypeError(f"array must be an array, not {type(array).__name__}; Volume.of takes images of SimpleITK, nibabel and PyVista with their places")
+        if isinstance(array, (str, os.PathLike)):
+            raise TypeError("array must be an array, not a file's name; bitvox.read_volume reads files")
+        if isinstance(array, Volume) or hasattr(array, "lattice"):
+            raise TypeError(f"array must be an array, not {type(array).__name__}, whose place would be lost; Volume.of keeps it")
         found = arrays.as_numpy(array, "array")
         if found.ndim != 3 or 0 in found.shape:
             raise ArgumentError(f"array has shape {found.shape}; it must have three axes, none of them empty")
@@ -137,7 +141,8 @@ class Volume:
         Parameters
         ----------
         source
-            an image of SimpleITK or nibabel, a ``pyvista.ImageData``, an xarray ``DataArray``, a Zarr array, or a `Volume`.
+            an image of SimpleITK or nibabel, a ``pyvista.ImageData``, an xarray ``DataArray``, a Zarr array, a `Grid` (0 and 1), a `Field`
+            (signed distances), or a `Volume`.
         scalars
             of PyVista: which point or cell data; None: the active ones.
         order
@@ -155,6 +160,12 @@ class Volume:
         """
         if isinstance(source, cls):
             return source
+        if isinstance(source, (str, os.PathLike)):
+            raise TypeError("source is a file's name; bitvox.read_volume reads files")
+        if hasattr(source, "lattice") and hasattr(source, "to_numpy"):
+            if any(option is not None for option in (scalars, order, spacing, center0, frame)):
+                raise ArgumentError(f"a {type(source).__name__} says its order, spacing and place itself, and has no frame")
+            return volume_of_bits(source) if isinstance(source, Grid) else cls(source.to_numpy(), spacing=source.spacing, center0=source.center0)
         made: Volume = call("volume_from", source, scalars, order, spacing, center0, frame_of(frame))
         return made
 

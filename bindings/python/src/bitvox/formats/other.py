@@ -10,6 +10,7 @@ from typing import Any
 from .. import _arrays as arrays
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._mesh import Mesh
+from .._volume import BY_LIBRARIES
 from .amf import read_amf
 from .dicom import is_picture, read_rtstruct
 from .dxf import read_dxf
@@ -49,6 +50,8 @@ def read_other(path: str, kind: str) -> Any:
         raise UnsupportedError(f"{path}: holds points, not a mesh; bitvox.read_points reads it, bitvox.voxelize_points takes them")
     if kind == "vtp":
         return _vtp(path)
+    if kind in BY_LIBRARIES or kind in ("nhdr", "raw"):
+        raise UnsupportedError(f"{path}: .{kind} holds samples; bitvox.read_volume(path) gives a Volume, whose threshold makes a Grid")
     if kind not in _OTHERS:
         raise UnsupportedError(f"{path}: no format is known by the ending .{kind}")
     trimesh = need("trimesh", "formats")
