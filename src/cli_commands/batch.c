@@ -69,6 +69,7 @@ static char *path_in_folder(const char *folder, const char *input, const char *e
 
 static const char *ending_of_outputs(const cli_run *run)
 {
+    /* Without --format each file keeps its own; voxels of a mesh need another. */
     if (run->options->format != 0) return cli_format_name(run->options->format);
     return run->command->bit == CLI_VOXELIZE ? "bvx" : NULL;
 }
@@ -149,6 +150,7 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_text *const t = &b->reports;
 
     if (!run->general->json) return;
+    /* Each file has the whole report of a run of its own, with its names before it. */
     cli_report_text(run, status, 0, &text);
     cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
     cli_json_string(t, run->options->input[0]);
@@ -191,6 +193,7 @@ int cli_run_batch(cli_run *run)
     int status;
 
     b.asked = *run->options;
+    /* All that can be refused is refused before the first file is touched. */
     status = name_outputs(run, &b);
     if (status == CLI_DONE && b.asked.output_dir != NULL) status = make_folder(run, b.asked.output_dir);
     if (status != CLI_DONE) return cli_end_of_run(run, status);

@@ -116,6 +116,7 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
     if (status != CLI_DONE) return status;
+    /* Kept: the operands become grids below. */
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
     b->kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
@@ -139,6 +140,7 @@ static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
 /* What can be left lies in the first box of a difference, in both of an intersection. */
 static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_box *fit)
 {
+    /* A lattice around less is finer for the same number of voxels. */
     *fit = box[0];
     if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(fit, &box[1]);
     if (b->operation != BVX_BOOLEAN_INTERSECTION) return;
@@ -191,6 +193,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     o.position_type = BVX_POSITION_AUTO;
     o.fill = run->options->fill;
     if (cli_given(run, "--interpolation")) o.interpolation = run->options->interpolation;
+    /* Without either word the library looks at the meshes. */
     if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");

@@ -108,6 +108,7 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
     bvx_status const status = bvx_grid_compare(run->context, &a->grid, &b->grid, d);
 
     if (status == BVX_OK) return CLI_DONE;
+    /* What does not fit is a matter of both. */
     snprintf(about, sizeof about, "%s and %s", cli_input_name(a->path), cli_input_name(b->path));
     /* Lattices that differ because a side-car is missing are the usual mistake. */
     if (status != BVX_ERR_LATTICE || a->placed == b->placed) return cli_fail_status(run, status, about);
@@ -226,6 +227,7 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     }
     if (status != CLI_DONE) return status;
     diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
+    /* Each for itself first: a volume that differs says more than a distance. */
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
     /* Nothing was measured. */

@@ -94,6 +94,7 @@ static int keep_components(cli_run *run, components_job *job)
     bvx_keep_options k;
     bvx_status status;
 
+    /* All conditions hold together: a part stays when it meets each of them. */
     bvx_keep_options_init(&k, sizeof k);
     k.connectivity = job->connectivity;
     k.largest = (uint64_t)own->keep_largest;
@@ -168,6 +169,7 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
     if (job->connectivity != 18)
         cli_tell(made, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
                  job->topology.cavities, job->topology.tunnels, job->topology.euler);
+    /* A table without rows needs no head. */
     if (job->count != 0)
         cli_tell(made, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
     for (uint64_t i = 0; i < job->count && i < PARTS_SAID; i++) {
@@ -260,6 +262,7 @@ static int write_labels(cli_run *run, components_job *job, int number)
         free(file.bytes);
         return cli_fail(run, "no memory for the labels of %" PRIu64 " voxels", voxels);
     }
+    /* Both arrays are there at once. */
     cli_note_peak(run, voxels * 8);
     cli_stage_begin(run, "labels");
     status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);

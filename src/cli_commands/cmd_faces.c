@@ -76,6 +76,7 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
     faces_job *const job = work;
     int status = check_faces_options(run);
 
+    /* Opened before the input is read: a folder that cannot be written costs no time. */
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
     if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);
@@ -89,6 +90,7 @@ static void tell_faces(const cli_run *run, const void *work, cli_made *made)
     const bvx_faces_options *const own = run->own;
     const bvx_certificate *const c = &run->report.mesh[0].certificate;
 
+    /* Two triangles a face: their count says how many faces or rectangles there are. */
     (void)work;
     cli_tell(made, "  voxels      %" PRIu64 " set\n  %s  %" PRIu64 "\n", run->report.set,
              own->merged ? "rectangles" : "faces     ", c->triangles / 2);

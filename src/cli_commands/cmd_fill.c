@@ -97,6 +97,7 @@ static int take_given_seeds(cli_run *run, fill_job *job)
     const fill_options *const own = run->own;
     const cli_list *const list = &own->seeds;
     int const status = make_room_for_seeds(run, job, (uint64_t)list->count / 3);
+    /* Said to be given, not found, where seeds are told. */
     job->given = 1;
     if (status != CLI_DONE) return status;
     job->count = (uint64_t)list->count / 3;
@@ -231,6 +232,7 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
     CLI_TRY(check_fill_options(run, &kind));
     CLI_TRY(cli_open_voxels(run));
     CLI_TRY(read_fill_inputs(run, job));
+    /* Seeds of the user are taken as they are; whether they are empty voxels shows when they are filled. */
     CLI_TRY(own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job));
     CLI_TRY(fill_from_seeds(run, job));
 

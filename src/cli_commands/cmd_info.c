@@ -123,6 +123,7 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
     cli_mesh_entry *const entry = &run->report.mesh[0];
     int differs;
 
+    /* As its indices say, and where they leave it open also as its positions do. */
     CLI_TRY(check_both(run, mesh, &job->certificate, &job->welded, &differs));
     CLI_TRY(count_crossings(run, mesh, entry));
     entry->path = run->options->input[0];
@@ -195,6 +196,7 @@ static void tell_facts_of_grid(const cli_run *run, const cli_input *in, const gr
 {
     double centre[3];
 
+    /* Where other programs put their origin: the centre of the first voxel. */
     cli_grid_corner(&in->grid, 0.5, centre);
     cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
     cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
@@ -298,6 +300,7 @@ static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *mad
         }
     }
 
+    /* A cloud has no entry among the meshes: it has nothing that a certificate says. */
     cli_text_add(t, ", \"cloud\": {\"path\": ");
     cli_json_string(t, path);
     cli_json_count(t, "points", points->vertex_count);
@@ -388,6 +391,7 @@ static int choose_info(cli_run *run, const cli_job **job)
     const char *const path = run->options->input[0];
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
 
+    /* Chosen by the name: each is read by another reader. */
     *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
     if (own->count_crossings && *job != &info_files)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));

@@ -140,6 +140,7 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     c->count = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
+    /* How many levels there are is known now, and so how many names. */
     CLI_TRY(cli_check_level_names(run, c->count));
     /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
@@ -209,6 +210,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
         cli_stage_begin(run, "carry %d", i);
         CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
     }
+    /* What the file of this level can show, beside its shape. */
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
     CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], "check %d"));
@@ -307,6 +309,7 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
 
     /* Warnings are collected here and said after all lines. */
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
+    /* All levels have one format, so one warning is enough. */
     if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     tell_chain_head(run, c, made);
     tell_chain_levels(run, c, made);

@@ -189,6 +189,7 @@ static int make_room(cli_run *run, morph_job *job)
 
     /* Only dilation leaves the mesh's box, and a lattice that was requested stays. */
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
+    /* The lattice without padding says how large a voxel will be. */
     bvx_mesh_view_of(&job->in.mesh, &view);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
@@ -238,6 +239,7 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     bvx_hollow_options h = own->hollow;
 
+    /* The library takes a set of sides; the program one of them. */
     h.drain_side = 1 << own->drain_side;
     h.beyond = own->distance.beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
@@ -396,6 +398,7 @@ static int make_changed(cli_run *run, void *work, cli_made *made)
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
 
+    /* The surface is the mesh's own where the voxels still end where it does. */
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
     job->voxels.source = job->in.kind == CLI_MESH ? &job->in.mesh : NULL;
@@ -457,6 +460,7 @@ static void tell_distances(const cli_run *run, const void *work, cli_made *made)
     cli_text *const t = &made->members;
     double least = value_at(f, 0), greatest = least;
 
+    /* The range says what levels a viewer can be set to. */
     for (uint64_t i = 1; i < f->value_count; i++) {
         double const v = value_at(f, i);
         if (v < least) least = v;

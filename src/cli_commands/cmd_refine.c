@@ -189,6 +189,7 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
     cli_tree *const t = work;
     int kind;
 
+    /* The first line is the tree's own: it says how long refining took. */
     made->write = write_refined;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));

@@ -76,6 +76,7 @@ static int open_sheet(cli_run *run, sheet *s)
 
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
+    /* Three bytes a pixel, held as a whole until the file is written. */
     bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
     if (o->general.memory_limit != 0 && bytes > o->general.memory_limit)
         return cli_fail(run, "a picture of %" PRIu64 " bytes is more than --memory-limit allows", bytes);
@@ -293,6 +294,7 @@ static int check_turntable(cli_run *run)
     double direction[3], up[3], turned[3];
 
     if (own->turntable == 0) return CLI_DONE;
+    /* Frames of several models would need a number more in their names. */
     if (o->inputs > 1 && !own->difference)
         return cli_usage(run, "--turntable takes one input, or two with --compare");
     if (!cli_has_number(o->output))

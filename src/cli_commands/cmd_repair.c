@@ -165,6 +165,7 @@ void cli_advise_thickened(const bvx_repair_report *r, const char *what, const ch
                    "%s is thicker than the mesh at %" PRIu64
                    " triangles of bodies that are thinner than voxels: they became shells; %s",
                    what, r->thin_shelled, remedy);
+    /* Of an open mesh there is no volume to compare with. */
     if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_THICKENED) * r->parts_volume) return;
     cli_advise(made,
                "%s has a volume of %.6g, all parts of the mesh together have %.6g (%+.1f %%): walls and rods "
@@ -190,6 +191,7 @@ static void warn_of_handles(const bvx_repair_report *r, const char *remedy, cli_
  * overlaps. */
 static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *reduction, cli_made *made)
 {
+    /* Where edges collapsed afterwards, a finer lattice would not help. */
     const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error"
                                                : "take a higher --resolution";
     double const volume = fabs(r->before.volume), area = r->before.area;
@@ -266,6 +268,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     const bvx_repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
+    /* What several commands share is filled in beside what is repair's own. */
     *o = *own;
     if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;

@@ -367,6 +367,7 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
         tell_planes(run, job, made);
         return;
     }
+    /* What the grid cost the contours, from the line that most matters to those that are usually empty. */
     cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
              r->cell[0], r->cell[1]);
     cli_tell(made,
@@ -470,6 +471,7 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
     const bvx_sections_report *const r = &job->report;
     int32_t const depth = own->body.depth;
 
+    /* An option that did nothing is told of, since its result looks like one that it made. */
     if (own->body.thickness > 0.0 && r->sections > 1 && !wants_all_labels(run))
         cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
     /* The warnings below are of cells between parallel sections. */
@@ -518,6 +520,7 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
              job->parts == 1 ? "" : "s", job->genus, job->genus == 1 ? "" : "s");
     cli_json_count(t, "parts", job->parts);
     cli_text_add(t, ", \"genus\": %" PRId64, job->genus);
+    /* Met or not, the wish is answered. */
     if (parts) {
         int const met = job->parts == (uint64_t)own->parts;
         cli_tell(made, "; %" PRId32 " part%s wished for: %s", own->parts, own->parts == 1 ? "" : "s",
@@ -579,6 +582,7 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     /* One body after the other by the same job: nothing of the one before may stay. */
     memset(&job->report, 0, sizeof job->report);
     memset(&job->reduction, 0, sizeof job->reduction);
+    /* One output after the other: their names are known only from the file. */
     CLI_TRY(cli_open_output(run, path));
     CLI_TRY(build_body(run, job, label, path));
     CLI_TRY(reduce_body(run, job));

@@ -133,6 +133,7 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     made->write = cli_write_collapse;
     made->untitled = 1;
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
+    /* Which command the input is for is said with the refusal. */
     if (kind != CLI_MESH)
         return cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
                          cli_input_name(run->options->input[0]));

@@ -173,6 +173,7 @@ static int check_second(cli_run *run)
     /* Standard input can be read once, and IN may be it. */
     if (strcmp(second, "-") == 0)
         return cli_usage(run, "--second takes a file with a name, not standard input");
+    /* Its kind is known by its name, so nothing has to be read to refuse it. */
     status = cli_input_kind(run, second, &kind);
     if (status == CLI_DONE && kind == CLI_GRID)
         return cli_usage(run, "--second takes a mesh; %s is a grid", second);
@@ -226,6 +227,7 @@ static int choose_box(cli_run *run, voxel_job *job)
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
+    /* Columns go down to the base, which may lie below the terrain. */
     if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
     job->boxed = 1;
     return CLI_DONE;
@@ -371,6 +373,7 @@ static int compare_fills(cli_run *run, voxel_job *job)
     bvx_status status;
 
     bvx_compare_fills_options_init(&o, sizeof o);
+    /* Only the flood among them knows gaps. */
     o.close_gaps = run->options->close_gaps;
     cli_stage_begin(run, "compare fills");
     status = bvx_compare_fills(run->context, &job->view, &run->report.lattice, &o, &job->fills);

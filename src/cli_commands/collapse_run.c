@@ -65,6 +65,7 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
         /* Shifted by at most 63, which C defines. */
         uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
 
+        /* Counts as they are, distances in the mesh's unit, halves of what the mesh has. */
         if (c->by_error)
             c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
         else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
@@ -254,6 +255,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
     double const of_surface = volume_change(l->certificate.volume, s);
     char what[32];
 
+    /* Pieces and volume, against what the level was made from. */
     snprintf(what, sizeof what, "level %d", i);
     if (l->certificate.components != s->components)
         cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,

@@ -71,6 +71,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->strict = o->strict;
     b->open = o->open;
 
+    /* Of the measured surface; a mesh that is taken as it is does without. */
     if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
     if (o->sharp || o->no_sharp) b->sharp = o->sharp;
@@ -178,6 +179,7 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     const bvx_repair_report *const r = &l->report.repair;
     const bvx_lattice *const b = &r->lattice;
 
+    /* Nothing was measured: one line says what the levels come from. */
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     if (!is_measured(l)) {
         cli_tell(made, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n",
@@ -280,6 +282,7 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
     lod_collapse *const l = work;
     int status = check_measured_options(run);
 
+    /* The first line describes the input; the file's name is in it. */
     made->untitled = 1;
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
     if (status == CLI_DONE) status = cli_open_collapse(run, &l->run);

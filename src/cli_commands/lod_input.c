@@ -41,6 +41,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
         return CLI_DONE;
     }
 
+    /* The library plans by what the levels shall be: the finest one decides. */
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
     for (int i = 0; i < c->count; i++) {
@@ -99,6 +100,7 @@ static int make_solid(cli_run *run, cli_chain *c)
 static int open_mesh(cli_run *run, cli_chain *c)
 {
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    /* Nothing to carry is found before the solid is made. */
     CLI_TRY(cli_check_carry(run, &c->input));
     c->input_triangles = c->input.triangle_count;
     bvx_mesh_view_of(&c->input, &c->view);

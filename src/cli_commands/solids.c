@@ -84,6 +84,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     double box[6];
 
     thin_box(lattice, r, box);
+    /* Volumes that are not known are left out, since 0 would be one. */
     cli_json_value(t, "volume", r->volume);
     if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
     if (r->crossing_volume != 0) cli_json_value(t, "crossing_volume", r->crossing_volume);
@@ -158,6 +159,7 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_status status;
 
     memset(&report, 0, sizeof report);
+    /* The report is for warnings here; only voxelize tells all of it. */
     bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = &report;

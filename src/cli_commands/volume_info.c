@@ -98,6 +98,7 @@ static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volum
 {
     cli_text *const t = &made->members, *const lines = &made->head;
 
+    /* The same numbers for programs and, below, as a picture of bars. */
     cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", cli_sample_names[v->sample_type - BVX_SAMPLE_U8]);
     cli_json_value(t, "least", f->least);
     cli_json_value(t, "greatest", f->greatest);

@@ -78,6 +78,7 @@ int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options->output;
 
+    /* Which of the two would be the number of the level is a guess. */
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
     /* .glb holds all levels as meshes of one file. */
     if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
@@ -218,6 +219,7 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
     bvx_status status;
     int result = CLI_DONE;
 
+    /* One a mesh: a file may hold several. */
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
     status = bvx_check_written(run->context, placed, (uint64_t)count, bvx_format_of_name(path), report);

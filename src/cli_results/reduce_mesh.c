@@ -22,6 +22,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     cli_mesh_box(mesh, &box);
     if (o->errors.percent[0]) error *= cli_diagonal(box.low, box.high) / 100.0;
 
+    /* One target, a count or a distance: rules have refused both. */
     bvx_simplify_options_init(&s, sizeof s);
     if (target != 0) s.target_triangles = &target;
     else s.target_errors = &error;

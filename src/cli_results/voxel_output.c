@@ -31,6 +31,7 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     bvx_mesh_view view;
     bvx_status status;
 
+    /* The voxels say what is inside, so no sign is worked out. */
     bvx_field_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NONE;
     o.features = 1;
@@ -181,6 +182,7 @@ static int write_surface(cli_run *run, cli_voxels *v)
         return cli_fail(run, "%s: the result is empty, so there is no surface to write",
                         cli_input_name(v->name));
 
+    /* Fewer triangles first, so that the certificate is of what is written. */
     CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
     CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
     return cli_write_mesh(run, &v->mesh);
