@@ -115,8 +115,9 @@ size_t bvxi_parse_float(const char *text, const char *end, float *value);
  * Progress is reported between batches on the calling thread. Returns BVX_OK or BVX_CANCELLED. */
 bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                          bvx_task_fn *task, void *user);
-/* The same for tasks that may take long: `each` is a rough guess of what one takes [Units: nanoseconds], by which batches are cut so
- * that the caller is asked about ten times a second. The guess shows in nothing else. */
+/* The same for tasks that may take long: `each` is a rough guess of what one takes [Units: nanoseconds], by
+ * which batches are cut so that the caller is asked about ten times a second. The guess shows in nothing
+ * else. */
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user);
 /* 0: none */

@@ -1,9 +1,9 @@
 /* read_contour_table.c - contours as a table (CSV): a head line that names columns, a line for each point.
  *
  * Columns section, position, loop, x and y, in any order; label too where there are several bodies; z, nx,
- * ny and nz where planes have normals of their own; others are left alone. Words are parted by commas, semicolons or tabs, whichever the head line has. Lines of one
- * loop follow each other. Sections and loops are known by what stands in their columns, so they may be
- * numbers or names. */
+ * ny and nz where planes have normals of their own; others are left alone. Words are parted by commas,
+ * semicolons or tabs, whichever the head line has. Lines of one loop follow each other. Sections and loops
+ * are known by what stands in their columns, so they may be numbers or names. */
 #include "core/key_tree.h"
 #include "io_contour/contour_text.h"
 

@@ -327,8 +327,8 @@ static int is_sheet(const piece_sums *s)
     return s->lid >= SHEET_LID * s->area || ((s->open || s->rod) && s->kept < SHEET_KEPT * s->area);
 }
 
-/* Triangles of bodies that the solid misses: more voxels would find them, and a shell of voxels is thicker than
- * they are. */
+/* Triangles of bodies that the solid misses: more voxels would find them, and a shell of voxels is thicker
+ * than they are. */
 static uint64_t count_thin_shelled(const all_sums *sums, double side)
 {
     uint64_t count = 0;
