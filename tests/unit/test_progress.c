@@ -444,9 +444,40 @@ static void test_works_share_the_fraction(void)
     bvx_context_destroy(ctx);
 }
 
+/* ---- Tasks that take long ---- */
+
+static void nothing_to_do(void *user, int32_t index, int32_t worker)
+{
+    (void)user, (void)index, (void)worker;
+}
+
+static int32_t reports_of(double each, int32_t count, int32_t threads)
+{
+    record r = {0};
+    bvx_context *const ctx = watched_context(&r, threads);
+
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_parallel_long(ctx, "tasks", 0, 1, count, each, nothing_to_do, NULL));
+    bvx_context_destroy(ctx);
+    return r.calls;
+}
+
+/* One report before each batch and one at the end: batches of short tasks are those of bvxi_parallel, of
+ * longer ones as many as fit 50 milliseconds, and of those that fit none one, or two for each thread. */
+static void test_long_tasks_report_between_them(void)
+{
+    TEST_ASSERT_EQUAL_INT32(8 + 1, reports_of(0.0, 80, 1));
+    TEST_ASSERT_EQUAL_INT32(8 + 1, reports_of(5e6, 80, 1));
+    TEST_ASSERT_EQUAL_INT32(16 + 1, reports_of(1e7, 80, 1));
+    TEST_ASSERT_EQUAL_INT32(80 + 1, reports_of(1e9, 80, 1));
+    TEST_ASSERT_EQUAL_INT32(3 + 1, reports_of(0.0, 80, 2));
+    TEST_ASSERT_EQUAL_INT32(20 + 1, reports_of(1e9, 80, 2));
+    TEST_ASSERT_EQUAL_INT32(1, reports_of(1e9, 0, 2));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_long_tasks_report_between_them);
     RUN_TEST(test_every_call_rises_once_to_1);
     RUN_TEST(test_a_cancelled_call_does_not_reach_1);
     RUN_TEST(test_a_refused_call_does_not_reach_1);
