@@ -290,6 +290,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     if (status == BVX_OK)
         status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
+    /* A mesh out of voxels: its surface is half way between set and empty ones. */
     bvx_extract_options_init(&e, sizeof e);
     e.position_type = BVX_POSITION_AUTO;
     if (status == BVX_OK && b->kind == CLI_MESH)

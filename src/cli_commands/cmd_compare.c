@@ -192,6 +192,7 @@ static void report_distance(cli_made *made, const bvx_distance_report *d, double
 
     cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);
+    /* Both ways together, then each of them. */
     cli_json_value(t, "mean", d->mean);
     cli_json_value(t, "max", d->max);
     cli_json_value(t, "mean_a_to_b", d->mean_a_to_b);

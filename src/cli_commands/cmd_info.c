@@ -221,6 +221,7 @@ static void report_facts(const cli_run *run, const cli_input *in, const grid_fac
     cli_text_add(t, ", \"grid\": {\"path\": ");
     cli_json_string(t, in->path);
     cli_text_add(t, ", \"format\": \"%s\"", cli_format_name(cli_input_format(run, in->path)));
+    /* An assumed lattice has numbers too, so it must be said that it is one. */
     cli_json_truth(t, "lattice_known", in->placed);
     cli_json_ints(t, "low", g->low);
     cli_json_ints(t, "size", g->size);

@@ -191,6 +191,7 @@ static int make_level(cli_run *run, cli_chain *c, int i)
 
     if (own->method != 0) l.method = own->method;
     l.position_type = BVX_POSITION_AUTO;
+    /* One of the two says how fine the level is. */
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;

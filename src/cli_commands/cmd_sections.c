@@ -194,6 +194,7 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
+    /* One call a body: the library builds what one label has. */
     s.label = label;
     s.report = &job->report;
     cli_stage_begin(run, "sections");

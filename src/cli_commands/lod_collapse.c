@@ -224,6 +224,7 @@ static void report_levels(const cli_run *run, const lod_collapse *l, cli_made *m
 
     cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"",
                  l->run.source, is_measured(l) ? reason_of(run, l) : "");
+    /* The input, what was found wrong with it, and what the levels were made from. */
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);

@@ -132,6 +132,7 @@ static void report_sections(const char *path, const bvx_sections *s, const secti
 
     cli_text_add(t, ", \"contours\": {\"path\": ");
     cli_json_string(t, path);
+    /* The report has all labels, the text the first of them. */
     cli_json_count(t, "sections", s->section_count);
     cli_json_count(t, "empty_sections", f->empty);
     cli_json_count(t, "loops", s->loop_count);
@@ -155,6 +156,7 @@ int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
     section_facts f;
     int status = cli_read_sections(run, path, &sections);
 
+    /* Sections that were not read have no facts, and nothing to free. */
     memset(&f, 0, sizeof f);
     if (status == CLI_DONE) status = measure_positions(run, &sections, &f);
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);

@@ -20,6 +20,7 @@ typedef struct volume_facts {
 static double sample_value(const char *at, int32_t type)
 {
     switch (type) {
+/* Samples lie at any address, so each is copied out before it is read. */
 #define SAMPLE(name, kind)        \
     case name: {                  \
         kind v;                   \

@@ -318,6 +318,7 @@ static void tell_labels(const volume_job *j, cli_made *made)
 {
     cli_text *const t = &made->members;
 
+    /* In the order of the files, each with how much of it there is. */
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < j->label_count; i++) {
         cli_text_add(t, "%s{\"value\": %" PRId64, i == 0 ? "" : ", ", j->labels[i].value);
