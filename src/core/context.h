@@ -21,9 +21,12 @@ enum { BVXI_SCRATCH_ROOM = 64 }; /* of the table behind the context */
 
 typedef struct bvxi_pool bvxi_pool;
 
-/* Where in a public call, from 0 to 1, a work reports. */
+/* Where in a public call, from 0 to 1, a work reports: at low what is its fraction `from`, at knee its
+ * fraction `bend`, at high the end of it. */
 typedef struct bvxi_share {
-    double low, high;
+    double low, knee, high;
+    double from, bend;
+    double to; /* the fraction of the work around it at which it ends */
 } bvxi_share;
 
 enum { BVXI_SHARES = 12 }; /* more works in each other than calls have */

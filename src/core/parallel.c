@@ -23,14 +23,22 @@ static const bvxi_share *present_share(const bvx_context *ctx)
     return &ctx->share[ctx->shares < BVXI_SHARES ? ctx->shares : BVXI_SHARES - 1];
 }
 
+/* Where a work's fraction lies in the call. */
+static double place_in(const bvxi_share *s, double fraction)
+{
+    if (fraction > s->bend && s->bend < 1.0)
+        return s->knee + (s->high - s->knee) * ((fraction - s->bend) / (1.0 - s->bend));
+    if (fraction <= s->from) return s->low;
+    return s->low + (s->knee - s->low) * ((fraction - s->from) / (s->bend - s->from));
+}
+
 void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
     if (ctx == NULL || ctx->calls++ != 0) return;
 
     ctx->mark = bvxi_scratch_begin(ctx);
     ctx->shares = 0;
-    ctx->share[0].low = 0.0;
-    ctx->share[0].high = BEFORE_END;
+    ctx->share[0] = (bvxi_share){.knee = BEFORE_END, .high = BEFORE_END, .bend = 1.0, .to = 1.0};
     ctx->reached = 0.0;
     ctx->stage = ctx->function = function;
 }
@@ -49,11 +57,48 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 
 void bvxi_share_begin(bvx_context *ctx, double from, double to)
 {
-    bvxi_share const outer = *present_share(ctx);
+    const bvxi_share *const outer = present_share(ctx);
+    bvxi_share share = {.bend = 1.0, .to = to};
 
-    if (++ctx->shares >= BVXI_SHARES) return;
-    ctx->share[ctx->shares].low = outer.low + (outer.high - outer.low) * from;
-    ctx->share[ctx->shares].high = outer.low + (outer.high - outer.low) * to;
+    share.low = place_in(outer, from);
+    share.knee = share.high = place_in(outer, to);
+    if (++ctx->shares < BVXI_SHARES) ctx->share[ctx->shares] = share;
+}
+
+void bvxi_share_costs(bvx_context *ctx, double from, double to, double times)
+{
+    int32_t const top = ctx->shares;
+    double cost[BVXI_SHARES]; /* of what is left of each share, in shares of the call as planned before */
+    double now, end, part, old;
+
+    if (top >= BVXI_SHARES) return;
+    now = place_in(&ctx->share[top], from);
+    end = place_in(&ctx->share[top], to);
+    if (!(end > now)) return;
+
+    /* From the inside out: what takes longer within a share makes all of it take longer. */
+    part = times * (end - now);
+    old = end - now;
+    for (int32_t k = top; k >= 0; k--) {
+        double const left = ctx->share[k].high - now;
+
+        cost[k] = part + (left - old);
+        part = cost[k];
+        old = left;
+    }
+
+    /* From the outside in, as the call ends where it did: each gets its part of what is left, and what comes
+     * after it the rest. */
+    for (int32_t k = 0; k <= top; k++) {
+        bvxi_share *const s = &ctx->share[k];
+        double const inner = k < top ? cost[k + 1] : times * (end - now);
+
+        s->knee = now + (s->high - now) * (inner / cost[k]);
+        s->bend = k < top ? ctx->share[k + 1].to : to;
+        if (k < top) ctx->share[k + 1].high = s->knee;
+    }
+    ctx->share[top].low = now;
+    ctx->share[top].from = from;
 }
 
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
@@ -65,7 +110,7 @@ bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 {
     const bvxi_share *const share = present_share(ctx);
-    double at = share->low + (share->high - share->low) * fraction;
+    double at = place_in(share, fraction);
 
     if (ctx->progress == NULL) return BVX_OK;
 

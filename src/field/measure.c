@@ -252,13 +252,13 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
 
 /* ---- inside ---- */
 
-static bvx_status make_inside(bvx_context *ctx, measure_job *job)
+static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
     bvxi_sparse const values = measured_values(job);
 
     if (f->sign == BVX_SIGN_NONE) return BVX_OK;
-    BVXI_TRY(bvxi_grid_open(ctx, measure_name, &f->band.lattice, &job->window, &f->inside));
+    BVXI_TRY(bvxi_grid_open(ctx, measure_name, lattice, &job->window, &f->inside));
     if (!signs_by_features(f->sign)) return sign_by_solid(ctx, job->mesh, &f->sign, &f->inside);
     return bvxi_sign_features(bvxi_call_of(ctx, measure_name, measure_stage, 0.9, 0.97), job->nearest,
                               f->half_width, job->mesh, &values, f->sign, &f->inside);
@@ -315,18 +315,22 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    double measured; /* progress by then */
+    double filled; /* progress by then */
     int solid;
 
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
 
-    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes or crossings. */
+    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes: it comes first, so
+     * that the rest of the bar is there for the distances when that is known. */
     solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
-    measured = solid ? 0.84 : 1.0;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, measured, measure_distances_of(ctx, lattice, job)));
-    BVXI_TRY(BVXI_SHARE(ctx, solid ? measured : 0.0, 1.0, make_inside(ctx, job)));
+    filled = solid ? 0.16 : 0.0;
+    /* What distances refuse is refused before. */
+    BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
+    if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, filled, make_inside(ctx, lattice, job)));
+    BVXI_TRY(BVXI_SHARE(ctx, filled, 1.0, measure_distances_of(ctx, lattice, job)));
+    if (!solid) BVXI_TRY(make_inside(ctx, lattice, job));
     return negate_inside(ctx, f);
 }
 

@@ -213,6 +213,9 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
     return status;
 }
 
+/* Beside rows along three axes: about so many times as long as planned, where anything is unsure. */
+#define VOTE_ASKS_COST 12.0
+
 static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
                                      double to)
 {
@@ -227,7 +230,10 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
 
     /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
      * votes. */
-    if (!drop_odd_rows(w)) BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
+    if (!drop_odd_rows(w)) {
+        bvxi_share_costs(ctx, from, to, VOTE_ASKS_COST);
+        BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
+    }
     bvxi_drop(ctx, w->even_z);
     bvxi_drop(ctx, w->even_y);
     return BVX_OK;

@@ -81,6 +81,15 @@ static bvx_status check_near_range(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
+bvx_status bvxi_nearest_check(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                              const bvx_lattice *lattice)
+{
+    double low[3], high[3];
+
+    BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
+    return check_near_range(ctx, function, lattice, low, high);
+}
+
 static bvx_status open_near(bvx_context *ctx, const char *function, const char *stage, double from, double to,
                             bvxi_nearest *n)
 {

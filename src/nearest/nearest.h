@@ -15,6 +15,9 @@ typedef struct bvxi_nearest bvxi_nearest;
  * and distances (BVX_ERR_RANGE), and make it ready. */
 bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
                              bvxi_nearest **nearest);
+/* Only whether doubles hold all centres and distances. */
+bvx_status bvxi_nearest_check(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                              const bvx_lattice *lattice);
 void bvxi_nearest_close(bvx_context *ctx, bvxi_nearest *nearest);
 
 /* From here on the answers do not depend on how triangles and corners are numbered or turned: of equally near

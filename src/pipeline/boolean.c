@@ -284,13 +284,13 @@ static void plan_boolean(boolean_job *job)
     cost[BOOLEAN_EXTRACT] = job->options->sharp != 0 ? BOOLEAN_SHARPER * job->plain : job->plain;
 }
 
-/* Winding numbers and the search for crossings take so many times what rows take. The second mesh is taken
- * for one like the first. */
+/* Winding numbers and the search for crossings take so many times what rows take, and the fill itself says of
+ * winding numbers that they take longer than it planned. The second mesh is taken for one like the first. */
 static void plan_second_fill(boolean_job *job)
 {
     int32_t const fill = job->report.solid_a.fill;
 
-    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE) job->cost[BOOLEAN_FILL + 1] *= 30.0;
+    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE) job->cost[BOOLEAN_FILL + 1] *= 2.5;
     else if (fill == BVX_FILL_NONZERO) job->cost[BOOLEAN_FILL + 1] *= 5.0;
 }
 
