@@ -1,7 +1,7 @@
 /* repair_needs.c - what is wrong with a mesh, and a copy of one with which nothing is.
  *
- * The certificate says most. A mesh of several pieces is asked more: a piece that is turned inward must be the
- * cavity of another, and no piece may lie within another without being its cavity; the rules parity and
+ * The certificate says most. A mesh of several pieces is asked more: a piece that is turned inward must be
+ * the cavity of another, and no piece may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
 #include "mesh/mesh.h"
 #include "mesh/topology.h"

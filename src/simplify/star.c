@@ -3,7 +3,8 @@
  * Ghost triangles, which close borders, count for the link only.
  * No new triangle may meet another one in more than what they share. Three kinds of pairs:
  * - Triangles around one vertex cannot meet elsewhere when all of them face one way and go around it once:
- *   seen along the sum of their normals they lie side by side. This is tested for the new vertex and for every
+ *   seen along the sum of their normals they lie side by side. This is tested for the new vertex and for
+ * every
  *   vertex of the link. A fan for which it does not hold, as at a sharp corner, has its pairs tested one by
  *   one. The fan of a vertex on a border goes around it less than once.
  * - Triangles without a common vertex are found by their boxes, and separated by a plane: along a facet's
@@ -294,8 +295,8 @@ static int old_triangle_crosses(const bvxi_corners *m, int32_t corner, const dou
     return bvxi_triangles_cross(p, q);
 }
 
-/* 1 when a triangle that stays crosses the star as it was already, which is allowed in a mesh that was given with
- * crossings: they become no more. */
+/* 1 when a triangle that stays crosses the star as it was already, which is allowed in a mesh that was given
+ * with crossings: they become no more. */
 static int crosses_anyway(const bvxi_corners *m, const bvxi_star *star, const double *const q[3])
 {
     int32_t const across = bvxi_corner_opposite(m, star->edge);
