@@ -302,3 +302,11 @@ def test_what_is_not_a_grid_has_a_remedy(knot):
     for wrong, words in ((knot, "voxelize"), ("knot.ply", "voxelize"), (volume, "method surface"), (3, "three-dimensional array")):
         with pytest.raises(TypeError, match=f"is not a grid: .*{words}"):
             bitvox.surface(wrong)
+
+
+def test_rows_of_different_lengths():
+    for rows in ([[0, 0, 0], [1, 1]], np.array([[0, 0, 0], [1, 1]], dtype=object)):
+        with pytest.raises(bitvox.ArgumentError, match="vertices: rows of different lengths"):
+            bitvox.Mesh(rows, [[0, 0, 0]])
+    with pytest.raises(TypeError, match="not object"):
+        bitvox.Mesh(np.array([[0, 0, None]], dtype=object), [[0, 0, 0]])

@@ -156,6 +156,9 @@ def as_numpy(values: Any, what: str) -> Any:
         except ValueError as why:
             raise ArgumentError(f"{what}: rows of different lengths ({why})") from None
     if found.dtype.kind not in "iufb":
+        sides = {len(row) if hasattr(row, "__len__") else 0 for row in found.ravel()} if found.dtype.kind == "O" else set()
+        if len(sides) > 1:  # what numpy before 1.24 makes of such rows
+            raise ArgumentError(f"{what}: rows of different lengths ({', '.join(map(str, sorted(sides)))})")
         _refuse_type(what, found.dtype, "numbers")
     return found
 
