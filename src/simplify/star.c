@@ -3,8 +3,7 @@
  * Ghost triangles, which close borders, count for the link only.
  * No new triangle may meet another one in more than what they share. Three kinds of pairs:
  * - Triangles around one vertex cannot meet elsewhere when all of them face one way and go around it once:
- *   seen along the sum of their normals they lie side by side. This is tested for the new vertex and for
- * every
+ *   seen along the sum of their normals they lie side by side. This is tested for the new vertex and each
  *   vertex of the link. A fan for which it does not hold, as at a sharp corner, has its pairs tested one by
  *   one. The fan of a vertex on a border goes around it less than once.
  * - Triangles without a common vertex are found by their boxes, and separated by a plane: along a facet's
