@@ -304,6 +304,10 @@ export interface RepairReport {
     thinLow: Triple;
     thinHigh: Triple;
     thinResolution: number;
+    /** The sum of the volumes of the input's components; 0: open, or its sides are unknown. */
+    partsVolume: number;
+    /** Of shelledTriangles, those of components that have a volume but no voxel at their back. */
+    thinShelled: number;
 }
 
 /** [bvx_boolean_options] */
@@ -398,6 +402,8 @@ export interface LevelsReport {
     refusedEdge: number[];
     resolution: number;
     plannedResolution: number;
+    /** Closed bodies lie in others and face the same way: what lies in both counts twice. */
+    nested: boolean;
 }
 
 /** [bvx_lod_options]; exactly one of resolutions (samples along the longest axis) and targetTriangles, one number a level. */

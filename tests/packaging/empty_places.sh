@@ -67,7 +67,7 @@ enter() {
 }
 
 inside() { # COMMANDS, in /game
-    env -i HOME=/root PATH=/usr/local/bin:/usr/bin:/bin LC_ALL=C.UTF-8 ${CFLAGS:+CFLAGS="$CFLAGS"} "$(command -v chroot)" "$place" /bin/sh -c "set -e; cd /game; $1"
+    env -i HOME=/root PATH=/usr/local/bin:/usr/local/sbin:/usr/bin:/usr/sbin:/bin:/sbin LC_ALL=C.UTF-8 ${CFLAGS:+CFLAGS="$CFLAGS"} "$(command -v chroot)" "$place" /bin/sh -c "set -e; cd /game; $1"
 }
 
 # The commands are those of the README, with the sources in /bitvox; the last one shows that it works.

@@ -353,6 +353,7 @@ test('index.d.ts names all that is there, and no more', () => {
     same(bitvox.boolean(mesh, mesh, 'union', { resolution: 8 }).report, 'BooleanReport');
     const levels = bitvox.buildLevels(mesh);
     same(levels.report, 'LevelsReport');
+    assert.deepEqual([levels.report.source, levels.report.resolution, levels.report.nested], ['mesh', 0, false]);
     same(levels.levels[0].report, 'LevelReport');
     same(bitvox.buildLods(grid, { resolutions: [4] }).levels[0].report, 'LodReport');
     same(bitvox.hollow(grid, { thickness: 1 }).report, 'HollowReport');
