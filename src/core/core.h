@@ -137,8 +137,8 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
 #define BVXI_SHARE(ctx, from, to, work) (bvxi_share_begin(ctx, from, to), bvxi_share_end(ctx, (work)))
 void bvxi_share_begin(bvx_context *ctx, double from, double to);
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
-/* What the present work does from its fraction `from` to `to`, beginning now, turns out to take so many times as
- * long as planned: it gets more of the call's progress, and all that comes after it less. */
+/* What the present work does from its fraction `from` to `to`, beginning now, turns out to take so many
+ * times as long as planned: it gets more of the call's progress, and all that comes after it less. */
 void bvxi_share_costs(bvx_context *ctx, double from, double to, double times);
 /* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);

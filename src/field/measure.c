@@ -322,8 +322,8 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
 
-    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes: it comes first, so
-     * that the rest of the bar is there for the distances when that is known. */
+    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes: it comes first,
+     * so that the rest of the bar is there for the distances when that is known. */
     solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
     filled = solid ? 0.16 : 0.0;
     /* What distances refuse is refused before. */

@@ -233,9 +233,12 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
 
     /* Nothing at all would look like success. */
     if (w.march.triangle_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: level %i, %d x %d x %d samples, keeps nothing of the solid",
-                         lod_name, level_number(job), (int64_t)w.samples.axis[0].count,
-                         (int64_t)w.samples.axis[1].count, (int64_t)w.samples.axis[2].count);
+        return bvxi_fail(
+            ctx, BVX_ERR_EMPTY,
+            "%s: level %i, %d x %d x %d samples, keeps nothing of the solid; take more samples for it, or a "
+            "lower threshold",
+            lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
+            (int64_t)w.samples.axis[2].count);
     BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
                                          : bvxi_march_fill(ctx, &w.march, mesh));
     report_lod(job, &w, mesh);

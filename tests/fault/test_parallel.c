@@ -166,8 +166,8 @@ static int32_t keep_fraction(void *user, const char *stage, double fraction)
     return 0;
 }
 
-/* A call of two halves, of which the first has two: what takes nine times as long from its middle on gets more, what follows less, and
- * all still ends where it did. */
+/* A call of two halves, of which the first has two: what takes nine times as long from its middle on gets
+ * more, what follows less, and all still ends where it did. */
 static void test_progress_is_planned_anew(void **state)
 {
     bvx_context_options o = default_options();
@@ -189,7 +189,8 @@ static void test_progress_is_planned_anew(void **state)
     bvxi_share_begin(ctx, 0.0, 0.5);
     REPORTS(0.5, 0.125);
 
-    /* An eighth of the call costs nine eighths: with a quarter and a half after it 15 eighths for 7 eighths of the bar. */
+    /* An eighth of the call costs nine eighths: with a quarter and a half after it 15 eighths for 7 eighths
+     * of the bar. */
     bvxi_share_costs(ctx, 0.5, 1.0, 9.0);
     REPORTS(0.5, 0.125);
     REPORTS(0.75, 0.125 + 0.875 * 4.5 / 15.0);

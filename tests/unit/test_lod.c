@@ -907,6 +907,7 @@ static void test_a_level_that_keeps_nothing_fails_by_name(void)
         options.method = method;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build(4));
         TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "level 2"));
+        TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "take more samples for it, or a lower threshold"));
         for (int l = 0; l < 4; l++)
             TEST_ASSERT_TRUE(level[l].positions == NULL && level[l].vertex_count == 0 &&
                              level[l].triangle_count == 0);
