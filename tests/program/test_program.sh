@@ -663,7 +663,7 @@ parse 0.4 0.6 convert KNOT -o x_c.ply
 refine 0.05 0.2 refine KNOT -o x_t.vtu --halvings 3
 refine 0.3 0.5 refine KNOT -o x_t.ply --halvings 3
 refine 0.85 0.98 refine KNOT -o x_t.bvx --halvings 3
-close 0.5 0.9 morph close KNOT -o x_m.bvx --resolution 40 --steps 2
+close 0.5 0.9 morph close KNOT -o x_m.bvx --resolution 56 --steps 2
 W
     run lod "$knot" -o x_%d.ply --quiet --progress=json --samples 100
     holds '--progress=json beside --quiet' sh -c 'test ! -s out && test -s err'
