@@ -26,11 +26,13 @@
  *   Errors      Every such call may return BVX_ERR_ARGUMENT, BVX_ERR_MEMORY and BVX_ERR_BUDGET (the memory
  *               limit); BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays that
  *               the caller owns. Comments list the others, or a special meaning of these.
- *   Failure     Inputs are unchanged and nothing leaks. Results that the library would have allocated stay
- *               empty, and the caller's arrays hold valid but unspecified values. bvx_last_message(context)
- *               says what was wrong, where and why.
+ *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty, and the caller's arrays
+ *               hold unspecified values. So does a result of an earlier call that was passed again: free it
+ *               or pass it again, do not read it. bvx_last_message(context) says what was wrong, where and
+ *               why.
  *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it
- *               again without a free: the library reuses its arrays, or replaces them if too small. A
+ *               again without a free: the library reuses its arrays, or frees them and makes others where
+ *               they do not suit, so pointers into them and views of them end there. A
  *               grid or mesh may also bring arrays that the caller owns, with their capacities: they are
  *               filled in place, or BVX_ERR_CAPACITY when too small. Other results refuse such arrays. A
  *               result never overlaps an input, except where a comment says "in place". After a failure a
@@ -39,7 +41,7 @@
  *               when an array was too small.
  *   Input       A coordinate that is not finite is BVX_ERR_RANGE; no triangle or point at all is
  *               BVX_ERR_EMPTY; nothing inside is an empty result and BVX_OK. A target that cannot be met is
- *               named in the report.
+ *               BVX_OK with met 0 in the report, unless strict is set.
  *   Options     Structs begin with their size and are filled by their _init function. NULL means all
  *               defaults. A report is filled where the options point to one.
  *   Reserved    Fields named reserved must be zero.
@@ -222,8 +224,8 @@ BVX_API const char *bvx_arithmetic_fault(void);
  *  for anything else: its threads end here. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
-/** One line for people that says what went wrong in the last call that failed; "" when none did. Valid until
- *  the next call. */
+/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it right
+ *  after that call: the next one may change it, also where it succeeds. */
 BVX_API const char *bvx_last_message(const bvx_context *context);
 
 /** The last failure in parts, for programs: nobody needs to parse messages. The library owns it and may
@@ -240,7 +242,7 @@ typedef struct bvx_error {
     double value[8]; /**< the message's numbers in order, the index included, as doubles */
 } bvx_error;
 
-/** Why the last call that failed did so. Never NULL. Valid until the next call.
+/** Why the last call that failed did so. Never NULL. Read it right after that call, as errno.
  *  [Cost: O(1)] */
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
@@ -370,8 +372,8 @@ typedef struct bvx_certificate {
 } bvx_certificate;
 
 /** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). All vertices must be finite,
- *  used or not. A mesh without triangles is no error: its certificate says closed 0. [Limit: (2^32 - 1) / 3
- *  triangles]
+ *  used or not. A mesh without triangles is no error: its certificate is zero, but for unused_vertices.
+ *  [Limit: (2^32 - 1) / 3 triangles]
  *  Returns BVX_ERR_RANGE (index or coordinate).
  *  [Memory: about 60 bytes a triangle]
  *  [Cost: O(triangles), radix sorts]
@@ -458,6 +460,7 @@ BVX_API void bvx_lattice_options_init(bvx_lattice_options *options, size_t size)
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
  *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
  *  smallest count that covers them.
+ *  resolution  [Limit: 1..2^25] below it is BVX_ERR_ARGUMENT, above BVX_ERR_RANGE
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index beyond the
  *  vertices, dims beyond 2^25).
  *  [Memory: none]
@@ -892,8 +895,8 @@ enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
 /** What becomes of a mesh with borders when it is simplified.
  *  SHELL  bvx_build_levels: open sheets become thin closed shells; bvx_mesh_simplify: refused
- *  KEEP   borders stay borders. Edges of three triangles and more, or between triangles that cannot agree on
- *         their sides, are refused
+ *  KEEP   borders stay borders. A mesh with edges of three triangles and more, or between triangles that
+ *         cannot agree on their sides, is BVX_ERR_ARGUMENT
  *  CUT    as KEEP, but the sheet is cut along such edges: all their triangles get borders there */
 #define BVX_OPEN_LIST(X)          \
     X(BVX_OPEN_SHELL, 0, "shell") \
@@ -927,8 +930,9 @@ typedef struct bvx_simplify_options {
     double even; /**< pull towards triangles of even size on flat parts [Limit: 0..1] [Default: 1e-9] */
     uint64_t measure_samples; /**< points a side for each report's distances; 0: not measured, though
                                    target_errors measure with 20000 [Limit: 0..2^31-1] [Default: 0] */
-    int32_t strict; /**< 1: a target that cannot be met is an error, else it gives the smallest mesh, with met
-                         0 [Limit: 0..1] [Default: 0] */
+    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
+                         is the smallest that keeps the guarantee, by error the level before, or the mesh
+                         [Limit: 0..1] [Default: 0] */
     int32_t open;   /**< BVX_OPEN_...: may the mesh have borders? [Default: BVX_OPEN_KEEP] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
     double colour_weight; /**< of the view's colours, without alpha: being off by 255 in one channel costs as
@@ -1063,7 +1067,8 @@ typedef struct bvx_repair_options {
                                 BVX_SIGN_AUTO: WINDING, or VOTE where flipped triangles cannot be turned] */
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;         /**< sharp edges and corners: 0 never, 1 always, -1 on meshes like machine parts
+    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel: 0
+                                never, 1 always, -1 on meshes like machine parts of up to 500,000 triangles
                                 (docs/rules.md) [Limit: -1..1] [Default: -1] */
     int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
@@ -1720,7 +1725,8 @@ typedef struct bvx_distance_options {
 BVX_API void bvx_distance_options_init(bvx_distance_options *options, size_t size);
 
 /** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y,
- *  then z. Infinite where there is no such voxel (SIGNED: negative on set voxels).
+ *  then z. SIGNED is negative on set voxels. With BVX_BEYOND_NOTHING an empty grid has infinity everywhere
+ *  (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED: minus infinity).
  *  value_type  BVX_F32 or BVX_F64: the last rounding
  *  values      [Size: nx * ny * nz] [Units: world]
  *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100).
@@ -2295,8 +2301,8 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *  sections  points may be off their plane by 1/1000 of the contours' extent and a quarter of the way to the
  *            next plane: they keep their coordinates, and the surface takes them as lying on it
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
- *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes
- *  that contradict each other: all named), BVX_ERR_RANGE (not finite, an index beyond its array or the
+ *  BVX_ERR_FORMAT (loops that cross or touch, with mend only where they stay too near; two sections at one
+ *  position; points off their plane; planes that contradict each other: all named), BVX_ERR_RANGE (not finite, an index beyond its array or the
  *  limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
  *  [Memory: about 150 bytes a contour point or crossing, 20 a cell of one section, the mesh twice]
  *  [Cost: O(crossings log points + cells / 64 a section), times layers between sections]
@@ -2388,8 +2394,9 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  *  bit. What a window and a tolerance change: docs/rules.md.
  *  base  the lattice of level 0, as from bvx_lattice_fit(context, mesh, 8, &base); fraction_bits are ignored
  *  tree  out: *tree is NULL, or a tree that is freed when the new one is made
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (as bvx_voxelize_surface; a base or levels beyond the
- *  lattice, with the largest number of levels that fits; 2^28 split voxels of a level), BVX_ERR_BUDGET (names
+ *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (as bvx_voxelize_surface; a base of 2^31 voxels and
+ *  more; dims * 2^levels beyond 2^25, with the largest number of levels that fits; 2^28 split voxels of a
+ *  level), BVX_ERR_ARGUMENT (also levels beyond 25), BVX_ERR_BUDGET (names
  *  the number of levels that fits).
  *  [Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split
  *  voxel; for the two finest split levels 20 a voxel and 5 for each triangle that touches it; a grid of up to
@@ -2547,8 +2554,8 @@ BVX_API int32_t bvx_format_of_name(const char *name);
  *  are read when all vertices or faces have them. What is read of each format: docs/formats.md.
  *  format  BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY or _OFF
  *  mesh    brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY), else f64
- *  Returns BVX_ERR_FORMAT (byte, line or element, and why), BVX_ERR_RANGE (a coordinate that is not finite,
- *  an index beyond the vertices), BVX_ERR_EMPTY (no triangle).
+ *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
+ *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle).
  *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF) or 128 (PLY) times size and 32 KiB; counts that the
  *  size cannot hold are refused before allocation] */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,

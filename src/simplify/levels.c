@@ -152,39 +152,46 @@ static bvx_status measure_share(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-/* Triangles for the next try: errors grow about as triangles become fewer, so half while the error is far, a
- * tenth when it is near. */
+/* Triangles for the next try. Errors grow about as triangles become fewer, so n * part of them would take up
+ * all of it; a collapse cannot be undone, so half of that way is gone, by ratios, and at least a twentieth. */
 static uint64_t next_try(uint64_t triangles, double part)
 {
-    double const share = part < 0.5 ? 0.5 : part > 0.9 ? 0.9 : part;
-    return (uint64_t)((double)triangles * share);
+    double const half_way = part < 0.25 ? 0.5 : sqrt(part);
+
+    return (uint64_t)((double)triangles * (half_way < 0.95 ? half_way : 0.95));
+}
+
+/* Copy a mesh into a level: into the arrays that the caller brought, or into new ones. */
+static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *mesh,
+                            bvx_mesh *level)
+{
+    size_t const vertex_bytes = mesh->position_type == BVX_F64 ? 24 : 12;
+
+    BVXI_TRY(bvxi_mesh_open(ctx, c->function, mesh->position_type, 0, mesh->vertex_count,
+                            mesh->triangle_count, level));
+    memcpy(level->positions, mesh->positions, (size_t)mesh->vertex_count * vertex_bytes);
+    memcpy(level->triangles, mesh->triangles, (size_t)mesh->triangle_count * 12);
+    return BVX_OK;
 }
 
 /* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
 static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mesh *made, bvx_mesh *level)
 {
-    size_t const vertex_bytes = made->position_type == BVX_F64 ? 24 : 12;
-
     if (level->owned == 1) bvx_mesh_free(ctx, level);
-    if (level->positions == NULL && level->triangles == NULL) {
-        *level = *made;
-        memset(made, 0, sizeof *made);
-        return BVX_OK;
-    }
+    if (level->positions != NULL || level->triangles != NULL) return copy_into(ctx, c, made, level);
 
-    /* The caller's arrays stay where they are: the mesh is copied into them. */
-    BVXI_TRY(bvxi_mesh_open(ctx, c->function, made->position_type, 0, made->vertex_count,
-                            made->triangle_count, level));
-    memcpy(level->positions, made->positions, (size_t)made->vertex_count * vertex_bytes);
-    memcpy(level->triangles, made->triangles, (size_t)made->triangle_count * 12);
+    *level = *made;
+    memset(made, 0, sizeof *made);
     return BVX_OK;
 }
 
-/* The last mesh on the way down that keeps the error of level i; the first one where none does. Errors grow
- * about as triangles become fewer, so the level is far while its share of the triangles is small. */
+/* The last mesh on the way down that keeps the error of level i. Where none does: the level before, which a
+ * step too far has left behind, or of the first level the mesh as it is. Errors grow about as triangles become
+ * fewer, so the level is far while its share of the triangles is small. */
 static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 bvx_mesh *found, int *met)
 {
+    double const target = c->target_errors[i];
     uint64_t before, level;
     double part, rest = 1.0; /* of the progress, for tries whose number is not known */
 
@@ -195,19 +202,25 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.76, measure_share(ctx, c, i, collapse, &part)));
         /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
+        if (part > 1 && i != 0) {
+            *met = c->last_error <= target;
+            return copy_into(ctx, c, &c->levels[i - 1], found);
+        }
 
         /* A collapse cannot be undone, so what may be the level is copied before the next step. */
         BVXI_TRY(bvxi_collapse_give(collapse, &made));
         bvx_mesh_free(ctx, found);
         *found = made;
         *met = part <= 1;
+        c->last_error = part * target;
+        if (!*met) break;
 
         before = bvxi_collapse_triangles(collapse);
         level = part < 1 ? (uint64_t)((double)before * part) : before;
         BVXI_TRY(
             bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.76, 1.0 - rest * 0.7));
         rest *= 0.7;
-    } while (part <= 1 && bvxi_collapse_triangles(collapse) < before);
+    } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
 
@@ -229,6 +242,20 @@ static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
                                     : make_by_count(c, i, collapse, met);
 }
 
+/* By count the collapse went as far as it could; by error it had nothing to take back. */
+static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
+{
+    if (c->target_errors != NULL)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+            "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
+            c->function, i, c->target_errors[i]);
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
+        "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
+        c->function, i, c->levels[i].triangle_count);
+}
+
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
 {
     /* The level's share of the progress: what a report costs beside it. */
@@ -236,11 +263,7 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     int met = 0;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
-    if (c->strict && !met)
-        return bvxi_fail_for(
-            ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
-            "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
-            c->function, i, c->levels[i].triangle_count);
+    if (c->strict && !met) return refuse_missed(ctx, c, i);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 

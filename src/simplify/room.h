@@ -56,6 +56,7 @@ typedef struct bvxi_level_chain {
     uint64_t measure_samples;
     bvxi_collapse_options collapse;
     uint64_t count;
+    double last_error; /* of the level made last, where errors are targets */
     bvx_mesh *levels;
     bvx_level_report *reports; /* or NULL */
     bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */

@@ -593,6 +593,50 @@ static void test_an_error_below_every_collapse_keeps_the_mesh(void)
     TEST_ASSERT_TRUE(level[0].triangle_count < 60);
 }
 
+/* A step too far has left the first level behind. What the second one may not be worse than is that level. */
+static void test_an_error_that_the_way_has_passed_by_gives_the_level_before(void)
+{
+    static const double near[2] = {0.05, 0.0501}, less[2] = {0.05, 1e-9};
+    bvx_simplify_options o = defaults();
+    bvx_mesh_view view;
+
+    make_shape(shape_named("torus"));
+    view = maker_view(&mesh);
+    for (int k = 0; k < 2; k++) {
+        o.target_errors = k == 0 ? near : less;
+        simplify(&o, 2);
+        TEST_ASSERT_EQUAL_INT32(1, report[0].met);
+        TEST_ASSERT_EQUAL_INT32(k == 0, report[1].met);
+        TEST_ASSERT_EQUAL_UINT64(level[0].triangle_count, level[1].triangle_count);
+        TEST_ASSERT_TRUE(level[0].positions != level[1].positions);
+        drop_levels();
+    }
+
+    /* The fewest triangles have nothing to do with it. */
+    o.strict = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 2, level));
+    TEST_ASSERT_EQUAL_INT32(BVX_REASON_TARGET, bvx_last_error(ctx)->reason);
+    TEST_ASSERT_EQUAL_INT64(1, bvx_last_error(ctx)->index);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "off by more than 1e-9 already"),
+                                 bvx_last_message(ctx));
+}
+
+/* Nearly all of the error is used: a twentieth more of the triangles would not do. */
+static void test_an_error_is_used_up(void)
+{
+    double const errors[1] = {0.01};
+    bvx_simplify_options o = defaults();
+    double part;
+
+    make_shape(shape_named("torus"));
+    o.target_errors = errors;
+    o.measure_samples = 20000;
+    simplify(&o, 1);
+    part = report[0].distance.mean / errors[0];
+    snprintf(where, sizeof where, "%g of the error", part);
+    TEST_ASSERT_TRUE_MESSAGE(part > 0.85 && part <= 1, where);
+}
+
 /* A torus has seven vertices at least, and 14 triangles; where the
  * guarantee stops before is not known, but near. */
 static void test_a_torus_is_not_reduced_below_its_handle(void)
@@ -873,6 +917,8 @@ int main(void)
     RUN_TEST(test_a_target_of_all_gives_the_mesh_back);
     RUN_TEST(test_errors_are_kept_and_used);
     RUN_TEST(test_an_error_below_every_collapse_keeps_the_mesh);
+    RUN_TEST(test_an_error_that_the_way_has_passed_by_gives_the_level_before);
+    RUN_TEST(test_an_error_is_used_up);
     RUN_TEST(test_a_torus_is_not_reduced_below_its_handle);
     RUN_TEST(test_a_tetrahedron_stays_and_unused_vertices_go);
     RUN_TEST(test_a_flat_body_is_closed_or_refused);
