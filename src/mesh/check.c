@@ -185,7 +185,10 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: weld is %d, not 0 or 1",
                              function, (int64_t)weld);
     BVXI_TRY(check_count(context, function, mesh));
-    if (mesh->triangle_count == 0) return BVX_OK; /* all zero */
+    if (mesh->triangle_count == 0) {
+        certificate->unused_vertices = mesh->vertex_count;
+        return BVX_OK;
+    }
     BVXI_TRY(bvxi_view_bounds(context, function, mesh, low, high));
     c.vertex_count = mesh->vertex_count;
     return check_within(context, &c, weld, low, high, certificate);

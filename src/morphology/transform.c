@@ -2,8 +2,7 @@
  * z row by row.
  *
  * Source: Saito, Toriwaki. New Algorithms for Euclidean Distance Transformation of an n-Dimensional Digitized
- * Picture. 1994 (one axis after the other); the columns are those of transform_lines.c and
- * transform_lines.c.
+ * Picture. 1994 (one axis after the other); the columns are those of transform_lines.c.
  *
  * Of the whole box only the bits are held. A tile is 16 columns, or a few times 16, over all y and z: for
  * each of its slices the steps along x are made from bits, then its columns along y; these squares are kept

@@ -223,7 +223,7 @@ int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, con
 /* box: scratch, one a loop. */
 bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box)[4]);
 
-/* ---- simple.c, simple.c ---- */
+/* ---- simple.c ---- */
 
 /* Refuse loops that cross or touch themselves or others. */
 bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);
