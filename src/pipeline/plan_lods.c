@@ -44,7 +44,7 @@ static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *
 static double finest_samples(const lods_plan *p)
 {
     const bvx_lod_options *const o = p->options;
-    double finest = 1, longest = 0, area, most = 0;
+    double finest = 1, longest = 0, area, triangles = 0;
 
     if (o->target_triangles == NULL) {
         uint64_t const n = o->resolutions != NULL ? p->level_count : 3 * p->level_count;
@@ -56,19 +56,24 @@ static double finest_samples(const lods_plan *p)
     }
 
     for (uint64_t i = 0; i < p->level_count; i++)
-        most = (double)o->target_triangles[i] > most ? (double)o->target_triangles[i] : most;
+        if ((double)o->target_triangles[i] > triangles) triangles = (double)o->target_triangles[i];
     for (int a = 0; a < 3; a++) longest = p->high[a] - p->low[a] > longest ? p->high[a] - p->low[a] : longest;
     area = bvxi_view_area(p->mesh);
     if (!(area > 0)) return finest;
 
     /* More triangles are made where edges collapse afterwards. */
-    most *= o->collapse != 0 ? o->collapse : 1;
-    finest = floor(sqrt(most / PLAN_TRIANGLES_A_SQUARE * longest / area * longest) + 0.5);
+    triangles *= o->collapse != 0 ? o->collapse : 1;
+
+    /* From triangles = 3 * area / sample^2 and samples = longest / sample: samples = longest * sqrt(triangles /
+     * (3 * area)). longest is not squared first: of a long and narrow mesh the square may leave a double's
+     * range where what is wanted does not. */
+    finest = floor(sqrt(triangles / PLAN_TRIANGLES_A_SQUARE * longest / area * longest) + 0.5);
     return finest > 1 ? finest : 1;
 }
 
-/* Half of what the limit leaves beside the mesh's snapped copy: the other
- * half is for rows in work and for the levels. */
+/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for the
+ * levels. A snapped vertex takes 16 bytes (bvxi_snapped); 4 a triangle are an allowance, as the buffers of
+ * crossings stop growing. */
 static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *mesh)
 {
     uint64_t const limit = bvxi_memory_limit(ctx);
@@ -93,6 +98,7 @@ static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t reso
     o.resolution = resolution;
     o.padding = p->padding;
     status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
+    /* The bound is in words, room in bytes. */
     *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
     /* Too large a lattice is an answer here, not an error. */
     return status == BVX_ERR_RANGE ? BVX_OK : status;
@@ -105,7 +111,8 @@ static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *
     int32_t low = finest < PLAN_FINEST_GRID ? (int32_t)finest : PLAN_FINEST_GRID;
     int32_t high = wanted < PLAN_FINEST_GRID ? (int32_t)wanted : PLAN_FINEST_GRID;
 
-    /* By bisection from what is wanted; limited says that memory decided. */
+    /* By bisection from what is wanted; limited says that memory decided. low is not tried: one voxel a sample
+     * is returned even where it does not fit. */
     *limited = 0;
     for (int32_t next = high; low < high; next = low + (high - low + 1) / 2) {
         int32_t fits;
@@ -128,14 +135,14 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
 {
     bvx_lod_options o;
     lods_plan p = {mesh, &o, level_count, padding, {0}, {0}};
-    int32_t planned, less;
+    int32_t planned, by_memory;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
     if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
     bvx_lod_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
-    /* Fewer options than a call of levels has, and by the same rules. */
+    /* Checked here, as a plan needs only these options. */
     BVXI_TRY(check_planned_levels(context, &o, level_count));
     if (padding < 0 || padding > 65536)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -147,9 +154,9 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
         return bvxi_fail(context, BVX_ERR_EMPTY,
                          "%s: all vertices lie at one point, so a resolution gives no spacing",
                          plan_lods_name);
-    BVXI_TRY(search_planned(context, &p, &planned, &less));
+    BVXI_TRY(search_planned(context, &p, &planned, &by_memory));
     *resolution = planned;
-    if (limited != NULL) *limited = less;
+    if (limited != NULL) *limited = by_memory;
     return BVX_OK;
 }
 
