@@ -184,7 +184,7 @@ void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_
     walls->unoriented = !is_oriented(report);
     /* Faces may be seen from behind through holes. */
     if (report->fill_reason == BVX_FILL_REASON_OPEN || report->unbalanced_rows != 0)
-        walls->open = walls->unoriented ? 2 : 1;
+        walls->open = walls->unoriented ? BVXI_WALLS_NO_SHEETS : BVXI_WALLS_HOLES;
 }
 
 static double voxel_size(const bvx_lattice *l)

@@ -7,7 +7,7 @@
  *
  * A wall thinner than that may have no centre inside, here and there or everywhere. It shows where a lattice
  * line crosses the mesh between two outside centres, and where outside centres meet diagonally between inside
- * ones. There the nearest point of the mesh and the nearest one behind it are requested: where they face away
+ * ones. There the nearest point of the mesh and the nearest one behind it are looked up: where they face away
  * from each other and lie no further apart than a voxel and a half, there is a thin wall.
  * Guarantee: what is found follows from the mesh and the lattice only. Cost: the surface, and closest points
  * at thin places. */
@@ -21,12 +21,24 @@
 
 #include <math.h>
 
-#define WALL_DEPTH  0.75 /* where the other side is looked for */
-#define WALL_FACING 0.55 /* cosine between a face and the opposite of the other */
-#define WALL_STRAIGHT \
-    0.9 /* where triangles are flipped: cosine between both faces, and between them and the way through */
-#define WALL_SAME   0.25 /* nearest points this near to each other are of one face */
-#define WALL_BESIDE 1.8  /* from a place to the centres around it: the root of 3 */
+/* How deep behind the front the back is looked for: half of BVXI_THIN_WALL, as from there the back of a thin
+ * wall is at least as near as its front [Units: largest spacings] */
+#define WALL_DEPTH 0.75
+
+/* Cosine between one normal and the opposite of the other, 57 degrees: the faces of an edge sharper than that
+ * are a wall too. */
+#define WALL_FACING 0.55
+
+/* The same where triangles may be flipped, 26 degrees, as no sign says then which face is seen from outside;
+ * also between the way in from the centre and the one from front to back. */
+#define WALL_STRAIGHT 0.9
+
+/* Nearest points this near to each other are of one face: behind an even one both are the same point, the rest
+ * is for curved ones [Units: largest spacings] */
+#define WALL_SAME 0.25
+
+/* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
+#define WALL_BESIDE 1.8
 
 enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
 
@@ -193,6 +205,7 @@ static void place_vertices_in_blocks(bvxi_walls *t)
         bvxi_view_position(t->mesh, v, p);
         /* In voxels of the window. */
         for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        /* from and to are one block for a point: only from is kept. */
         block_range(t, p, p, t->block_of + 3 * v, to);
     }
 }
@@ -261,7 +274,8 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 }
 
 /* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
- * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3] */
+ * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order; before,
+ * sorted[n] says whether triangle n was turned round. */
 static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
 {
     uint64_t const count = t->near.triangle_count;
@@ -310,7 +324,6 @@ static bvx_status order_triangles_nearby(bvxi_walls *t)
 /* Bounds of their corners; vertices that no triangle uses may be anything. */
 static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double high[3])
 {
-    /* Bounds of what the search holds. */
     for (uint64_t n = 0; n < 3 * t->near.triangle_count; n++) {
         double p[3];
 
@@ -323,22 +336,23 @@ static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double hi
     }
 }
 
-/* Triangles that count at the list's centres, and with beside at those around
- * them, and a search among them: the nearest one within a spacing, what is
- * nearest to a point WALL_DEPTH behind it, which it is no further from itself. */
-bvx_status bvxi_walls_near(bvxi_walls *t)
+/* Blocks, so that a triangle is judged by few bytes. */
+static bvx_status open_blocks(bvxi_walls *t)
 {
-    bvx_context *const ctx = t->ctx;
     uint64_t bytes = 1;
-    double low[3], high[3];
-    bvx_status status;
 
-    /* Blocks, so that a triangle is judged by few bytes. */
     for (int a = 0; a < 3; a++) {
         t->block_size[a] = t->places.size[a] / WALL_BLOCK + 1;
         bytes *= (uint64_t)t->block_size[a];
     }
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
+    return bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks);
+}
+
+static bvx_status choose_triangles(bvxi_walls *t)
+{
+    bvx_context *const ctx = t->ctx;
+    bvx_status status;
+
     t->corner_bytes = t->mesh->triangle_count * 12;
     status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
     if (status == BVX_OK)
@@ -352,17 +366,34 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
         place_vertices_in_blocks(t);
         take_triangles_nearby(t);
     }
-    /* Both tables served the choice alone. */
+
+    /* Both tables served the choice only. */
     bvxi_drop(ctx, t->block_of);
     t->block_of = NULL;
     bvxi_drop(ctx, t->blocks);
     t->blocks = NULL;
-    /* No triangle is near: nothing is searched. */
-    if (status != BVX_OK || t->near.triangle_count == 0) return status;
+    return status;
+}
+
+static bvx_status build_search(bvxi_walls *t)
+{
+    double low[3], high[3];
+
     BVXI_TRY(order_triangles_nearby(t));
     bound_triangles_nearby(t, low, high);
-    return bvxi_closest_build(bvxi_call_of(ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
+    return bvxi_closest_build(bvxi_call_of(t->ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
                               bvxi_unit_scale(low, high), &t->closest.tree);
+}
+
+/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it), and
+ * build a search among them. Enough: the nearest within one spacing, then the nearest to a point WALL_DEPTH
+ * behind it, at most WALL_DEPTH further. */
+bvx_status bvxi_walls_near(bvxi_walls *t)
+{
+    BVXI_TRY(open_blocks(t));
+    BVXI_TRY(choose_triangles(t));
+    /* No triangle is near: nothing is searched. */
+    return t->near.triangle_count == 0 ? BVX_OK : build_search(t);
 }
 
 /* ---- What the mesh is like at a centre ---- */
@@ -377,12 +408,14 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
     double p[3][3], length;
     uint32_t c[3];
 
-    /* The normal as it is, turned where its order was. */
     bvxi_view_triangle(&t->near, triangle, c);
     for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
     length = bvxi_facet_normal((const double(*)[3])p, n);
-    /* else the corners' places decide */
-    if (t->against[triangle] && (!t->unoriented || t->open == 1)) length = -length;
+
+    /* t->near has corners sorted by place; against: that flipped the triangle, so flip its normal back. An
+     * unoriented mesh keeps the side that places give, unless holes require its own. Divided, not multiplied
+     * by an inverse, which would round once more. */
+    if (t->against[triangle] && (!t->unoriented || t->open == BVXI_WALLS_HOLES)) length = -length;
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -413,38 +446,43 @@ static int is_nothing_behind(const bvxi_walls *t, const double p[3], const doubl
     return 1;
 }
 
-/* The wall behind the point of the mesh next to a centre, seen along out; n: the normal there. */
+/* The wall behind the point of the mesh next to a centre, seen along out. */
 static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3],
-                        const double n[3], uint32_t *hint, bvxi_wall *found)
+                        const double front_normal[3], uint32_t *hint, bvxi_wall *found)
 {
     bvx_closest_point back;
-    double behind[3], m[3], facing, through, apart = 0, deep = 0;
+    double behind[3], back_normal[3], facing, through, apart, square = 0, deep = 0;
+    int is_wall;
 
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * WALL_DEPTH * t->unit;
-    if (t->open == 1 && wall_dot(out, n) < 0) return; /* a face seen from behind, through a hole */
+    /* a face seen from behind, through a hole */
+    if (t->open == BVXI_WALLS_HOLES && wall_dot(out, front_normal) < 0) return;
+
     /* What is nearest to a point WALL_DEPTH deep, seen from the front. */
     bvxi_closest_ask(&t->closest, behind, hint, &back);
-    unit_normal(t, back.triangle, m);
+    unit_normal(t, back.triangle, back_normal);
     /* How far apart both lie, and how far along the way. */
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back.position[a];
 
-        apart += d * d;
+        square += d * d;
         deep += d * out[a];
     }
-    apart = sqrt(apart) / t->unit;
+    apart = sqrt(square) / t->unit;
     deep /= t->unit;
-    facing = wall_dot(n, m);
+    facing = wall_dot(front_normal, back_normal);
     /* at edges normals are of one of their faces */
-    through = wall_dot(out, n) < 0 ? -wall_dot(out, m) : wall_dot(out, m);
+    through = wall_dot(out, front_normal) < 0 ? -wall_dot(out, back_normal) : wall_dot(out, back_normal);
     if (!t->unoriented && through < facing) facing = through;
 
     /* Facing away from each other: a wall; at one place with nothing behind: a sheet. */
-    if (t->unoriented
-            ? bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart
-            : facing < -WALL_FACING) {
+    if (t->unoriented)
+        is_wall = bvxi_absolute(facing) > WALL_STRAIGHT && deep > WALL_SAME && deep > WALL_STRAIGHT * apart;
+    else is_wall = facing < -WALL_FACING;
+    if (is_wall) {
         if (apart <= BVXI_THIN_WALL) found->wall = (float)apart;
-    } else if (!t->open && apart <= WALL_SAME && is_nothing_behind(t, front->position, out)) {
+    } else if (t->open == BVXI_WALLS_CLOSED && apart <= WALL_SAME &&
+               is_nothing_behind(t, front->position, out)) {
         found->wall = 0;
         found->sheet = 1;
     }
@@ -520,7 +558,10 @@ static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
     int bin = 0;
 
     /* Ranges from thin to thick, until a tenth of the places is passed. */
-    while (bin + 1 < WALL_BINS && (below += bins[bin].count) * 10 <= all) bin++;
+    for (; bin + 1 < WALL_BINS; bin++) {
+        below += bins[bin].count;
+        if (below * 10 > all) break;
+    }
     return bins[bin].count != 0 ? bins[bin].sum / (double)bins[bin].count : 0;
 }
 

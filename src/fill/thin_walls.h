@@ -9,6 +9,10 @@
 #define BVXI_THIN_WALL 1.5 /* what holds on any lattice [Units: largest spacings] */
 #define BVXI_NO_WALL   1e30f
 
+/* Whether the body has holes. HOLES: faces may be seen from behind through them, and sheets are no walls;
+ * NO_SHEETS: only the latter. */
+enum { BVXI_WALLS_CLOSED = 0, BVXI_WALLS_HOLES = 1, BVXI_WALLS_NO_SHEETS = 2 };
+
 /* What the mesh is like at a centre outside. */
 typedef struct bvxi_wall {
     /* BVXI_NO_WALL, or how thick the nearest wall is; 0: a sheet [Units: largest spacings] */
@@ -25,9 +29,8 @@ typedef struct bvxi_walls {
     const bvx_mesh_view *mesh; /* of the body */
     const bvx_grid *solid;     /* what it fills; may change between calls */
     int32_t unoriented;        /* 1: normals may look to either side */
-    /* 1: there are holes: faces may be seen from behind, and sheets are no walls; 2: sheets are none */
-    int32_t open;
-    int32_t beside; /* 1: centres around the places are asked too */
+    int32_t open;              /* BVXI_WALLS_... */
+    int32_t beside;            /* 1: centres around the places are looked at too */
 
     double unit;      /* the largest spacing */
     double beyond[3]; /* of bvxi_lost_surface [Units: voxels] */

@@ -1,6 +1,6 @@
 /* carry.c - colours and texture coordinates from one mesh to the vertices of another.
  *
- * Each vertex of the target requires the source's nearest point (closest_query.c) and blends what the corners
+ * Each vertex of the target looks up the source's nearest point (closest_query.c) and blends what the corners
  * of that triangle have by its barycentric weights, in doubles. Colours are rounded to the nearest whole
  * number, halves upwards; texture coordinates once, to floats. A vertex on a corner of the source takes its
  * values unchanged. Both frames count: the target's positions are moved by their difference. Vertices do not
@@ -137,6 +137,7 @@ static bvx_status check_source_uvs(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
+/* Also fills w->to and w->shift. */
 static bvx_status check_target(bvx_context *ctx, const char *function, const bvx_mesh *target, carry_work *w)
 {
     BVXI_TRY(check_carried_mesh(ctx, function, target));

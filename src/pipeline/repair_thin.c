@@ -85,7 +85,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     t.walls.solid = &job->inside;
     t.walls.beside = job->options->thin == BVX_THIN_KEEP;
     t.walls.unoriented = job->fill == BVX_FILL_VOTE;
-    t.walls.open = job->holes.loops != 0;
+    t.walls.open = job->holes.loops != 0 ? BVXI_WALLS_HOLES : BVXI_WALLS_CLOSED;
 
     status = bvxi_walls_open(&t.walls);
     if (status == BVX_OK) status = thicken(&t);
