@@ -6,6 +6,7 @@
  * meet in whole faces before do so after, whatever the places of the vertices are. */
 #include "section/oblique.h"
 
+/* block: address of the array's pointer; room: its capacity in items; item: bytes of one. */
 bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
                              const char *what)
 {
@@ -37,6 +38,8 @@ static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
+/* near: the key's first end picks the neighbourhood, so vertices in order touch memory in order; else spread by
+ * hash. */
 static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
 {
     uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
@@ -129,6 +132,7 @@ bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *
     return BVX_OK;
 }
 
+/* Copies v and n. chain_of: the tetrahedron after which it joins its cell's chain. May move o->tetra. */
 bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
                           uint32_t *number)
 {
@@ -162,7 +166,8 @@ static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
     return BVX_OK;
 }
 
-/* From a tetrahedron over the face opposite its corner `leave`, and on. */
+/* Collect the tetrahedra around edge a b, leaving each over the face opposite corner `leave`, until a border or
+ * start. */
 static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t b, int leave, int *closed)
 {
     uint32_t at = start;
@@ -188,6 +193,7 @@ bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t
     int leave[2], n = 0;
 
     o->ring_count = 0;
+    /* The two corners off the edge; & 1 shows that leave is never overrun, whatever a and b are. */
     for (int k = 0; k < 4; k++)
         if (o->tetra[tetra].v[k] != a && o->tetra[tetra].v[k] != b) leave[n++ & 1] = k;
     BVXI_TRY(add_to_ring(o, tetra));
@@ -245,7 +251,7 @@ bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_
 
 /* ---- changing ---- */
 
-static void turn_back_pointer(bvxi_oblique *o, uint32_t of, uint32_t from, uint32_t to)
+static void relink_neighbour(bvxi_oblique *o, uint32_t of, uint32_t from, uint32_t to)
 {
     if (of == BVXI_NONE) return;
     for (int k = 0; k < 4; k++)
@@ -255,7 +261,8 @@ static void turn_back_pointer(bvxi_oblique *o, uint32_t of, uint32_t from, uint3
         }
 }
 
-/* Halves of a contour's edge are edges of that contour. */
+/* Halves of a contour's edge are edges of that contour. value = 2 * plane + 1 when it runs from the higher end;
+ * the old edge gets BVXI_NONE, as it is no longer whole. */
 static bvx_status keep_contour_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t m)
 {
     uint32_t const edge = bvxi_edge_find(&o->contour_edge, a, b);
@@ -297,25 +304,29 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
     /* The old one keeps a, its twin gets b; first all twins, so that they can be linked with each other. */
     for (uint64_t i = 0; i < o->ring_count; i++) {
         uint32_t const t = o->ring[i];
-        bvxi_tetra const old = o->tetra[t];
+        bvxi_tetra const old = o->tetra[t]; /* a copy: bvxi_tetra_add may move the array */
         uint32_t twin;
         BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &twin));
         o->twin[t] = twin;
     }
     for (uint64_t i = 0; i < o->ring_count; i++) {
-        uint32_t const t = o->ring[i], w = o->twin[t];
-        bvxi_tetra *const near = &o->tetra[t], *const far = &o->tetra[w];
-        int const ia = bvxi_corner_of(near, a), ib = bvxi_corner_of(near, b);
+        uint32_t const kept = o->ring[i], twin = o->twin[kept];
+        bvxi_tetra *const half_a = &o->tetra[kept], *const half_b = &o->tetra[twin];
+        int const corner_a = bvxi_corner_of(half_a, a), corner_b = bvxi_corner_of(half_a, b);
 
-        turn_back_pointer(o, near->n[ia], t, w);
-        near->v[ib] = far->v[ia] = *m;
-        far->n[ib] = t;
-        near->n[ia] = w;
+        /* What lay beyond the face opposite a is the twin's neighbour now. */
+        relink_neighbour(o, half_a->n[corner_a], kept, twin);
+        /* The halves meet at the cut. */
+        half_a->v[corner_b] = half_b->v[corner_a] = *m;
+        half_b->n[corner_b] = kept;
+        half_a->n[corner_a] = twin;
+        /* Across the other faces the twin meets the neighbours' twins. */
         for (int k = 0; k < 4; k++)
-            if (k != ia && k != ib && far->n[k] != BVXI_NONE) far->n[k] = o->twin[far->n[k]];
+            if (k != corner_a && k != corner_b && half_b->n[k] != BVXI_NONE)
+                half_b->n[k] = o->twin[half_b->n[k]];
         for (int k = 0; k < 4; k++) {
-            o->vertex[near->v[k]].tetra = t;
-            if (far->v[k] == b) o->vertex[b].tetra = w;
+            o->vertex[half_a->v[k]].tetra = kept;
+            if (half_b->v[k] == b) o->vertex[b].tetra = twin;
         }
     }
     return BVX_OK;
@@ -325,7 +336,7 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
 static bvx_status split_side(bvxi_oblique *o, uint32_t t, const uint32_t face[3], uint32_t m,
                              uint32_t part[3])
 {
-    bvxi_tetra const old = o->tetra[t];
+    bvxi_tetra const old = o->tetra[t]; /* a copy: bvxi_tetra_add may move the array */
     int corner[3];
 
     for (int k = 0; k < 3; k++) corner[k] = bvxi_corner_of(&old, face[k]);
@@ -338,7 +349,7 @@ static bvx_status split_side(bvxi_oblique *o, uint32_t t, const uint32_t face[3]
         p->n[corner[k]] = old.n[corner[k]];
         for (int j = 0; j < 3; j++)
             if (j != k) p->n[corner[j]] = part[j];
-        turn_back_pointer(o, old.n[corner[k]], t, part[k]);
+        relink_neighbour(o, old.n[corner[k]], t, part[k]);
     }
     for (int k = 0; k < 3; k++)
         for (int j = 0; j < 4; j++) o->vertex[o->tetra[part[k]].v[j]].tetra = part[k];
@@ -350,7 +361,7 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
     uint32_t const beside = o->tetra[tetra].n[corner];
     uint32_t face[3], part[2][3];
     uint64_t *on;
-    int n = 0, top[2];
+    int n = 0, across[2];
 
     for (int k = 0; k < 4; k++)
         if (k != corner) face[n++] = o->tetra[tetra].v[k];
@@ -363,17 +374,18 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
             uint64_t const set = bvxi_tetra_on(o, face[k])[w];
             on[w] = k == 0 ? set : on[w] & set;
         }
-    top[0] = corner;
-    top[1] = 0;
+    /* The corner of each side that faces the other. */
+    across[0] = corner;
+    across[1] = 0;
     for (int k = 0; k < 4 && beside != BVXI_NONE; k++)
-        if (o->tetra[beside].n[k] == tetra) top[1] = k;
+        if (o->tetra[beside].n[k] == tetra) across[1] = k;
     BVXI_TRY(split_side(o, tetra, face, *m, part[0]));
     if (beside == BVXI_NONE) return BVX_OK;
     BVXI_TRY(split_side(o, beside, face, *m, part[1]));
     /* Both sides' parts go in the order of the face's corners, so they meet pairwise. */
     for (int k = 0; k < 3; k++) {
-        o->tetra[part[0][k]].n[top[0]] = part[1][k];
-        o->tetra[part[1][k]].n[top[1]] = part[0][k];
+        o->tetra[part[0][k]].n[across[0]] = part[1][k];
+        o->tetra[part[1][k]].n[across[1]] = part[0][k];
     }
     return BVX_OK;
 }
