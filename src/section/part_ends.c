@@ -17,7 +17,7 @@ typedef struct ends_work {
     uint32_t *owner; /* of each loop: the outer loop of its part */
     uint8_t *met;    /* of outer loops */
     uint32_t left;   /* outer loops that are not met yet */
-    uint32_t hint;
+    uint32_t hint;   /* segment last found nearest, see bvxi_plane_distance */
 } ends_work;
 
 uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
@@ -64,16 +64,16 @@ static void meet_by_grid(ends_work *w)
     const bvxi_stack *const s = w->s;
 
     for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
-        int last = 0;
+        int was_inside = 0;
         for (int32_t i = 0; i <= s->size[0] + 1; i++) {
-            int const is = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
-                           bvxi_grid_bit(s, w->other, i, j);
+            int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
+                               bvxi_grid_bit(s, w->other, i, j);
             double d;
-            /* Only the ends of runs are looked at: a run inside both lies in one part. */
-            if (is != last)
-                meet_part(w, part_of_place(w, s->origin[0] + (is ? i : i - 1) * s->step[0],
+            /* Only the ends of runs are looked at. What a run passes over is left to is_met_by_points. */
+            if (inside != was_inside)
+                meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
                                            s->origin[1] + j * s->step[1], &d));
-            last = is;
+            was_inside = inside;
         }
     }
 }
@@ -81,7 +81,7 @@ static void meet_by_grid(ends_work *w)
 /* Contour points: of the part inside the other plane, of the other plane inside the part. */
 static int is_met_by_points(ends_work *w, uint32_t part)
 {
-    const bvxi_plane *const p = w->plane, *const o = w->other;
+    const bvxi_plane *const p = w->plane, *const other = w->other;
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
 
@@ -92,56 +92,84 @@ static int is_met_by_points(ends_work *w, uint32_t part)
             if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
         }
     /* Points of the other plane in this part, then those of the part in the other plane. */
-    for (uint32_t i = 0; i < o->point_count; i++) {
-        const double *const at = o->uv[i];
+    for (uint32_t i = 0; i < other->point_count; i++) {
+        const double *const at = other->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
         if (bvxi_plane_inside(w->s, p, at[0], at[1]) && part_of_place(w, at[0], at[1], &d) == part) return 1;
     }
-    for (uint32_t c = 0; c < p->contour_count; c++)
-        for (uint32_t i = p->contour[c].first;
-             w->owner[c] == part && i < p->contour[c].first + p->contour[c].count; i++)
-            if (bvxi_plane_inside(w->s, o, p->uv[i][0], p->uv[i][1])) return 1;
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        if (w->owner[c] != part) continue;
+        for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
+            if (bvxi_plane_inside(w->s, other, p->uv[i][0], p->uv[i][1])) return 1;
+    }
     return 0;
 }
 
-/* How deep inside their part the grid's points lie at most; for a part that
- * holds none, an estimate by its area and border. */
-static void measure_depths(ends_work *w, double *depth)
+/* The rows and columns of the grid that parts reach which are not met yet. */
+static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
 {
-    const bvxi_stack *const s = w->s;
     const bvxi_plane *const p = w->plane;
-    int32_t low[2] = {INT32_MAX, INT32_MAX}, high[2] = {0, 0};
 
-    /* The rows and columns that parts reach which are not met yet. */
-    for (uint32_t c = 0; c < p->contour_count; c++)
-        for (uint32_t i = p->contour[c].first;
-             !w->met[w->owner[c]] && i < p->contour[c].first + p->contour[c].count; i++)
+    low[0] = low[1] = INT32_MAX;
+    high[0] = high[1] = 0;
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        if (w->met[w->owner[c]]) continue;
+        for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
             for (int k = 0; k < 2; k++) {
-                int32_t const line = p->q[i][k] >> s->fine;
+                /* q: fixed point; >> fine: the grid line below it. */
+                int32_t const line = p->q[i][k] >> w->s->fine;
+
                 if (line < low[k]) low[k] = line;
                 if (line > high[k]) high[k] = line;
             }
-    /* Only grid points inside count; each deepens the part it lies in. */
+    }
+}
+
+/* Only grid points inside count; each deepens the part it lies in. */
+static void depth_by_grid(ends_work *w, double *depth)
+{
+    const bvxi_stack *const s = w->s;
+    int32_t low[2], high[2];
+
+    box_of_unmet(w, low, high);
     for (int32_t j = low[1]; j <= high[1]; j++)
         for (int32_t i = low[0]; i <= high[0]; i++) {
             double d;
             uint32_t part;
-            if (!bvxi_grid_bit(s, p, i, j)) continue;
+
+            if (!bvxi_grid_bit(s, w->plane, i, j)) continue;
             part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
             if (!w->met[part] && d > depth[part]) depth[part] = d;
         }
-    /* Parts that hold no grid point: a depth estimated from area and border. */
+}
+
+/* Parts that hold no grid point: by the area and border of their outer loops. */
+static void depth_by_area(const ends_work *w, double *depth)
+{
+    const bvxi_plane *const p = w->plane;
+
     for (uint32_t c = 0; c < p->contour_count; c++) {
         const bvxi_contour *const l = &p->contour[c];
-        double area = 0.0, border = 0.0;
+        const double *const first = p->uv[l->first];
+        double twice_area = 0.0, border = 0.0;
+
         if (w->owner[c] != c || w->met[c] || depth[c] > 0.0) continue;
         for (uint32_t i = l->first; i < l->first + l->count; i++) {
-            const double *const a = p->uv[i], *const b = p->uv[p->next[i]], *const o = p->uv[l->first];
-            area += (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+            const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
+
+            twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
             border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
         }
-        depth[c] = area / border;
+        /* 2 * area / border: the radius where the part is a disc. */
+        depth[c] = twice_area / border;
     }
+}
+
+/* How deep inside their part the grid's points lie at most; for a part that holds none, an estimate. */
+static void measure_depths(ends_work *w, double *depth)
+{
+    depth_by_grid(w, depth);
+    depth_by_area(w, depth);
 }
 
 void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
@@ -151,7 +179,8 @@ void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
         if (!p->contour[c].hole || part[c] == BVXI_NONE) part[c] = c;
 }
 
-/* other: the section on that side, or NULL where there is none. */
+/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL where
+ * there is none. */
 static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
 {
     bvxi_plane *const p = w->plane;

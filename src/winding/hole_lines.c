@@ -19,21 +19,23 @@ enum { HOLE_LINE_FEW = 32 };
 typedef struct hole_line {
     int64_t moment[3];
     int32_t direction[3]; /* its first component other than 0 is positive */
-    int32_t up;           /* 1: the edge runs that way, -1: the other */
+    int32_t along;        /* 1: the edge runs that way, -1: the other */
 } hole_line;
 
 typedef struct line_work {
     const bvxi_snapped *snapped;
     const uint64_t *edges; /* from << 32 | to */
+    /* 1: at most one edge a stretch, where their number is odd (rules but WINDING); 0: as many
+     * as the sum says */
     int odd_once;
-    hole_line *line; /* of each edge */
-    uint64_t *key;   /* hashes of lines [Size: count] */
-    uint32_t *order; /* edges, those of a line side by side [Size: count] */
-    uint64_t *place; /* of the ends on one line, ascending [Size: count * 2] */
-    uint32_t *end;   /* edge << 1 | 1 where it is the higher one [Size: count * 2] */
-    uint32_t *start; /* vertices at which what remains begins [Size: count] */
-    uint64_t *left;  /* edges [Size: count] */
-    uint64_t left_count;
+    hole_line *line;   /* of each edge */
+    uint64_t *key;     /* hashes of lines [Size: count] */
+    uint32_t *order;   /* edges, those of a line side by side [Size: count] */
+    uint64_t *place;   /* of the ends on one line, ascending [Size: count * 2] */
+    uint32_t *end;     /* edge << 1, plus 1 for its higher end [Size: count * 2] */
+    uint32_t *open_at; /* stack of the vertices where still open edges begin [Size: count] */
+    uint64_t *kept;    /* edges [Size: count] */
+    uint64_t kept_count;
 } line_work;
 
 /* ---- lines ---- */
@@ -55,15 +57,15 @@ static void find_line(const bvxi_snapped *s, uint64_t edge, hole_line *l)
     int64_t d[3];
     uint32_t divisor = 0;
 
-    l->up = 0;
+    l->along = 0;
     for (int a = 0; a < 3; a++) {
         /* Divided by what its components share, all edges of a line have one direction. */
         d[a] = (int64_t)to[a] - from[a];
         divisor = common_divisor((uint32_t)(d[a] < 0 ? -d[a] : d[a]), divisor);
-        if (l->up == 0) l->up = (d[a] > 0) - (d[a] < 0);
+        if (l->along == 0) l->along = (d[a] > 0) - (d[a] < 0);
     }
-    /* Turned so that the first component that is not 0 is positive; up keeps which way the edge runs. */
-    for (int a = 0; a < 3; a++) d[a] /= (int64_t)divisor * l->up;
+    /* Turned so that the first component that is not 0 is positive; along keeps which way the edge runs. */
+    for (int a = 0; a < 3; a++) d[a] /= (int64_t)divisor * l->along;
     for (int a = 0; a < 3; a++) {
         int const b = (a + 1) % 3, c = (a + 2) % 3;
         /* The moment is the same for every point of the line. */
@@ -96,16 +98,17 @@ static int compare_lines(const hole_line *l, const hole_line *m)
     return 0;
 }
 
+/* Move the item at `at` down until no child is larger. */
 static void sift_lines(const hole_line *line, uint32_t *order, uint64_t at, uint64_t n)
 {
-    uint32_t const x = order[at];
+    uint32_t const item = order[at];
 
     for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
         if (child + 1 < n && compare_lines(&line[order[child]], &line[order[child + 1]]) < 0) child++;
-        if (compare_lines(&line[order[child]], &line[x]) <= 0) break;
+        if (compare_lines(&line[order[child]], &line[item]) <= 0) break;
         order[at] = order[child];
     }
-    order[at] = x;
+    order[at] = item;
 }
 
 /* Edges with one hash: those of several lines are sorted by line. */
@@ -149,7 +152,7 @@ static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
 /* The lower or higher vertex of an edge on its line. */
 static uint32_t line_vertex(const line_work *w, uint32_t edge, uint32_t higher)
 {
-    int const is_to = (w->line[edge].up > 0) == (higher != 0);
+    int const is_to = (w->line[edge].along > 0) == (higher != 0);
 
     return (uint32_t)(is_to ? w->edges[edge] : w->edges[edge] >> 32);
 }
@@ -163,8 +166,10 @@ static bvx_status order_ends(bvx_context *ctx, line_work *w, const uint32_t *edg
         /* Both ends of each edge, by their coordinate along an axis on which the line moves. */
         uint32_t const end = edges[i / 2] << 1 | (uint32_t)(i & 1);
         uint64_t const vertex = line_vertex(w, end >> 1, end & 1);
+        /* sign bit flipped: unsigned order is that of the coordinates */
         uint64_t const place = (uint32_t)w->snapped->xyz[3 * vertex + (uint64_t)axis] ^ 0x80000000u;
         uint64_t j = i;
+
         /* Few ends are inserted in order as they come; many are sorted below. */
         for (; n <= HOLE_LINE_FEW && j > 0 && w->place[j - 1] > place; j--) {
             w->place[j] = w->place[j - 1];
@@ -185,12 +190,22 @@ static int line_cancels(const line_work *w, uint64_t ends)
         for (next = i; next < ends && w->place[next] == w->place[i]; next++) {
             /* Lower ends begin an edge and higher ones end it; edges up and down are counted apart. */
             int64_t const more = (w->end[next] & 1) != 0 ? -1 : 1;
-            if (w->line[w->end[next] >> 1].up > 0) up += more;
+            if (w->line[w->end[next] >> 1].along > 0) up += more;
             else down += more;
         }
         if ((up != 0 && down != 0) || (w->odd_once && up + down > 1)) return 1;
     }
     return 0;
+}
+
+/* How many edges should be open where those given sum up to `sum` and `have` are open, negative ones run down. */
+static int64_t edges_wanted(const line_work *w, int64_t sum, int64_t have)
+{
+    if (!w->odd_once) return sum;
+    if ((sum & 1) == 0) return 0;
+    /* odd: keep the open one so that it is not cut in two; else one, along the sum */
+    if (have != 0) return have;
+    return sum > 0 ? 1 : -1;
 }
 
 /* From the lowest end to the highest: each step of the sum begins or ends as many edges. */
@@ -203,16 +218,16 @@ static void sweep_line(line_work *w, uint64_t ends)
     for (uint64_t i = 0, next; i < ends; i = next) {
         uint64_t const here = line_vertex(w, w->end[i] >> 1, w->end[i] & 1);
         for (next = i; next < ends && w->place[next] == w->place[i]; next++)
-            sum += (w->end[next] & 1) != 0 ? -w->line[w->end[next] >> 1].up : w->line[w->end[next] >> 1].up;
+            sum += (w->end[next] & 1) != 0 ? -w->line[w->end[next] >> 1].along
+                                           : w->line[w->end[next] >> 1].along;
 
         /* How many edges should be open from here on; the difference begins or ends some. */
-        wanted = sum;
-        if (w->odd_once) wanted = (sum & 1) == 0 ? 0 : have != 0 ? have : sum > 0 ? 1 : -1;
+        wanted = edges_wanted(w, sum, have);
         /* First those that are too many end here, then those that are missing begin. */
         for (; have > wanted && have > 0; have--)
-            w->left[w->left_count++] = (uint64_t)w->start[--open] << 32 | here;
-        for (; have < wanted && have < 0; have++) w->left[w->left_count++] = here << 32 | w->start[--open];
-        for (; have != wanted; have += have < wanted ? 1 : -1) w->start[open++] = (uint32_t)here;
+            w->kept[w->kept_count++] = (uint64_t)w->open_at[--open] << 32 | here;
+        for (; have < wanted && have < 0; have++) w->kept[w->kept_count++] = here << 32 | w->open_at[--open];
+        for (; have != wanted; have += have < wanted ? 1 : -1) w->open_at[open++] = (uint32_t)here;
     }
 }
 
@@ -231,7 +246,7 @@ static bvx_status cancel_lines(bvx_context *ctx, line_work *w, uint64_t count)
             cancels = line_cancels(w, 2 * n);
         }
         if (cancels) sweep_line(w, 2 * n);
-        for (uint64_t k = 0; k < n && !cancels; k++) w->left[w->left_count++] = w->edges[edges[k]];
+        for (uint64_t k = 0; k < n && !cancels; k++) w->kept[w->kept_count++] = w->edges[edges[k]];
     }
     return BVX_OK;
 }
@@ -242,7 +257,7 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
                              uint64_t *count)
 {
     uint64_t const n = *count;
-    line_work w = {s, *edges, odd_once, NULL, NULL, NULL, NULL, NULL, NULL, NULL, 0};
+    line_work w = {.snapped = s, .edges = *edges, .odd_once = odd_once};
 
     /* ends have numbers of 32 bits; more edges than those only stay as they are */
     if (n < 2 || n > UINT32_MAX / 2) return BVX_OK;
@@ -252,16 +267,16 @@ bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *s, int odd_on
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges by line", &w.order));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 16, "the ends on a line", &w.place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the ends in order", &w.end));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the edges left on a line", &w.start));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges left", &w.left));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the open edges on a line", &w.open_at));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, "the edges kept", &w.kept));
     BVXI_TRY(cancel_lines(ctx, &w, n));
     /* Never more edges than before, so they fit where the others were. */
-    memcpy(*edges, w.left, (size_t)w.left_count * 8);
-    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.left_count * 8, "the open edges"));
-    *count = w.left_count;
+    memcpy(*edges, w.kept, (size_t)w.kept_count * 8);
+    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, edges, n * 8, w.kept_count * 8, "the open edges"));
+    *count = w.kept_count;
 
-    bvxi_drop(ctx, w.left);
-    bvxi_drop(ctx, w.start);
+    bvxi_drop(ctx, w.kept);
+    bvxi_drop(ctx, w.open_at);
     bvxi_drop(ctx, w.end);
     bvxi_drop(ctx, w.place);
     bvxi_drop(ctx, w.order);
