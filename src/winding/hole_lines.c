@@ -25,8 +25,8 @@ typedef struct hole_line {
 typedef struct line_work {
     const bvxi_snapped *snapped;
     const uint64_t *edges; /* from << 32 | to */
-    /* 1: at most one edge a stretch, where their number is odd (rules but WINDING); 0: as many
-     * as the sum says */
+    /* 1: at most one edge a stretch, where their number is odd (all rules but WINDING); 0: as many as the sum
+     * says */
     int odd_once;
     hole_line *line;   /* of each edge */
     uint64_t *key;     /* hashes of lines [Size: count] */
