@@ -11,12 +11,12 @@
 
 enum { BVXI_DOWNSAMPLE_SIDE = 1 << 20 }; /* so that products of three sides fit 62 bits */
 
-/* One axis. Extended function: voxels at and at + 1 around the sample, high: weight of the second in 1/(2r).
+/* One axis. Extended function: voxels at and at + 1 around the sample; high_weight: of the second in 1/(2r).
  * Coverage: voxels begin .. end - 1 in the sample's stretch, weights of the first and last in 1/r. */
 typedef struct bvxi_sample_axis {
     int32_t n, r, count; /* ratio n/r; samples */
     int32_t voxels;      /* of the grid along this axis */
-    int32_t *at, *high;
+    int32_t *at, *high_weight;
     int32_t *begin, *end, *first, *last;
 } bvxi_sample_axis;
 

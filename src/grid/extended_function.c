@@ -5,6 +5,8 @@
  * below. */
 #include "grid/downsample.h"
 
+enum { EXTENDED_GRAIN = 16 /* least rows of samples a piece */ };
+
 /* ---- The samples' places and weights along each axis ---- */
 
 /* All rational, so that no rounding moves a sample: in units of 1/(2r) of a voxel sample i stands at (2i + 1)
@@ -23,7 +25,7 @@ static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
     int64_t const n = a->n, r = a->r;
 
     a->at = take_table(memory, a->count);
-    a->high = take_table(memory, a->count);
+    a->high_weight = take_table(memory, a->count);
     a->begin = take_table(memory, a->count);
     a->end = take_table(memory, a->count);
     a->first = take_table(memory, a->count);
@@ -35,7 +37,7 @@ static void fill_axis(bvxi_sample_axis *a, int32_t **memory)
         int64_t const low = i * n, up = (i + (int64_t)1) * n;
         /* The voxel whose centre lies at or below the sample, and how far above it, in units of 1/(2r). */
         a->at[i] = (int32_t)(centre / (2 * r));
-        a->high[i] = (int32_t)(centre % (2 * r));
+        a->high_weight[i] = (int32_t)(centre % (2 * r));
         /* The box's voxels, and the parts of the first and last that lie inside. */
         a->begin[i] = (int32_t)(low / r);
         a->end[i] = (int32_t)((up + r - 1) / r);
@@ -51,12 +53,12 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     double origin[3], spacing[3];
     int32_t dims[3];
     bvx_lattice lattice;
-    bvx_window whole = {{0, 0, 0}, {0, 0, 0}};
+    bvx_window window = {{0, 0, 0}, {0, 0, 0}};
     uint64_t *memory = NULL, words;
 
     for (int32_t a = 0; a < 3; a++) {
         /* One sample stands for n/r voxels, so its spacing is that much larger. */
-        whole.size[a] = d->axis[a].count;
+        window.size[a] = d->axis[a].count;
         origin[a] = fine->lattice.origin[a] + (double)fine->low[a] * fine->lattice.spacing[a];
         spacing[a] = fine->lattice.spacing[a] * d->axis[a].n / d->axis[a].r;
         dims[a] = d->axis[a].count;
@@ -66,7 +68,7 @@ static bvx_status open_coarse(bvx_context *ctx, const char *function, bvxi_downs
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the level's samples", &memory));
     d->coarse.words = memory; /* scratch, so that an arena keeps results without gaps */
     d->coarse.word_capacity = words;
-    return bvxi_grid_open(ctx, function, &lattice, &whole, &d->coarse);
+    return bvxi_grid_open(ctx, function, &lattice, &window, &d->coarse);
 }
 
 bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bvx_grid *fine,
@@ -106,7 +108,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, d->table_bytes, "the samples' places", &d->tables));
     memory = d->tables;
     for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
-    d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, 16);
+    d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, EXTENDED_GRAIN);
     status = open_coarse(ctx, function, d);
     if (status != BVX_OK) bvxi_downsample_close(ctx, d);
     return status;
@@ -144,8 +146,8 @@ typedef struct sample_rows {
 static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_rows *s)
 {
     const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
-    int64_t const high_y = y->high[j], low_y = 2 * (int64_t)y->r - high_y;
-    int64_t const high_z = z->high[k], low_z = 2 * (int64_t)z->r - high_z;
+    int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
+    int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
 
     /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
@@ -189,7 +191,7 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     const bvxi_sample_axis *const x = &d->axis[0];
     uint64_t *const out = d->coarse.words + ((uint64_t)k * (uint64_t)d->axis[1].count + (uint64_t)j) *
                                                 (uint64_t)d->coarse.words_per_row;
-    int64_t const whole = 2 * (int64_t)x->r;
+    int64_t const voxel = 2 * (int64_t)x->r; /* one, in units of 1/(2r) */
     uint64_t any = 0, all = 0;
     int32_t word = -1; /* that any and all are of */
     sample_rows s;
@@ -212,7 +214,7 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
         inside = all >> (at & 63) & 1;
         if (!inside) {
             int64_t const low = sum_at(&s, at, x->voxels), high = sum_at(&s, at + 1, x->voxels);
-            inside = (uint64_t)(low * (whole - x->high[i]) + high * x->high[i] > d->limit);
+            inside = (uint64_t)(low * (voxel - x->high_weight[i]) + high * x->high_weight[i] > d->limit);
         }
         out[i >> 6] |= inside << (i & 63);
     }
@@ -233,8 +235,8 @@ static int32_t edge_steps(const bvxi_downsample *d, int32_t axis)
 {
     int32_t const n = d->axis[axis].n, r = d->axis[axis].r;
     /* voxels a sample: between centres the function is a line along the edge */
-    int64_t const whole = ((int64_t)n + r - 1) / r;
-    return d->edge_samples != 0 ? d->edge_samples : whole < 65536 ? (int32_t)whole : 65536;
+    int64_t const ratio_up = ((int64_t)n + r - 1) / r;
+    return d->edge_samples != 0 ? d->edge_samples : ratio_up < 65536 ? (int32_t)ratio_up : 65536;
 }
 
 bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
@@ -263,11 +265,12 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
 /* The place of sample i, also of -1 and count, just outside. */
 static void place_sample(const bvxi_sample_axis *a, int32_t i, int32_t *at, int64_t *high)
 {
-    int64_t const whole = 2 * (int64_t)a->r, centre = (2 * (int64_t)i + 1) * a->n - a->r;
+    /* A voxel, in units of 1/(2r). */
+    int64_t const voxel = 2 * (int64_t)a->r, centre = (2 * (int64_t)i + 1) * a->n - a->r;
     /* Rounded down also below 0: the place may be outside the grid. */
-    int64_t const down = centre >= 0 ? centre / whole : -((whole - 1 - centre) / whole);
+    int64_t const down = centre >= 0 ? centre / voxel : -((voxel - 1 - centre) / voxel);
     *at = (int32_t)down;
-    *high = centre - down * whole;
+    *high = centre - down * voxel;
 }
 
 /* The four lines of voxels along an edge: the voxel of each at place i of
@@ -276,7 +279,7 @@ typedef struct edge_lines {
     const uint64_t *word[4]; /* of place 0, NULL where the line counts for nothing */
     int32_t shift[4];
     int64_t weight[4];
-    int64_t step; /* words from place to place; 0: the places are bits along x */
+    int64_t stride; /* words from place to place; 0: the places are bits along x */
     int32_t voxels;
 } edge_lines;
 
@@ -288,7 +291,7 @@ static void gather_lines(const bvxi_downsample *d, int32_t axis, const int32_t a
 
     /* Places along x are bits of a word, along the other axes whole words apart. */
     e->voxels = g->size[axis];
-    e->step = axis == 0 ? 0 : axis == 1 ? g->words_per_row : (int64_t)g->words_per_row * g->size[1];
+    e->stride = axis == 0 ? 0 : axis == 1 ? g->words_per_row : (int64_t)g->words_per_row * g->size[1];
     for (int32_t n = 0; n < 4; n++) {
         int64_t const wu = (n & 1) != 0 ? high[u] : 2 * (int64_t)d->axis[u].r - high[u];
         int64_t const wv = (n >> 1) != 0 ? high[v] : 2 * (int64_t)d->axis[v].r - high[v];
@@ -309,10 +312,10 @@ static inline int64_t sum_across(const edge_lines *e, int32_t i)
 {
     int64_t sum = 0, step;
     if (i < 0 || i >= e->voxels) return 0;
-    step = e->step != 0 ? e->step * i : i >> 6;
+    step = e->stride != 0 ? e->stride * i : i >> 6;
     for (int32_t n = 0; n < 4; n++)
         if (e->word[n] != NULL)
-            sum += (int64_t)(e->word[n][step] >> (e->step != 0 ? e->shift[n] : i & 63) & 1) * e->weight[n];
+            sum += (int64_t)(e->word[n][step] >> (e->stride != 0 ? e->shift[n] : i & 63) & 1) * e->weight[n];
     return sum;
 }
 
