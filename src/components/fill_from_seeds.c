@@ -8,11 +8,6 @@
 
 static const char grid_fill_name[] = "bvx_grid_fill";
 
-static size_t row_of_voxel(const bvx_grid *g, int32_t y, int32_t z)
-{
-    return ((size_t)z * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row;
-}
-
 typedef struct fill_spaces_work {
     bvx_grid *filled; /* seeds at first */
     uint8_t *wanted;  /* by space */
@@ -21,7 +16,7 @@ typedef struct fill_spaces_work {
 static void look_for_seed(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     fill_spaces_work *const w = user;
-    const uint64_t *const row = w->filled->words + row_of_voxel(w->filled, y, z);
+    const uint64_t *const row = bvxi_grid_row(w->filled, y, z);
     /* A run is known to be wanted at the first seed in it. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && !w->wanted[space]; k++)
         w->wanted[space] = (row[k] & bvxi_run_mask(begin, end, k)) != 0;
@@ -30,7 +25,7 @@ static void look_for_seed(void *user, uint32_t space, int32_t begin, int32_t end
 static void fill_space_run(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     fill_spaces_work *const w = user;
-    if (w->wanted[space]) bvxi_set_run(w->filled->words + row_of_voxel(w->filled, y, z), begin, end);
+    if (w->wanted[space]) bvxi_set_run(bvxi_grid_row(w->filled, y, z), begin, end);
 }
 
 static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds, uint64_t count)

@@ -129,7 +129,8 @@ int32_t bvxi_cpu(const bvx_context *ctx);
 /* ---- parallel.c ---- */
 
 /* The work of a public function, with one rise of progress around it;
- * inside another public function it is a part of that. */
+ * inside another public function it is a part of that. The end of the outermost one frees the scratch that a
+ * failure has left, so bodies that only return after one leak nothing. */
 #define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
 void bvxi_call_begin(bvx_context *ctx, const char *function);
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);

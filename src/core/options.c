@@ -58,7 +58,7 @@ static bvx_status check_whole_option(bvx_context *ctx, const char *function, con
     int good;
 
     memcpy(&value, at, sizeof value);
-    /* Choices that are not consecutive: a bit for each that is allowed. */
+    /* Choices that are not consecutive: low holds the bits, one for each that is allowed. */
     if (row->kind == BVXI_IS_AMONG) good = value >= 0 && value < 32 && ((uint32_t)row->low >> value & 1) != 0;
     else good = value >= row->low && value <= row->high;
     return good ? BVX_OK : fail_whole_option(ctx, function, row, value);
@@ -99,7 +99,7 @@ static bvx_status check_real_option(bvx_context *ctx, const char *function, cons
                          function, row->name, value, also, row->low, row->high);
 }
 
-/* Of an array the element too; all of them are of 8 bytes. */
+/* A reserved array has 8-byte elements: name which. */
 static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, const bvxi_option *row,
                                        size_t i)
 {
@@ -127,6 +127,9 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void
             for (size_t k = 0; k < row->size && status == BVX_OK; k++)
                 if (at[k] != 0) status = fail_reserved_option(ctx, function, row, k / 8);
             break;
+        case BVXI_IS_WHOLE:
+        case BVXI_IS_CHOICE:
+        case BVXI_IS_AMONG:
         default: status = check_whole_option(ctx, function, row, at); break;
         }
         if (status != BVX_OK) return status;

@@ -134,23 +134,23 @@ static void crop_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* What a grid has from its voxel `from` on, as a window of a lattice. */
+/* Copy the grid, read from voxel `from` on, into a window of a lattice. */
 static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,
                             const bvx_lattice *lattice, const bvx_window *window, const int32_t from[3],
                             bvx_grid *result)
 {
     crop_job job;
-    int mine;
+    int made_here;
 
     bvxi_grid_renew(ctx, lattice, window, result);
     /* Whose words the result has decides who frees them after a failure. */
-    mine = result->words == NULL;
+    made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
     job.result = result;
     memcpy(job.from, from, sizeof job.from);
     job.pieces = crop_pieces(result);
-    return bvxi_grid_fill_by(ctx, "crop", job.pieces, crop_piece, &job, mine, result);
+    return bvxi_grid_fill_by(ctx, "crop", job.pieces, crop_piece, &job, made_here, result);
 }
 
 static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
