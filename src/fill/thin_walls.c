@@ -33,8 +33,8 @@
  * also between the way in from the centre and the one from front to back. */
 #define WALL_STRAIGHT 0.9
 
-/* Nearest points this near to each other are of one face: behind an even one both are the same point, the rest
- * is for curved ones [Units: largest spacings] */
+/* Nearest points this near to each other are of one face: behind an even one both are the same point, the
+ * rest is for curved ones [Units: largest spacings] */
 #define WALL_SAME 0.25
 
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
@@ -274,8 +274,8 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 }
 
 /* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
- * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order; before,
- * sorted[n] says whether triangle n was turned round. */
+ * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order;
+ * before, sorted[n] says whether triangle n was turned round. */
 static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
 {
     uint64_t const count = t->near.triangle_count;
@@ -385,9 +385,9 @@ static bvx_status build_search(bvxi_walls *t)
                               bvxi_unit_scale(low, high), &t->closest.tree);
 }
 
-/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it), and
- * build a search among them. Enough: the nearest within one spacing, then the nearest to a point WALL_DEPTH
- * behind it, at most WALL_DEPTH further. */
+/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it),
+ * and build a search among them. Enough: the nearest within one spacing, then the nearest to a point
+ * WALL_DEPTH behind it, at most WALL_DEPTH further. */
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
     BVXI_TRY(open_blocks(t));

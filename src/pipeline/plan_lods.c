@@ -64,16 +64,16 @@ static double finest_samples(const lods_plan *p)
     /* More triangles are made where edges collapse afterwards. */
     triangles *= o->collapse != 0 ? o->collapse : 1;
 
-    /* From triangles = 3 * area / sample^2 and samples = longest / sample: samples = longest * sqrt(triangles /
-     * (3 * area)). longest is not squared first: of a long and narrow mesh the square may leave a double's
-     * range where what is wanted does not. */
+    /* samples = longest * sqrt(triangles / (3 * area)), as triangles = 3 * area / sample^2 and samples =
+     * longest / sample. longest is not squared first: of a long and narrow mesh the square may leave a
+     * double's range where what is wanted does not. */
     finest = floor(sqrt(triangles / PLAN_TRIANGLES_A_SQUARE * longest / area * longest) + 0.5);
     return finest > 1 ? finest : 1;
 }
 
-/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for the
- * levels. A snapped vertex takes 16 bytes (bvxi_snapped); 4 a triangle are an allowance, as the buffers of
- * crossings stop growing. */
+/* Half of what the limit leaves beside the mesh's snapped copy: the other half is for rows in work and for
+ * the levels. A snapped vertex takes 16 bytes (bvxi_snapped); 4 a triangle are an allowance, as the buffers
+ * of crossings stop growing. */
 static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *mesh)
 {
     uint64_t const limit = bvxi_memory_limit(ctx);
@@ -111,8 +111,8 @@ static bvx_status search_planned(bvx_context *ctx, const lods_plan *p, int32_t *
     int32_t low = finest < PLAN_FINEST_GRID ? (int32_t)finest : PLAN_FINEST_GRID;
     int32_t high = wanted < PLAN_FINEST_GRID ? (int32_t)wanted : PLAN_FINEST_GRID;
 
-    /* By bisection from what is wanted; limited says that memory decided. low is not tried: one voxel a sample
-     * is returned even where it does not fit. */
+    /* By bisection from what is wanted; limited says that memory decided. low is not tried: one voxel a
+     * sample is returned even where it does not fit. */
     *limited = 0;
     for (int32_t next = high; low < high; next = low + (high - low + 1) / 2) {
         int32_t fits;

@@ -38,8 +38,8 @@ static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
 }
 
-/* near: the key's first end picks the neighbourhood, so vertices in order touch memory in order; else spread by
- * hash. */
+/* near: the key's first end picks the neighbourhood, so vertices in order touch memory in order; else spread
+ * by hash. */
 static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
 {
     uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
@@ -166,8 +166,8 @@ static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
     return BVX_OK;
 }
 
-/* Collect the tetrahedra around edge a b, leaving each over the face opposite corner `leave`, until a border or
- * start. */
+/* Collect the tetrahedra around edge a b, leaving each over the face opposite corner `leave`, until a border
+ * or start. */
 static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t b, int leave, int *closed)
 {
     uint32_t at = start;
@@ -261,8 +261,8 @@ static void relink_neighbour(bvxi_oblique *o, uint32_t of, uint32_t from, uint32
         }
 }
 
-/* Halves of a contour's edge are edges of that contour. value = 2 * plane + 1 when it runs from the higher end;
- * the old edge gets BVXI_NONE, as it is no longer whole. */
+/* Halves of a contour's edge are edges of that contour. value = 2 * plane + 1 when it runs from the higher
+ * end; the old edge gets BVXI_NONE, as it is no longer whole. */
 static bvx_status keep_contour_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t m)
 {
     uint32_t const edge = bvxi_edge_find(&o->contour_edge, a, b);

@@ -198,7 +198,8 @@ static int line_cancels(const line_work *w, uint64_t ends)
     return 0;
 }
 
-/* How many edges should be open where those given sum up to `sum` and `have` are open, negative ones run down. */
+/* How many edges should be open where those given sum up to `sum` and `have` are open, negative ones run
+ * down. */
 static int64_t edges_wanted(const line_work *w, int64_t sum, int64_t have)
 {
     if (!w->odd_once) return sum;
