@@ -2,7 +2,8 @@
  * stays.
  *
  * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed only. Everything is
- * written at the end, so a failure leaves no part of a chain. */
+ * written at the end, so a failure leaves no part of a chain. A level that keeps nothing is warned of and has
+ * no file; only where no level keeps anything is that a failure. */
 #include "cli_commands/lod_chain.h"
 #include "cli_args/rows.h"
 
@@ -59,8 +60,8 @@ static const cli_argument lod_rows[] = {
            "solid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
            "--threshold, --edge-samples, --collapse, --fill, --close-gaps, --padding]"),
     LIST("--levels", "A,B,C", OWN(resolutions), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
-         "edge-ratio, coverage: samples along the longest axis of each level\n"
-         "[64,32,16]"),
+         "edge-ratio, coverage: samples along the longest axis of each level; one\n"
+         "that keeps nothing of the solid is left out with a warning [64,32,16]"),
     BETWEEN("--threshold", "T", OWN(samples.threshold), 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
     WHOLE("--edge-samples", "N", OWN(samples.edge_samples), 1, 65536,
           "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
@@ -137,11 +138,11 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 
     CLI_TRY(cli_check_rules(run, solid_rules, facts_of_method(run, c->kind, 0), cli_input_name(o->input[0])));
     c->by_triangles = o->triangles.count != 0;
-    c->count = c->by_triangles               ? o->triangles.count
+    c->asked = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
     /* How many levels there are is known now, and so how many names. */
-    CLI_TRY(cli_check_level_names(run, c->count));
+    CLI_TRY(cli_check_level_names(run, c->asked));
     /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
         if (own->resolutions.value[i] > o->resolution.value[0])
@@ -159,11 +160,12 @@ static int check_lod_options(cli_run *run, cli_chain *c)
 static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, cli_made *made)
 {
     const bvx_certificate *const level = &run->report.mesh[i].certificate;
+    int const number = run->report.mesh[i].number;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
     /* No saving: the level costs more than what it stands for. */
     if (c->lod[i].exceeds_source)
-        cli_advise(made, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, i,
+        cli_advise(made, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
                    c->mesh[i].triangle_count, c->input_triangles);
     /* A grid has no parts or volume of its own besides its voxels. */
     if (c->kind != CLI_MESH) return;
@@ -172,22 +174,42 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
                    "level %d has %" PRIu64 " parts, the mesh %" PRIu64
                    ": what is thinner than its samples broke; take more samples, or "
                    "--method collapse",
-                   i, level->components, c->certificate.components);
+                   number, level->components, c->certificate.components);
     else if (off > 0.05 * volume || -off > 0.05 * volume)
         cli_advise(
             made, "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
-            i, level->volume, volume);
+            number, level->volume, volume);
 }
 
-static int make_level(cli_run *run, cli_chain *c, int i)
+/* A level that keeps nothing takes no other with it: its file is left out, and whoever asked is told. */
+static int leave_out(cli_run *run, cli_chain *c, int number, cli_made *made)
+{
+    int const i = c->count, others = c->asked - 1 - number;
+    char *const path = c->path[i];
+    int const own_file = cli_has_number(run->options->output);
+
+    /* The last one, and none before it: nothing would be written. */
+    if (i == 0 && others == 0)
+        return cli_fail_advised(run, BVX_ERR_EMPTY, NULL,
+                                number != 0 ? "; no level before it keeps anything either" : "");
+    /* Where all levels share a file, that of the others is this one's too. */
+    cli_advise(made, "%s; %s%s", bvx_last_error(run->context)->text, path,
+               own_file ? " is not written" : " is written without it");
+    if (own_file) {
+        cli_forget_output(run, i);
+        free(path);
+    }
+    memmove(&c->path[i], &c->path[i + 1], (size_t)others * sizeof c->path[0]);
+    return CLI_DONE;
+}
+
+/* The call of the library, with the options of this level alone. */
+static bvx_status build_level(cli_run *run, cli_chain *c, int number)
 {
     const cli_lod_options *const own = run->own;
-    const cli_options *const o = run->options;
-    cli_mesh_entry *const entry = &run->report.mesh[i];
-    int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, i);
-    uint64_t const target = c->by_triangles ? (uint64_t)o->triangles.value[i] : 0;
+    int32_t const resolution = c->by_triangles ? 0 : cli_level_resolution(run, c, number);
+    uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
-    bvx_status status;
 
     if (own->method != 0) l.method = own->method;
     l.position_type = BVX_POSITION_AUTO;
@@ -195,28 +217,42 @@ static int make_level(cli_run *run, cli_chain *c, int i)
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
-    l.reports = &c->lod[i];
+    l.reports = &c->lod[c->count];
     /* One level a call, each a stage of its own; messages name it by its own number. */
-    l.first_level = i;
-    cli_stage_begin(run, "level %d", i);
-    status = bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[i]);
+    l.first_level = number;
+    return bvx_build_lods(run->context, &c->solid, &l, 1, &c->mesh[c->count]);
+}
+
+static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
+{
+    int const i = c->count;
+    cli_mesh_entry *const entry = &run->report.mesh[i];
+    char check[32];
+    bvx_status status;
+
+    cli_stage_begin(run, "level %d", number);
+    status = build_level(run, c, number);
     entry->milliseconds = cli_stage_end(run) * 1e3;
+    if (status == BVX_ERR_EMPTY) return leave_out(run, c, number, made);
     if (status != BVX_OK) {
         char about[32];
-        snprintf(about, sizeof about, "level %d", i);
+        snprintf(about, sizeof about, "level %d", number);
         /* the message names it */
-        return cli_fail_status(run, status, bvx_last_error(run->context)->index == i ? NULL : about);
+        return cli_fail_status(run, status, bvx_last_error(run->context)->index == number ? NULL : about);
     }
-    if (o->carry) {
-        cli_stage_begin(run, "carry %d", i);
+    if (run->options->carry) {
+        cli_stage_begin(run, "carry %d", number);
         CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
     }
     /* What the file of this level can show, beside its shape. */
+    entry->number = number;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
-    CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], "check %d"));
+    snprintf(check, sizeof check, "check %d", number);
+    CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], check));
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
+    c->count++;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -227,7 +263,7 @@ static int measure_level(cli_run *run, cli_chain *c, int i)
 
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
-    cli_stage_begin(run, "distance %d", i);
+    cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
     CLI_TRY(cli_stage_check(
         run, bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]),
         c->path[i]));
@@ -273,7 +309,7 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
         /* In one word, so that the column has one width. */
         snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
                  l->resolution[2]);
-        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", i, size, l->ratio[0],
+        cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
                  m->certificate.triangles, m->rate * 100.0, m->milliseconds,
                  cli_is_sound(&m->certificate) ? "yes" : "NO");
     }
@@ -294,10 +330,11 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
     made->untitled = 1;
     if (status == CLI_DONE) status = check_lod_options(run, c);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
-    run->progress.made = run->progress.measured = c->count;
-    if (status == CLI_DONE) status = cli_open_levels(run, c->count, c->path);
+    run->progress.made = run->progress.measured = c->asked;
+    if (status == CLI_DONE) status = cli_open_levels(run, c->asked, c->path);
     if (status == CLI_DONE) status = cli_open_chain(run, c);
-    for (int i = 0; i < c->count && status == CLI_DONE; i++) status = make_level(run, c, i);
+    for (int i = 0; i < c->asked && status == CLI_DONE; i++) status = make_level(run, c, i, made);
+    /* Only what is there is measured and written. */
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     made->write = write_chain;
     return status;
@@ -323,7 +360,8 @@ static void free_chain(cli_run *run, void *work)
 {
     cli_chain *const c = work;
 
-    for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
+    /* One more than were made may hold a mesh: a level that failed after it was built. */
+    for (int i = 0; i < c->asked; i++) bvx_mesh_free(run->context, &c->mesh[i]);
     bvx_grid_free(run->context, &c->solid);
     bvx_mesh_free(run->context, &c->input);
 }

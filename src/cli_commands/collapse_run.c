@@ -170,6 +170,7 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     cli_mesh_entry *const entry = &run->report.mesh[i];
 
     entry->path = c->path[i];
+    entry->number = i;
     /* The library has certified each level as it made it. */
     entry->certificate = c->level[i].certificate;
     entry->level = &c->level[i];

@@ -24,7 +24,8 @@ typedef struct cli_chain {
     double solid_seconds;
     int32_t resolution; /* of the solid */
     const char *chosen; /* how */
-    int by_triangles, count;
+    int by_triangles, asked;
+    int count; /* of levels made so far, which stand first below; those that keep nothing have no place */
     bvx_mesh mesh[CLI_MAX_LEVELS];
     char *path[CLI_MAX_LEVELS];
     bvx_lod_report lod[CLI_MAX_LEVELS];

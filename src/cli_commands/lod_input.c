@@ -44,13 +44,13 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     /* The library plans by what the levels shall be: the finest one decides. */
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
-    for (int i = 0; i < c->count; i++) {
+    for (int i = 0; i < c->asked; i++) {
         if (c->by_triangles) targets[i] = (uint64_t)options->triangles.value[i];
         else resolutions[i] = cli_level_resolution(run, c, i);
     }
 
     CLI_TRY(cli_check_call(run,
-                           bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->count, options->padding,
+                           bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->asked, options->padding,
                                          &c->resolution, &limited),
                            cli_input_name(options->input[0])));
     /* What is told of the resolution is why it is this one. */

@@ -110,7 +110,7 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
 
-        cli_tell(made, "%5d", i);
+        cli_tell(made, "%5d", run->report.mesh[i].number);
         tell_distance(made, d->mean_a_to_b, diagonal, decimals);
         tell_distance(made, d->max_a_to_b, diagonal, decimals);
         tell_distance(made, d->mean_b_to_a, diagonal, decimals);

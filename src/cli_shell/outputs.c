@@ -361,6 +361,21 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     return status;
 }
 
+void cli_forget_output(cli_run *run, int number)
+{
+    cli_output *const o = &run->output[number];
+
+    /* An interrupt removes temporaries by this list, so it must never see it half moved. */
+    cli_lock();
+    if (o->temporary != NULL) cli_remove_file(o->temporary);
+    free(o->temporary);
+    free(o->target);
+    free(o->path);
+    run->outputs--;
+    memmove(o, o + 1, (size_t)(run->outputs - number) * sizeof *o);
+    cli_unlock();
+}
+
 /* ---- the end ---- */
 
 /* What stands at the target gets another name until all is well. */

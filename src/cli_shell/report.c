@@ -68,6 +68,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
 {
     cli_text_add(t, "{\"path\": ");
     cli_json_string(t, m->path);
+    if (m->lod != NULL || m->level != NULL) cli_json_count(t, "level", (uint64_t)m->number);
     report_certificate(t, &m->certificate);
     cli_json_truth(t, "colours", m->colours);
     cli_json_truth(t, "texture_coordinates", m->uvs);

@@ -72,6 +72,7 @@ typedef struct cli_mesh_entry {
     uint64_t crossings;
     const bvx_lod_report *lod;           /* or NULL */
     const bvx_level_report *level;       /* or NULL */
+    int number;                          /* of the level, beside both */
     double milliseconds, rate;           /* milliseconds beside lod, rate beside both */
     const char *source;                  /* beside level: what it was made from, "mesh" or "measured" */
     const bvx_distance_report *distance; /* to the input, or NULL */
@@ -177,6 +178,8 @@ typedef struct cli_output {
 int cli_open_output(cli_run *run, const char *path);
 /* Fill an output, numbered in the order of opening; it gets its name by cli_keep_outputs. */
 int cli_write_output(cli_run *run, int number, const bvx_buffer *file);
+/* An output that gets no file after all; those opened later move up by one. What stands there stays. */
+void cli_forget_output(cli_run *run, int number);
 /* Give all outputs their names, or none of them. */
 int cli_keep_outputs(cli_run *run);
 /* 1 for the name that stands for standard output. */

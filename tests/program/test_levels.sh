@@ -217,6 +217,22 @@ holds 'one level in a .glb: no extension' sh -c '! grep -a -q MSFT_lod one.glb'
 works 'levels by samples in one .glb' lod "$knot" -o samples.glb --levels 24,12 --samples 0 --quiet
 warns 'level 1 has 3 parts, the mesh 1: what is thinner than its samples broke' lod "$knot" -o samples.glb --levels 24,12 --samples 0
 warns 'level 0 has a volume of 26.3' lod "$knot" -o samples.glb --levels 24,12 --samples 0
+echo older >k_1.ply
+warns 'level 1, 1 x 1 x 1 samples, keeps nothing of the solid; take more samples for it, or a lower threshold; k_1.ply is not written' \
+    lod "$knot" -o k_%d.ply --levels 32,1,16 --samples 500
+holds 'a level that keeps nothing: the others are written, what stood at its name stays' sh -c 'test -s k_0.ply && test -s k_2.ply && test "$(cat k_1.ply)" = older'
+holds 'a level that keeps nothing: nothing else is there' test "$(ls k_* bitvox-* 2>/dev/null | tr '\n' ' ')" = 'k_0.ply k_1.ply k_2.ply '
+holds 'a level that keeps nothing: the others keep their numbers' test "$(awk '/^ +[0-9] / { printf "%s ", $1 }' out)" = '0 2 0 2 '
+holds 'a level that keeps nothing: what is written' says '^written: k_0.ply, k_2.ply$'
+"$program" lod "$knot" -o alone.ply --levels 16 --resolution 256 --samples 0 --quiet 2>err
+holds 'a level that keeps nothing: the one after it is as if alone' cmp k_2.ply alone.ply
+reports 'a level that keeps nothing --json' '[(m["level"], m["path"]) for m in r["meshes"]] == [(0, "k_0.ply"), (2, "k_2.ply")] and
+[s["name"] for s in r["stages"] if s["name"][-1] in "12"] == ["level 1", "level 2", "check 2", "distance 2"] and
+any(w.startswith("level 1, ") and w.endswith("k_1.ply is not written") for w in r["warnings"])' lod "$knot" -o k_%d.ply --levels 32,1,16 --samples 500
+warns 'or a lower threshold; samples.glb is written without it' lod "$knot" -o samples.glb --levels 32,16,1 --samples 0
+holds 'a level that keeps nothing in a .glb: two' sh -c 'grep -a -q level_1 samples.glb && ! grep -a -q level_2 samples.glb'
+rm -f k_?.ply alone.ply
+does 'levels by samples in one .glb' lod "$knot" -o samples.glb --levels 24,12 --samples 0
 holds 'levels by samples in one .glb: both' grep -a -q level_1 samples.glb
 reports 'levels in one .glb --json' '[m["path"] for m in r["meshes"]] == ["all.glb", "all.glb"] and r["meshes"][1]["triangles"] <= 100' lod "$knot" -o all.glb --triangles 600,100 --samples 0
 does '.glb each' lod "$knot" -o each_%d.glb --triangles 600,100 --samples 0

@@ -203,7 +203,8 @@ refuses 1 'the limit is' voxelize "$knot" -o x.npy --resolution 200000 # a limit
 refuses 1 'memory-limit' info "$knot" --memory-limit 1000
 refuses 1 'limit' lod "$knot" -o x_%d.ply --resolution 3000 --memory-limit 100M
 refuses 1 'limit' lod "$knot" -o x_%d.ply --levels 64,32 --resolution 3000 --memory-limit 100M
-refuses 1 'level 1' lod "$knot" -o x_%d.ply --levels 32,1 --samples 0 --threshold 0.9
+refuses 1 'level 0, 1 x 1 x 1 samples, keeps nothing' lod "$knot" -o x_%d.ply --levels 1 --resolution 32 --samples 0 --threshold 0.9 --quiet
+refuses 1 'no level before it keeps anything either' lod "$knot" -o x_%d.ply --levels 2,1 --resolution 32 --samples 0 --threshold 0.9 --quiet
 printf '%s' "$(printf 'x%.0s' 1 2 3 4 5 6 7 8)" >"new
 line.ply"
 refuses 1 'new?line.ply' info "new
