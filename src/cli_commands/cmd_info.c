@@ -132,6 +132,10 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
     entry->colours = mesh->colours != NULL;
     entry->uvs = mesh->uvs != NULL;
     run->report.meshes = 1;
+    /* Of the file and not of the certificate, which knows only what is left. */
+    if (run->report.nonfinite != 0)
+        cli_tell(made, "  left out    %" PRIu64 " triangle%s with a corner that is not finite\n",
+                 run->report.nonfinite, run->report.nonfinite == 1 ? "" : "s");
     tell_certificate(made, &job->certificate);
     tell_attributes(made, mesh);
     if (differs) {

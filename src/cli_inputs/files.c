@@ -305,15 +305,15 @@ static int is_mesh_format(int32_t format)
            format == BVX_FORMAT_OFF;
 }
 
-/* Commands that measure a mesh leave out triangles that lie nowhere; the
- * others, which keep triangles, refuse them. */
+/* Commands that measure a mesh or describe it leave out triangles that lie nowhere; the others, which keep
+ * triangles, refuse them. */
 static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
     uint64_t dropped = 0;
     bvx_status status;
 
     /* What keeps every triangle in its place must not lose one silently. */
-    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE)) == 0)
+    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_INFO)) == 0)
         return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
     status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
     if (status == BVX_OK) run->report.nonfinite += dropped;

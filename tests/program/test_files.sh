@@ -199,12 +199,22 @@ for file in nan.obj inf.off; do
     run repair $file -o mended.ply --json
     grep -q '"nonfinite_triangles": 1,' out
     result "$file: counted in the report" $?
-    for command in 'simplify -o x.ply' 'convert -o x.ply' 'info' 'faces -o x.ply'; do
+    warns "$file: $left_out" info $file
+    tail -n +3 out >told
+    run info whole.obj
+    tail -n +2 out >whole.txt
+    holds "$file: info is of what remains" cmp told whole.txt
+    warns "$file: $left_out" info $file --crossings --json
+    grep -q '"nonfinite_triangles": 1,.*"triangles": 4, "closed": true' out
+    result "$file: counted in the report of info" $?
+    gives "$file: info says how many" 0 "^  left out    1 triangle with a corner that is not finite$" info $file
+    for command in 'simplify -o x.ply' 'convert -o x.ply' 'faces -o x.ply'; do
         refuses 1 'has a coordinate that is not finite' ${command%% *} $file ${command#"${command%% *}"}
     done
 done
 printf 'v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >none.obj
 refuses 1 'each of the 1 triangles has a corner that is not finite' repair none.obj -o x.ply
+refuses 1 'each of the 1 triangles has a corner that is not finite' info none.obj
 
 printf '\377\376v\0 \0001\0' >wide.obj
 refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
