@@ -18,6 +18,7 @@
 #ifndef SUITE_H
 #define SUITE_H
 
+#include "core/core.h" /* before the names below, which its functions have too */
 #include "tools/fault.h"
 #include "unity.h"
 

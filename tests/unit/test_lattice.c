@@ -303,7 +303,6 @@ static void test_boxes_that_are_none(void)
     static const double low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
     double bad[3] = {1, 2, 3};
     bvx_lattice_options o = fit_options();
-    bvx_lattice lattice;
 
     o.resolution = 10;
     ASSERT_REFUSED(BVX_ERR_EMPTY, bvx_lattice_fit_box(ctx, high, high, &o, &lattice), "the box is a point");

@@ -2,9 +2,8 @@
  * reached by those that succeed only; works within each other share it. */
 #include "unity.h"
 
-#include "call_table.h"
-
 #include "core/core.h"
+#include "call_table.h"
 
 #include <stdio.h>
 #include <math.h>
