@@ -50,8 +50,36 @@ def test_nifti(tmp_path):
     with pytest.raises(bitvox.UnsupportedError, match="index"):
         formats.read_nifti(tmp_path / "e.nii")
     assert formats.read_nifti(tmp_path / "e.nii", index=1, threshold=-1.5).count == 2
-    with pytest.raises(bitvox.UnsupportedError, match="read_nifti"):
+    with pytest.raises(bitvox.UnsupportedError, match=r"formats.read_nifti\(path\) takes all that are not 0 \(a mask\), with threshold= or labels="):
         bitvox.read(tmp_path / "c.nii")
+
+
+def test_grids_come_back_of_nifti(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    grid = grid_of()
+    for name in ("a.nii", "a.nii.gz"):
+        grid.save(tmp_path / name)
+        back = bitvox.read(tmp_path / name)
+        assert type(back) is bitvox.Grid and back == grid
+        formats.write_nifti(grid, tmp_path / name)
+        assert bitvox.read(tmp_path / name) == grid
+    empty = grid_of(np.zeros((3, 4, 5), bool))
+    empty.save(tmp_path / "empty.nii")
+    assert bitvox.read(tmp_path / "empty.nii") == empty
+    # turned by right angles by another program: the head is kept, the voxels are at the same places
+    image = nibabel.load(tmp_path / "a.nii")
+    nibabel.save(image.as_reoriented(nibabel.orientations.axcodes2ornt("PIR")), tmp_path / "b.nii")
+    assert bitvox.read(tmp_path / "b.nii") == grid
+    # samples of 0 and 1 that nobody called a grid; a head that was kept over other samples
+    bitvox.Volume(grid.to_numpy().view(np.uint8)).save(tmp_path / "volume.nii")
+    nibabel.save(nibabel.Nifti1Image(3 * np.asarray(image.dataobj), image.affine, image.header), tmp_path / "three.nii")
+    nibabel.save(nibabel.Nifti1Image(np.asarray(image.dataobj, np.float32), image.affine, image.header), tmp_path / "float.nii")
+    for name in ("volume.nii", "three.nii", "float.nii"):
+        with pytest.raises(bitvox.UnsupportedError, match="was not written of a Grid"):
+            bitvox.read(tmp_path / name)
+        assert formats.read_nifti(tmp_path / name).count == grid.count  # what the message advises
+    with pytest.raises(FileNotFoundError):
+        bitvox.read(tmp_path / "missing.nii")
 
 
 def test_brain(shared):

@@ -40,7 +40,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     path
         a name, or an open binary file. .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
         each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
-        with ``bitvox[geo]``; the .dcm of an RTSTRUCT (sections) with ``bitvox[medical]``. Beside .npy and .vox, FILE.json
+        with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii that was written of a grid, which is known by
+        its head (other masks: `bitvox.formats.read_nifti`). Beside .npy and .vox, FILE.json
         gives the lattice.
     format
         one of these endings, in place of the name's own.
@@ -228,7 +229,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             if given:
                 raise ArgumentError(f"{name} for meshes")
     if isinstance(thing, Volume) or (isinstance(thing, Grid) and kind in ("nii", "mha")):
-        return bytes(call("volume_bytes", thing if isinstance(thing, Volume) else volume_of_bits(thing), kind))
+        return bytes(call("volume_bytes", thing, kind) if isinstance(thing, Volume) else call("volume_bytes", volume_of_bits(thing), kind, True))
     if kind in MESHES_BY_LIBRARIES and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
         if normals or origin is not None or allow_rounding:
             raise ArgumentError(f"normals, origin and allow_rounding are for {', '.join(MESH_OUTPUTS)}")

@@ -13,6 +13,8 @@ from .._grid import Grid
 from .._volume import Volume
 from ._values import choose
 
+GRID_MARK = b"bitvox grid: 1 is inside"  # the description in the head of a file that was written of a Grid
+
 
 def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None) -> Volume:
     """The samples of a NIfTI volume, in the file's world (millimetres, x to the right, y forward, z up: the frame "ras"), with the axes
@@ -83,13 +85,26 @@ def read_nifti(path: str | os.PathLike[str], *, threshold: Any = None, labels: A
     return Grid.from_numpy(choose(volume.array, threshold, labels), lattice=volume.lattice)
 
 
+def grid_of_nifti(path: str) -> Grid:
+    """The grid of a file that was written of one, which the description in its head says. A mask that something else wrote, or of which
+    something else made other samples, is refused: nothing in such a file says which of its values are inside."""
+    np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
+    volume = read_nifti_volume(path)
+    described = bytes(nibabel.load(path).header.get("descrip", b"")).rstrip(b"\0")
+    if described != GRID_MARK or volume.array.dtype != np.uint8 or volume.array.max(initial=0) > 1:
+        raise UnsupportedError(f"{path}: was not written of a Grid, so which values are inside is not said; bitvox.formats.read_nifti(path) takes all that are not "
+                               "0 (a mask), with threshold= or labels= those; bitvox.read_volume(path) gives the samples")
+    return read_nifti(path)
+
+
 def np_eye() -> Any:
     """Directions along the world's axes."""
     return arrays.numpy("NIfTI").eye(3)
 
 
 def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
-    """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the centre of the first voxel.
+    """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the centre of the first voxel, its description that it
+    is a grid: `bitvox.read` gives it back.
 
     The format keeps places as float32: what is read back has the same voxels on a lattice that may lie a rounding beside.
 
@@ -102,5 +117,6 @@ def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
     affine[:3, 3] = grid.center0
     image = nibabel.Nifti1Image(grid.to_numpy().view(np.uint8), affine)
     image.header.set_xyzt_units("mm")
+    image.header["descrip"] = GRID_MARK
     image.set_sform(affine, 1)
     nibabel.save(image, os.fspath(path))

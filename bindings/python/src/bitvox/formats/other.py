@@ -14,6 +14,7 @@ from .._volume import BY_LIBRARIES
 from .amf import read_amf
 from .dicom import is_picture, read_rtstruct
 from .dxf import read_dxf
+from .nifti import grid_of_nifti
 
 _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml")
 
@@ -37,7 +38,7 @@ def read_other(path: str, kind: str) -> Any:
     >>> bitvox.formats.read_other('part.3mf', '3mf')  # doctest: +SKIP
     """
     if kind == "nii":
-        raise UnsupportedError(f"{path}: which values are set is not said; bitvox.formats.read_nifti(path, threshold=...) takes it, bitvox.read_volume gives the samples")
+        return grid_of_nifti(path)
     if kind == "dxf":
         return read_dxf(path)
     if kind == "dcm":

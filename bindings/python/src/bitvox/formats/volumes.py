@@ -15,6 +15,7 @@ from .._bytes import read_bytes
 from .._errors import FormatError, UnsupportedError, need
 from .._foreign import affine_of
 from .._volume import Volume
+from .nifti import GRID_MARK
 
 BY_SIMPLEITK = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "nhdr", "nrrd")
 _INR_TYPES = {("unsigned fixed", 8): "u1", ("unsigned fixed", 16): "u2", ("unsigned fixed", 32): "u4", ("signed fixed", 8): "i1",
@@ -26,15 +27,15 @@ _META_TYPES = {"u1": "MET_UCHAR", "i1": "MET_CHAR", "u2": "MET_USHORT", "i2": "M
 _SPACES = {"lps": "left-posterior-superior", "ras": "right-anterior-superior"}
 
 
-def volume_bytes(volume: Volume, kind: str) -> bytes:
-    """The bytes of a file that holds a ``volume``: ``kind`` is nrrd, mha, nii or vti.
+def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
+    """The bytes of a file that holds a ``volume``: ``kind`` is nrrd, mha, nii or vti; ``of_grid``: its samples are those of a grid, which NIfTI says.
 
     What a volume's frame is stands in the file. NIfTI is always in "ras" and MetaImage in "lps": positions of the other one are turned;
     where the frame is not said they are written as they are.
     """
     np = arrays.numpy("volumes")
     if kind == "nii":
-        return _nifti(volume if volume.frame is None else volume.turned("ras"))
+        return _nifti(volume if volume.frame is None else volume.turned("ras"), of_grid)
     if kind == "mha" and volume.frame is not None:
         volume = volume.turned("lps")
     packed = np.ascontiguousarray(volume.to_numpy("zyx"))
@@ -82,12 +83,14 @@ def _words(values: Any) -> str:
     return " ".join(map(_number, values))
 
 
-def _nifti(volume: Volume) -> bytes:
+def _nifti(volume: Volume, of_grid: bool) -> bytes:
     np, nibabel = arrays.numpy("NIfTI"), need("nibabel", "medical")
     affine = affine_of(volume)
     wide = volume.array.dtype.kind in "iu" and volume.array.dtype.itemsize == 8
     image = nibabel.Nifti1Image(np.asarray(volume.array), affine, dtype=volume.array.dtype if wide else None)
     image.header.set_xyzt_units("mm")
+    if of_grid:
+        image.header["descrip"] = GRID_MARK
     image.set_qform(affine, 1)
     image.set_sform(affine, 1)
     made: bytes = image.to_bytes()
