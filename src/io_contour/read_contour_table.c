@@ -3,7 +3,8 @@
  * Columns section, position, loop, x and y, in any order; label too where there are several bodies; z, nx,
  * ny and nz where planes have normals of their own; others are left alone. Words are parted by commas,
  * semicolons or tabs, whichever the head line has. Lines of one loop follow each other. Sections and loops
- * are known by what stands in their columns, so they may be numbers or names. */
+ * are known by what stands in their columns, so they may be numbers or names. A line without a loop and a
+ * point states its section, which may have no loop at all: there is no body there. */
 #include "core/key_tree.h"
 #include "io_contour/contour_text.h"
 
@@ -249,12 +250,11 @@ static bvx_status find_table_section(table_reader *r, double position, const dou
                      : bvxi_contour_add_section(r->f, position);
 }
 
-/* What a line says of its section's plane, and the height of its point. */
-static bvx_status read_plane(table_reader *r, double *z, double normal[3])
+/* What a line says of its section's plane. */
+static bvx_status read_normal(table_reader *r, double normal[3])
 {
     double length;
 
-    BVXI_TRY(table_number(r, TABLE_Z, "expected a number as z", z));
     BVXI_TRY(table_number(r, TABLE_NX, "expected a number as nx", &normal[0]));
     BVXI_TRY(table_number(r, TABLE_NY, "expected a number as ny", &normal[1]));
     BVXI_TRY(table_number(r, TABLE_NZ, "expected a number as nz", &normal[2]));
@@ -264,6 +264,19 @@ static bvx_status read_plane(table_reader *r, double *z, double normal[3])
     return BVX_OK;
 }
 
+/* 1 where the line has neither a loop nor anything of one. */
+static int states_section(const table_reader *r)
+{
+    static const int of_loop[] = {TABLE_LOOP, TABLE_X, TABLE_Y, TABLE_LABEL, TABLE_Z};
+
+    /* A loop may have no name, so a point without one is still a point. */
+    for (size_t i = 0; i < sizeof of_loop / sizeof of_loop[0]; i++)
+        if (r->column[of_loop[i]] >= 0 && (of_loop[i] != TABLE_Z || r->planes) &&
+            r->word[of_loop[i]].size != 0)
+            return 0;
+    return 1;
+}
+
 static bvx_status read_table_line(table_reader *r, const char *p, const char *end)
 {
     bvx_sections *const s = &r->f->sections;
@@ -271,6 +284,13 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
 
     BVXI_TRY(split_table_line(r, p, end));
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
+    /* Found as that of a point is, and no more: the loop that is being read goes on after it. */
+    if (states_section(r)) {
+        uint32_t section;
+
+        if (r->planes) BVXI_TRY(read_normal(r, normal));
+        return find_table_section(r, position, normal, &section);
+    }
     BVXI_TRY(table_number(r, TABLE_X, "expected a number as x", &point[0]));
     BVXI_TRY(table_number(r, TABLE_Y, "expected a number as y", &point[1]));
     if (r->column[TABLE_LABEL] >= 0)
@@ -280,7 +300,10 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
     if (!(label > -2147483648.0 && label <= 2147483647.0) || label != (double)(int32_t)label)
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the label is not a whole number");
     point[2] = position;
-    if (r->planes) BVXI_TRY(read_plane(r, &point[2], normal));
+    if (r->planes) {
+        BVXI_TRY(table_number(r, TABLE_Z, "expected a number as z", &point[2]));
+        BVXI_TRY(read_normal(r, normal));
+    }
 
     /* A new loop begins where the name of the loop or of its section changes. */
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||

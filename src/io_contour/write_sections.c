@@ -132,31 +132,53 @@ static void put_csl(const bvx_sections *s, const double normal[3], bvxi_output *
 /* ---- CSV ---- */
 
 /* The rest of a line where planes have normals of their own: as they were given, whatever their length. */
-static void put_table_plane(const double normal[3], double z, bvxi_output *o)
+static void put_table_normal(const double normal[3], bvxi_output *o)
 {
-    bvxi_output_text(o, ",");
-    put_real(o, z);
     for (int k = 0; k < 3; k++) {
         bvxi_output_text(o, ",");
         put_real(o, normal[k]);
     }
 }
 
+static void put_table_section(const bvx_sections *s, uint64_t section, bvxi_output *o)
+{
+    bvxi_output_number(o, section);
+    bvxi_output_text(o, ",");
+    put_real(o, s->positions[section]);
+    bvxi_output_text(o, ",");
+}
+
+/* Sections before the next one with lines of its own, which hold no loop or have theirs later, have one without
+ * a point: so none is lost, and all keep their order. */
+static void state_sections(const bvx_sections *s, uint64_t from, uint64_t to, bvxi_output *o)
+{
+    for (uint64_t k = from; k < to; k++) {
+        put_table_section(s, k, o);
+        bvxi_output_text(o, ",,,");
+        if (s->normals != NULL) {
+            bvxi_output_text(o, ",");
+            put_table_normal(s->normals + 3 * k, o);
+        }
+        bvxi_output_text(o, "\n");
+    }
+}
+
 static void put_table(const bvx_sections *s, bvxi_output *o)
 {
+    uint64_t stated = 0;
+
     bvxi_output_text(o, "section,position,loop,label,x,y");
     bvxi_output_text(o, s->normals != NULL ? ",z,nx,ny,nz\n" : "\n");
     for (uint64_t i = 0; i < s->loop_count; i++) {
         const bvx_section_loop *const l = &s->loops[i];
 
+        state_sections(s, stated, l->section, o);
+        if (stated <= l->section) stated = (uint64_t)l->section + 1;
         /* One line a point, with all that is known of its
          * section and loop: tables have no other place for it. */
         for (uint64_t j = 0; j < l->point_count; j++) {
             const double *const p = s->points + 3 * (l->first_point + j);
-            bvxi_output_number(o, l->section);
-            bvxi_output_text(o, ",");
-            put_real(o, s->positions[l->section]);
-            bvxi_output_text(o, ",");
+            put_table_section(s, l->section, o);
             bvxi_output_number(o, i);
             bvxi_output_text(o, ",");
             put_signed(o, l->label);
@@ -164,10 +186,15 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
             put_real(o, p[0]);
             bvxi_output_text(o, ",");
             put_real(o, p[1]);
-            if (s->normals != NULL) put_table_plane(s->normals + 3 * (uint64_t)l->section, p[2], o);
+            if (s->normals != NULL) {
+                bvxi_output_text(o, ",");
+                put_real(o, p[2]);
+                put_table_normal(s->normals + 3 * (uint64_t)l->section, o);
+            }
             bvxi_output_text(o, "\n");
         }
     }
+    state_sections(s, stated, s->section_count, o);
 }
 
 /* ---- SVG ---- */

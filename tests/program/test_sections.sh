@@ -242,5 +242,10 @@ else
 fi
 printf 'CSLC\n3 1\n\n1 4 1 0 0 1 0\n0 0 0\n4 0 0\n4 4 0\n0 4 0\n4 1 0 1 2 3\n\n2 0 0 0 0 1 -1\n\n3 4 1 0 0 1 -2\n0 0 2\n4 0 2\n4 4 2\n0 4 2\n4 1 0 1 2 3\n' >gap.csl
 gives 'info: empty sections' 0 'sections    3, 1 of them empty' info gap.csl
+printf 'section,position,loop,x,y\n1,0,a,0,0\n1,0,a,4,0\n1,0,a,4,4\n1,0,a,0,4\n2,1,,,\n3,3,a,0,0\n3,3,a,4,0\n3,3,a,4,4\n3,3,a,0,4\n' >gap.csv
+gives 'info: empty sections of a table' 0 'sections    3, 1 of them empty' info gap.csv
+gives 'sections: the body ends at an empty section of a table' 0 '2 parts, 0 handles' sections gap.csv -o gap.ply
+sed 's/^2,1,,,$/2,1,b,,/' gap.csv >bad_gap.csv
+refuses 1 'line 6: expected a number as x' sections bad_gap.csv -o bad.ply
 
 counts
