@@ -179,7 +179,8 @@ typedef struct bvx_context_options {
     bvx_alloc_fn *alloc; /**< [Default: the C library's heap; builds without one need alloc or arena] */
     bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
     void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
-    void *arena; /**< memory to live in: results at its low end, scratch at its high end [Default: NULL] */
+    void *arena; /**< memory to live in: results at its low end, scratch at its high end; of any alignment, up
+                      to 63 bytes of it are skipped [Default: NULL] */
     uint64_t arena_size;       /**< [Units: bytes] [Limit: any] [Default: 0] */
     uint64_t memory_limit;     /**< [Units: bytes] [Limit: any] [Default: 0, none] */
     bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: the library's threads] */
@@ -198,9 +199,10 @@ typedef struct bvx_context_options {
 BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
 
 /** Create a context; call it through bvx_context_create, which passes the header's version.
- *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones), BVX_ERR_UNSUPPORTED
- *  when this build or thread has arithmetic that would change results, BVX_ERR_ARGUMENT (options),
- *  BVX_ERR_MEMORY. There is no context then to ask for a message: bvx_context_fault has it. [Cost: O(1)] */
+ *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones) or a field is set that
+ *  this library does not know, BVX_ERR_UNSUPPORTED when this build or thread has arithmetic that would change
+ *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the arena
+ *  is too small). There is no context then to ask for a message: bvx_context_fault has it. [Cost: O(1)] */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -259,8 +261,8 @@ BVX_API int32_t bvx_context_cpu(const bvx_context *context);
 
 /** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it
  *  distinguishes neighbouring positions (its steps at the largest coordinate are at most 1/256 of a voxel),
- *  else BVX_F64; the result's position_type says which. Simplifying, which has no voxels, keeps the mesh's
- *  type. Arrays that the caller provides must be of the type that comes out. */
+ *  else BVX_F64; the result's position_type says which. Without voxels: simplifying, and levels of
+ *  the mesh itself, keep the mesh's type, sections give f64. Arrays that the caller provides must be of the type that comes out. */
 #define BVX_REAL_LIST(X) \
     X(BVX_F32, 1, "f32") \
     X(BVX_F64, 2, "f64")
@@ -658,7 +660,7 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *  adds what docs/rules.md lists]
  *  [Cost: O(vertices + triangles + crossings + words); VOTE three times that; REGIONS and FLOOD add
  *  bvx_voxelize_surface]
- *  [Exact: a window has the bits of the whole but for REGIONS and FLOOD. The angles of VOTE and WINDING near
+ *  [Exact: for any number of threads; a window has the bits of the whole but for REGIONS and FLOOD. The angles of VOTE and WINDING near
  *  holes are doubles to 1e-8, the same everywhere]
  *  Source: "LOD by voxelization and downsampling" 2.3, with exact ties; of votes and winding numbers:
  *  docs/papers.md. */
@@ -1865,8 +1867,8 @@ typedef struct bvx_seed {
  *  surface  the voxels of a surface, by any rule of bvx_voxelize_surface
  *  mesh     NULL, or the mesh that it came from
  *  limit    maximum number of lines to scan [Default: 0, all]
- *  seed     out; found 0 is no error
- *  Returns BVX_ERR_RANGE; with a mesh as bvx_voxelize_solid.
+ *  seed     out; found 0, where there is none or limit ran out, is no error
+ *  Returns BVX_ERR_RANGE; with a mesh as bvx_voxelize_solid by VOTE.
  *  [Memory: none; with a mesh that of the rule vote]
  *  [Cost: O(lines scanned); with a mesh and that of the rule vote]
  *  Source: "Fast voxelization based on TIN" Algorithm 2, bounded, and with its seed verified. */
@@ -2710,7 +2712,8 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
  *  format  as for bvx_write_grid
  *  window  NULL: all of the file; else only these voxels, counted from the file's first one
  *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (window outside the file, dims beyond the
- *  limits), BVX_ERR_UNSUPPORTED (compressed data, more than one model, turned axes).
+ *  limits), BVX_ERR_UNSUPPORTED (a newer version of the format, compressed data, more than one model, turned
+ *  axes).
  *  [Memory: the grid, and at most size and 32 KiB (VTI in base64: the decoded samples; BVX: the offsets of
  *  slices); BINVOX: and 64 layers of x a worker. Packed formats can expand to far more than their bytes: set
  *  a memory limit for files from strangers]
