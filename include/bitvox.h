@@ -201,8 +201,9 @@ BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size)
 /** Create a context; call it through bvx_context_create, which passes the header's version.
  *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones) or a field is set that
  *  this library does not know, BVX_ERR_UNSUPPORTED when this build or thread has arithmetic that would change
- *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the arena
- *  is too small). There is no context then to ask for a message: bvx_context_fault has it. [Cost: O(1)] */
+ *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the
+ *  arena is too small). There is no context then to ask for a message: bvx_context_fault has it.
+ *  [Cost: O(1)] */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -262,7 +263,8 @@ BVX_API int32_t bvx_context_cpu(const bvx_context *context);
 /** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it
  *  distinguishes neighbouring positions (its steps at the largest coordinate are at most 1/256 of a voxel),
  *  else BVX_F64; the result's position_type says which. Without voxels: simplifying, and levels of
- *  the mesh itself, keep the mesh's type, sections give f64. Arrays that the caller provides must be of the type that comes out. */
+ *  the mesh itself, keep the mesh's type, sections give f64. Arrays that the caller provides must be of the
+ *  type that comes out. */
 #define BVX_REAL_LIST(X) \
     X(BVX_F32, 1, "f32") \
     X(BVX_F64, 2, "f64")
@@ -660,8 +662,8 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *  adds what docs/rules.md lists]
  *  [Cost: O(vertices + triangles + crossings + words); VOTE three times that; REGIONS and FLOOD add
  *  bvx_voxelize_surface]
- *  [Exact: for any number of threads; a window has the bits of the whole but for REGIONS and FLOOD. The angles of VOTE and WINDING near
- *  holes are doubles to 1e-8, the same everywhere]
+ *  [Exact: for any number of threads; a window has the bits of the whole but for REGIONS and FLOOD. The
+ *  angles of VOTE and WINDING near holes are doubles to 1e-8, the same everywhere]
  *  Source: "LOD by voxelization and downsampling" 2.3, with exact ties; of votes and winding numbers:
  *  docs/papers.md. */
 BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
