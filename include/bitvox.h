@@ -227,8 +227,8 @@ BVX_API const char *bvx_arithmetic_fault(void);
  *  for anything else: its threads end here. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
-/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it right
- *  after that call: the next one may change it, also where it succeeds. */
+/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it
+ *  right after that call: the next one may change it, also where it succeeds. */
 BVX_API const char *bvx_last_message(const bvx_context *context);
 
 /** The last failure in parts, for programs: nobody needs to parse messages. The library owns it and may
@@ -2306,8 +2306,8 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
  *            next plane: they keep their coordinates, and the surface takes them as lying on it
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
  *  BVX_ERR_FORMAT (loops that cross or touch, with mend only where they stay too near; two sections at one
- *  position; points off their plane; planes that contradict each other: all named), BVX_ERR_RANGE (not finite, an index beyond its array or the
- *  limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
+ *  position; points off their plane; planes that contradict each other: all named), BVX_ERR_RANGE (not
+ *  finite, an index beyond its array or the limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
  *  [Memory: about 150 bytes a contour point or crossing, 20 a cell of one section, the mesh twice]
  *  [Cost: O(crossings log points + cells / 64 a section), times layers between sections]
  *  [Exact: inside tests, in fixed point of 2^-29 of the extent]
