@@ -2756,8 +2756,8 @@ BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, 
  *                  of their plane
  *  BVX_FORMAT_CSV  a head line with section, position, loop, x, y and perhaps label (any order, other columns
  *                  are ignored); comma, semicolon or tab. Planes are z = position, or with the columns z, nx,
- *                  ny, nz of any direction (normals are set). A first point repeated at the end is left out. A
- *                  line without loop and point states a section, which may hold no loop
+ *                  ny, nz of any direction (normals are set). A first point repeated at the end is left out.
+ *                  A line without loop and point states a section, which may hold no loop
  *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (no contour format), BVX_ERR_EMPTY,
  *  BVX_ERR_RANGE.
  *  [Memory: with the stack at most 40 times size and 32 KiB]
