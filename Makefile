@@ -301,7 +301,7 @@ deps-windows: deps ## and what the tests of the program for Windows need: mingw,
 deps-js: ## and what the npm package needs: emscripten, nodejs, chromium
 	@sh tests/tools/deps.sh js
 
-test: deps ## all tests of this machine and compiler (12 minutes); ends with "N passed, N failed"
+test: deps ## all tests of this machine and compiler (8 minutes); ends with "N passed, N failed"
 	@$(environment) sh tests/tools/run_tests.sh here
 
 test-quick: ## without the Python package

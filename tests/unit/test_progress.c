@@ -460,7 +460,7 @@ static int32_t reports_of(double each, int32_t count, int32_t threads)
     return r.calls;
 }
 
-/* A build without threads has one worker, whatever is asked for. */
+/* A build without threads has one worker, whatever is requested. */
 static int has_two_workers(void)
 {
     record r = {0};
