@@ -1,6 +1,6 @@
 #!/bin/sh
-# make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, and a body through
-# contours on crossing planes. With check nothing is written: the pictures must be those that the program draws now, and small.
+# make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
+# contours on crossing planes, and two slanted vessels, each section apart and joined by shifting. With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -53,8 +53,23 @@ planes "paint('sweep.off', 'painted.off', sweep(), 0.006)"
 quiet render painted.off -o raw.png --size 204x192 --from 1,-2,1.2
 python3 "$root/tests/tools/pack_png.py" raw.png sweep.png
 
+# Two vessels whose sections share no area.
+python3 >vessels.csv <<'P'
+from math import cos, pi, sin
+
+print('section,position,loop,x,y')
+for s in range(6):
+    for loop, y in enumerate([0, 6 + 3 * abs(s - 2)]):
+        for i in range(24):
+            print(f'{s},{4 * s},{loop},{5 * s + 2 * cos(pi * i / 12):.4f},{y + 2 * sin(pi * i / 12):.4f}')
+P
+quiet sections vessels.csv -o apart.off 2>warnings
+quiet sections vessels.csv -o joined.off --join 8 2>warnings
+quiet render apart.off joined.off -o raw.png --size 300x210 --from 1,-2,1
+python3 "$root/tests/tools/pack_png.py" raw.png join.png
+
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep; do
+for picture in input voxelize boolean repair lod simplify sweep join; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1
