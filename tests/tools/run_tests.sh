@@ -454,6 +454,9 @@ tests_of_windows() { # brief: the scripts that take a minute at most
     if [ ! -f "$folder/bitvox.exe" ]; then return; fi
     printf '#!/bin/sh\nexec wine "%s" "$@"\n' "$(cd "$folder" && pwd)/bitvox.exe" >"$windows/bitvox"
     chmod +x "$windows/bitvox"
+    # By itself the server of wine leaves three seconds after its last program; one that starts at this moment ends without a word.
+    # This one stays while the tests run, and leaves after ten minutes without a program.
+    if has wineserver; then wineserver -p600 >"$logs/wineserver" 2>&1 </dev/null; fi
     check 'windows/the program starts' wine "$folder/bitvox.exe" --version
     if [ -f "$folder/tests/golden/golden.exe" ]; then
         count windows/golden wine "$folder/tests/golden/golden.exe"
@@ -477,6 +480,7 @@ tests_of_windows() { # brief: the scripts that take a minute at most
         list_command "windows/$(basename "$script")" env "BITVOX=$windows/bitvox" sh "$script"
     done | run_lines
     for script in $windows_scripts; do count_script "windows/$(basename "$script")"; done
+    if has wineserver; then wineserver -k >>"$logs/wineserver" 2>&1 </dev/null || true; fi
     unset SYSTEM
 }
 
