@@ -268,8 +268,6 @@ int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *b)
     if (!standard) fclose(file);
     /* By its bytes, and by its name too: a .gz that holds none is refused there. */
     if (status == CLI_DONE && is_gzip(path, b)) status = unpack(run, path, b);
-    if (status == CLI_DONE && cli_input_format(run, path) == BVX_FORMAT_VTI)
-        status = cli_unpack_vti(run, path, b);
     cli_note_peak(run, b->size);
     return status;
 }
@@ -288,7 +286,21 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 int cli_open_input(cli_run *run, const char *path, cli_bytes *b)
 {
     CLI_TRY(cli_read_file(run, path, b));
-    return run->context != NULL ? CLI_DONE : cli_make_context(run, b->size);
+    return cli_make_context(run, b->size);
+}
+
+int cli_open_samples(cli_run *run, const char *path, cli_bytes *b)
+{
+    if (cli_input_format(run, path) != BVX_FORMAT_VTI) return cli_open_input(run, path, b);
+
+    /* One stage: to unpack the blocks is a part of reading. */
+    cli_stage_begin(run, "read");
+    cli_stage_calls(run, 2);
+    CLI_TRY(cli_read_bytes(run, path, 0, b));
+    CLI_TRY(cli_unpack_vti(run, path, b));
+    cli_note_peak(run, b->size);
+    cli_stage_end(run);
+    return cli_make_context(run, b->size);
 }
 
 void cli_end_parse(cli_run *run, uint64_t bytes)

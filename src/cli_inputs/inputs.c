@@ -1,4 +1,5 @@
-/* inputs.c - any input by its ending: a mesh, a grid or an octree. */
+/* inputs.c - any input by its ending: a mesh, a grid, an octree, of which a level becomes a grid, or
+ * contours. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -7,6 +8,8 @@
 #include <string.h>
 
 enum { READS_PARTS = CLI_LOD | CLI_FACES | CLI_RENDER | CLI_CONVERT }; /* components chooses by itself */
+
+#define TREE_GRID_BYTES (UINT64_C(1) << 30) /* most bytes of a grid without --memory-limit */
 
 /* ---- grids ---- */
 
@@ -100,7 +103,7 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     in->path = path;
     /* What was chosen by its samples is a grid from here on. */
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
-    status = cli_open_input(run, path, &b);
+    status = cli_open_samples(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);
@@ -109,6 +112,58 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path)))
         status = cli_read_sidecar(run, path, &in->grid, &in->placed);
     return status;
+}
+
+/* ---- octrees ---- */
+
+int cli_check_tree_level(cli_run *run, int32_t levels)
+{
+    if (run->options->expand <= levels) return CLI_DONE;
+    return cli_usage(run, "--expand %" PRId32 " is beyond the last level, %" PRId32, run->options->expand,
+                     levels);
+}
+
+/* A window of the last level, in voxels of one so many levels above. */
+static void window_at(const bvx_window *finest, int32_t shift, bvx_window *w)
+{
+    *w = *finest;
+    for (int a = 0; a < 3 && finest->size[0] != 0; a++) {
+        /* Outwards: a coarse voxel belongs to the window that it overlaps. */
+        int64_t const end = (int64_t)finest->low[a] + finest->size[a];
+        w->low[a] = finest->low[a] >> shift;
+        w->size[a] = (int32_t)((end + (INT64_C(1) << shift) - 1) >> shift) - w->low[a];
+    }
+}
+
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
+                    bvx_grid *grid)
+{
+    const cli_options *const o = run->options;
+    int32_t const levels = bvx_octree_levels(tree), level = cli_given(run, "--expand") ? o->expand : levels;
+    bvx_lattice lattice;
+    bvx_window window;
+    bvx_status status;
+    uint64_t words;
+
+    CLI_TRY(cli_check_tree_level(run, levels));
+    CLI_TRY(cli_check_call(run, bvx_octree_lattice(run->context, tree, level, &lattice), path));
+    window_at(finest, levels - level, &window);
+    words = bvx_grid_bound(&lattice, &window);
+    /* An octree is small where its grid is not, so the size is refused unless a limit allows it. */
+    if (o->general.memory_limit == 0 && words > TREE_GRID_BYTES / 8)
+        return cli_fail(run,
+                        "%s: the grid of level %" PRId32 " would take %" PRIu64
+                        " MiB: take a lower --expand or a --window, or allow it by "
+                        "--memory-limit",
+                        path, level, words >> 17);
+    /* Refused before the time that it takes, not after. */
+    if (o->output != NULL && cli_kind_of_format(bvx_format_of_name(o->output)) == CLI_GRID) {
+        CLI_TRY(cli_check_grid_format(run, o->output, &lattice,
+                                      window.size[0] != 0 ? window.size : lattice.dims));
+    }
+    cli_stage_begin(run, "expand");
+    status = bvx_octree_expand(run->context, tree, level, o->states, &window, grid);
+    return cli_stage_check(run, status, path);
 }
 
 /* The word is the input's name. */
@@ -152,4 +207,26 @@ void cli_free_input(cli_run *run, cli_input *input)
     bvx_grid_free(run->context, &input->grid);
     bvx_octree_free(run->context, input->tree);
     input->tree = NULL;
+}
+
+/* ---- contours ---- */
+
+int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
+{
+    cli_bytes b = {NULL, 0, 0, 0};
+    int status = cli_open_input(run, path, &b);
+
+    if (status == CLI_DONE) {
+        bvx_read_sections_options o;
+        bvx_status read;
+        bvx_read_sections_options_init(&o, sizeof o);
+        o.close_gap = run->options->close_gap;
+        cli_stage_begin(run, "parse");
+        read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
+        cli_end_parse(run, b.size);
+        status = cli_check_call(run, read, cli_input_name(path));
+    }
+    /* Contours are copied out of the text. */
+    free(b.bytes);
+    return status;
 }

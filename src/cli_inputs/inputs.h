@@ -17,6 +17,14 @@ char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* What an input would be by its name; refuses what is not read. */
 int cli_input_kind(cli_run *run, const char *path, int *kind);
+/* 1 for formats that hold samples. */
+int cli_may_be_volume(int32_t format);
+/* How many options choose voxels of a volume by their samples; they exclude each other. */
+int cli_selects(const cli_run *run);
+/* 1 when the samples of an input are needed, and not what is other than 0. */
+int cli_is_volume(const cli_run *run, const char *path);
+/* 1 for .csl and .csv. */
+int cli_is_contours(const cli_run *run, const char *path);
 /* How messages call an input. */
 const char *cli_input_name(const char *path);
 /* Refuse a lattice that the format of a grid's file cannot hold. */
@@ -37,6 +45,8 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
 /* Read a file that is to be parsed; creates run->context when there is none. */
 int cli_open_input(cli_run *run, const char *path, cli_bytes *bytes);
+/* The same of a grid or a volume: blocks of zlib within it are unpacked too. */
+int cli_open_samples(cli_run *run, const char *path, cli_bytes *bytes);
 /* The stage of parsing so many bytes of files ends. */
 void cli_end_parse(cli_run *run, uint64_t bytes);
 /* Read a mesh from a file; creates run->context when there is none. */
@@ -72,6 +82,14 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
 int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *window, cli_input *input);
 int cli_read_input(cli_run *run, const char *path, cli_input *input); /* a mesh or a grid */
 void cli_free_input(cli_run *run, cli_input *input);
+/* Refuse --expand beyond the last level. */
+int cli_check_tree_level(cli_run *run, int32_t levels);
+/* The last level, or that of --expand, as a grid, or a window of it (all
+ * zero: all); path is named in messages. */
+int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
+                    bvx_grid *grid);
+/* Read contours; creates run->context when there is none. */
+int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections);
 
 /* ---- volume_input.c: scalar volumes, and the voxels that are chosen of them ---- */
 
@@ -82,10 +100,6 @@ typedef struct cli_volume {
     int placed;           /* 0: neither file nor side-car gives its lattice */
 } cli_volume;
 
-/* 1 when options choose voxels of a volume by their samples. */
-int cli_selects(const cli_run *run);
-/* 1 when the samples of an input are needed, and not what is other than 0. */
-int cli_is_volume(const cli_run *run, const char *path);
 /* Refuse options of volumes where no input is one: nothing would come of them. */
 int cli_check_volume_options(cli_run *run);
 /* Refuse options that contradict each other. */
@@ -119,22 +133,6 @@ int cli_check_parts(cli_run *run);
 bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept);
 void cli_tell_parts(const cli_run *run, cli_text *text);
 
-/* ---- tree_input.c ---- */
-
-/* Refuse --expand beyond the last level. */
-int cli_check_tree_level(cli_run *run, int32_t levels);
-/* The last level, or that of --expand, as a grid, or a window of it (all
- * zero: all); path is named in messages. */
-int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *finest, const char *path,
-                    bvx_grid *grid);
-
-/* ---- contour_input.c: contours of sections ---- */
-
-/* 1 for .csl and .csv. */
-int cli_is_contours(const cli_run *run, const char *path);
-/* Read contours; creates run->context when there is none. */
-int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections);
-
 /* ---- mesh_lattice.c: where voxels of a mesh lie ---- */
 
 typedef struct cli_box {
@@ -152,8 +150,6 @@ bvx_status cli_make_cloud_lattice(cli_run *run, const bvx_mesh_view *view, bvx_l
 int cli_window_option(cli_run *run, bvx_window *window);
 /* The diagonal of a box, wherever doubles hold it. */
 double cli_diagonal(const double low[3], const double high[3]);
-
-/* ---- far_points.c ---- */
 
 /* Refuse a large lattice that is large because of few points far from the others. */
 int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,

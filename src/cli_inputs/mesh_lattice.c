@@ -1,29 +1,30 @@
-/* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding, --window. */
+/* mesh_lattice.c - where the voxels of a mesh lie: --resolution, --spacing, --origin, --padding, --window;
+ * and whether a few points far from all others make them many. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LATTICE_RESOLUTION = 256 };
 
-static double coordinate_of(const bvx_mesh *mesh, uint32_t vertex, int axis)
+static double coordinate_of(const void *positions, int is_f32, uint64_t vertex, int axis)
 {
     size_t const at = (size_t)vertex * 3 + (size_t)axis;
-    return mesh->position_type == BVX_F32 ? (double)((const float *)mesh->positions)[at]
-                                          : ((const double *)mesh->positions)[at];
+    return is_f32 ? (double)((const float *)positions)[at] : ((const double *)positions)[at];
 }
 
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
 {
     for (int a = 0; a < 3; a++) {
-        box->low[a] = box->high[a] = mesh->triangle_count != 0 ? coordinate_of(mesh, mesh->triangles[0], a)
-                                                               : 0.0;
+        box->low[a] = box->high[a] = 0.0;
         /* By triangles: a vertex that no triangle uses takes no room. */
-        for (uint64_t i = 1; i < mesh->triangle_count * 3; i++) {
-            double const p = coordinate_of(mesh, mesh->triangles[i], a);
-            box->low[a] = p < box->low[a] ? p : box->low[a];
-            box->high[a] = p > box->high[a] ? p : box->high[a];
+        for (uint64_t i = 0; i < mesh->triangle_count * 3; i++) {
+            double const p = coordinate_of(mesh->positions, mesh->position_type == BVX_F32,
+                                           mesh->triangles[i], a);
+            box->low[a] = i == 0 || p < box->low[a] ? p : box->low[a];
+            box->high[a] = i == 0 || p > box->high[a] ? p : box->high[a];
         }
     }
 }
@@ -136,4 +137,161 @@ double cli_diagonal(const double low[3], const double high[3])
         sum += side * side;
     }
     return longest * sqrt(sum);
+}
+
+/* ---- points far from all others ---- */
+
+/* One of them must not cost memory by the size of the box around all. With --spacing a lattice is as large
+ * as the box. Where it is large, and mostly for the sake of a few points that lie many times as far from
+ * the others as these lie from each other, the command refuses it and names them. The others are looked
+ * for among some thousand points: between the places that a twentieth of them lies below and above. */
+
+enum { FAR_SAMPLES = 4096, FAR_TIMES = 50, FAR_SHARE = 100, FAR_SAVED = 16, NEAR_VOXELS = 8 };
+
+#define FAR_BYTES 268435456.0 /* smaller lattices are made, whatever they are for */
+
+typedef struct far_points {
+    const bvx_mesh_view *view;
+    int cloud;
+    uint64_t count;                   /* corners of triangles, or points */
+    double low[3], high[3];           /* what lies beyond is far */
+    double near_low[3], near_high[3]; /* box of the others */
+    uint64_t far, first;              /* how many, and the number of the first */
+    double at[3];
+} far_points;
+
+/* The vertex that corner number i is, or point number i. */
+static uint64_t vertex_of(const far_points *f, uint64_t i)
+{
+    return f->cloud || f->view->indices == NULL ? i : ((const uint32_t *)f->view->indices)[i];
+}
+
+static void position_of(const far_points *f, uint64_t vertex, double p[3])
+{
+    for (int a = 0; a < 3; a++)
+        p[a] = coordinate_of(f->view->positions, f->view->position_type == BVX_F32, vertex, a);
+}
+
+static int compare_values(const void *a, const void *b)
+{
+    double const x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The box beyond which points are far. 0 without memory. */
+static int find_near_box(far_points *f)
+{
+    uint64_t const n = f->count < FAR_SAMPLES ? f->count : FAR_SAMPLES;
+    double *const value = malloc((size_t)n * 3 * sizeof *value);
+    double span = 0.0;
+
+    if (value == NULL) return 0;
+    /* A sample, evenly over the file, is enough to find where most points lie. */
+    for (uint64_t i = 0; i < n; i++) {
+        double p[3];
+        position_of(f, vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
+        for (uint64_t a = 0; a < 3; a++) value[a * n + i] = p[a];
+    }
+    for (uint64_t a = 0; a < 3; a++) {
+        qsort(value + a * n, (size_t)n, sizeof *value, compare_values);
+        f->low[a] = value[a * n + n / 20];
+        f->high[a] = value[a * n + n - 1 - n / 20];
+        /* A twentieth at either end may be far without moving the box. */
+        span = fmax(span, f->high[a] - f->low[a]);
+    }
+    /* By the longest span, so that a flat mesh is not far from itself. */
+    for (int a = 0; a < 3; a++) {
+        f->low[a] -= FAR_TIMES * span;
+        f->high[a] += FAR_TIMES * span;
+    }
+    free(value);
+    return 1;
+}
+
+/* Far points by number: a vertex counts once for each triangle that uses
+ * it, which does not matter for a share. */
+static void count_far(far_points *f)
+{
+    for (int a = 0; a < 3; a++) {
+        f->near_low[a] = HUGE_VAL;
+        f->near_high[a] = -HUGE_VAL;
+    }
+    /* Far is what lies beyond along any axis; the box of the others grows by all that is not. */
+    for (uint64_t i = 0; i < f->count; i++) {
+        uint64_t const vertex = vertex_of(f, i);
+        double p[3];
+        int beyond = 0;
+        position_of(f, vertex, p);
+        for (int a = 0; a < 3; a++) beyond |= p[a] < f->low[a] || p[a] > f->high[a];
+        /* The first one is named in messages: one can look it up in the file. */
+        if (beyond && f->far++ == 0) {
+            f->first = vertex;
+            memcpy(f->at, p, sizeof f->at);
+        }
+        for (int a = 0; a < 3 && !beyond; a++) {
+            f->near_low[a] = fmin(f->near_low[a], p[a]);
+            f->near_high[a] = fmax(f->near_high[a], p[a]);
+        }
+    }
+}
+
+/* By --resolution a far point costs no memory, but leaves the others a few voxels: where they lie in fewer
+ * than NEAR_VOXELS along each axis of a lattice that has many more. */
+static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
+                        const bvx_lattice *lattice)
+{
+    far_points f = {.view = view, .cloud = cloud};
+    double most = 0.0;
+    int32_t longest = 0;
+
+    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
+    if (f.count == 0 || !find_near_box(&f)) return;
+    count_far(&f);
+    /* Many far points are a shape of two parts, not a mistake. */
+    if (f.far == 0 || f.far > f.count / FAR_SHARE) return;
+    for (int a = 0; a < 3; a++) {
+        most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);
+        longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
+    }
+    /* A lattice that is small anyway loses nothing worth a warning. */
+    if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
+
+    cli_warn(run,
+             "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
+             " voxels long; take it out of "
+             "the file, or choose voxels by --spacing",
+             cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
+             f.far == 1 ? "" : ", and it is not the only one", most, longest);
+}
+
+int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int cloud,
+                  const bvx_lattice *lattice)
+{
+    double bytes = 8.0, near = 8.0, limit = (double)run->context_limit;
+    far_points f = {.view = view, .cloud = cloud};
+
+    f.count = cloud ? view->vertex_count : view->triangle_count * 3;
+    for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
+    warn_of_far(run, path, view, cloud, lattice);
+    /* What fits is made without a question. */
+    if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
+
+    count_far(&f);
+    if (f.far == 0 || f.far > f.count / FAR_SHARE) return CLI_DONE;
+    for (int a = 0; a < 3; a++) {
+        double const n = floor((f.near_high[a] - f.near_low[a]) / lattice->spacing[a]) + 1.0;
+        near *= a == 0 ? ceil(n / 64.0) : n;
+    }
+    /* Taking the point out would not help much. */
+    if (near * FAR_SAVED > bytes) return CLI_DONE;
+
+    return cli_fail(
+        run,
+        "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s: a lattice of %" PRId32
+        " x %" PRId32 " x %" PRId32
+        " voxels around both takes %.3g bytes, without it %.3g; take it out of the file, or allow so much "
+        "by --memory-limit",
+        cli_input_name(path), cloud ? "point" : "vertex", f.first, f.at[0], f.at[1], f.at[2],
+        f.far == 1 ? "" : ", and it is not the only one", lattice->dims[0], lattice->dims[1],
+        lattice->dims[2], bytes, near);
 }

@@ -1,4 +1,5 @@
-/* named_formats.c - formats by the names of files: what they are called, and what they hold. */
+/* named_formats.c - formats by the names of files: what they are called, and what they hold; which inputs
+ * are volumes or contours. */
 #include "cli_inputs/inputs.h"
 
 #include <inttypes.h>
@@ -71,6 +72,44 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
     return cli_fail(
         run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
 }
+
+/* ---- volumes and contours ---- */
+
+int cli_may_be_volume(int32_t format)
+{
+    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI ||
+           format == BVX_FORMAT_RAW;
+}
+
+int cli_selects(const cli_run *run)
+{
+    /* --label of sections is another one: it chooses bodies. */
+    return cli_given(run, "--level") + cli_given(run, "--range") + cli_given(run, "--all-labels") +
+           (run->command->bit != CLI_SECTIONS && cli_given(run, "--label"));
+}
+
+static int is_detached_head(const char *path)
+{
+    size_t const n = strlen(path);
+    return n >= 5 && strcmp(path + n - 5, ".nhdr") == 0;
+}
+
+int cli_is_volume(const cli_run *run, const char *path)
+{
+    int32_t const format = cli_input_format(run, path);
+    /* A grid in these formats is a volume only where something asks for its samples. */
+    return cli_may_be_volume(format) &&
+           (cli_selects(run) != 0 || format == BVX_FORMAT_RAW || is_detached_head(path));
+}
+
+int cli_is_contours(const cli_run *run, const char *path)
+{
+    int32_t const format = cli_input_format(run, path);
+
+    return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
+}
+
+/* ---- what a format holds of a grid ---- */
 
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
 {

@@ -36,39 +36,6 @@ static const cli_rule raw_rules[] = {
      .message = "%w holds bare samples: --shape X,Y,Z and --sample-type say what they are"},
     {0}};
 
-static int may_be_volume(int32_t format)
-{
-    return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI ||
-           format == BVX_FORMAT_RAW;
-}
-
-static int selections(const cli_run *run)
-{
-    static const char *const names[] = {"--level", "--range", "--all-labels"};
-    int n = run->command->bit != CLI_SECTIONS && cli_given(run, "--label");
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) n += cli_given(run, names[i]);
-    return n;
-}
-
-int cli_selects(const cli_run *run)
-{
-    return selections(run) != 0;
-}
-
-static int ends_with(const char *path, const char *ending)
-{
-    size_t const n = strlen(path), k = strlen(ending);
-    return n >= k && strcmp(path + n - k, ending) == 0;
-}
-
-int cli_is_volume(const cli_run *run, const char *path)
-{
-    int32_t const format = cli_input_format(run, path);
-    /* A grid in these formats is a volume only where something asks for its samples. */
-    return may_be_volume(format) &&
-           (cli_selects(run) || format == BVX_FORMAT_RAW || ends_with(path, ".nhdr"));
-}
-
 static int refuse_for_input(cli_run *run, const char *option, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
@@ -96,7 +63,7 @@ int cli_check_volume_options(cli_run *run)
         /* refused later, by its name */
         if (cli_kind_of_format(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ)
             return CLI_DONE;
-        volumes += may_be_volume(format);
+        volumes += cli_may_be_volume(format);
         raw += format == BVX_FORMAT_RAW;
     }
 
@@ -110,7 +77,7 @@ int cli_check_selection(cli_run *run, const char *path)
 {
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
 
-    if (selections(run) > 1)
+    if (cli_selects(run) > 1)
         return cli_usage(run, "--level, --range, --label and --all-labels exclude each other");
     CLI_TRY(cli_check_rules(run, selection_rules, raw ? IS_RAW : 0, cli_input_name(path)));
     return raw ? cli_check_rules(run, raw_rules, 0, cli_input_name(path)) : CLI_DONE;
@@ -371,7 +338,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
 {
     memset(v, 0, sizeof *v);
     CLI_TRY(cli_check_selection(run, path));
-    CLI_TRY(cli_open_input(run, path, &v->file));
+    CLI_TRY(cli_open_samples(run, path, &v->file));
     return cli_take_volume(run, path, window, v);
 }
 

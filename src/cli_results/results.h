@@ -128,6 +128,18 @@ int cli_open_levels(cli_run *run, int count, char **path);
 /* Write all levels to these outputs and keep them. */
 int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *const *path);
 
+/* --triangles and --error of commands that make one mesh. */
+typedef struct cli_reduction {
+    int done;        /* fewer triangles were requested and made */
+    uint64_t before; /* triangles */
+    bvx_level_report level;
+} cli_reduction;
+
+/* The edges of a closed mesh collapse, where that is requested. */
+int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
+/* What became of it: a line of text, a member of the JSON report, a warning. */
+void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made);
+
 /* ---- level_tables.c: what is reported of levels ---- */
 
 /* 1 when a mesh is closed, manifold and oriented. */
@@ -147,19 +159,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
                         const char *unit_of, cli_made *made);
 /* The files' names. */
 void cli_tell_written(const cli_run *run, int count, cli_made *made);
-
-/* ---- reduce_mesh.c: --triangles and --error of commands that make one mesh ---- */
-
-typedef struct cli_reduction {
-    int done;        /* fewer triangles were requested and made */
-    uint64_t before; /* triangles */
-    bvx_level_report level;
-} cli_reduction;
-
-/* The edges of a closed mesh collapse, where that is requested. */
-int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
-/* What became of it: a line of text, a member of the JSON report, a warning. */
-void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made);
 
 /* ---- voxel_output.c: voxels as a grid or as the mesh of their surface ---- */
 

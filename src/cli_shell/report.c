@@ -176,11 +176,3 @@ int cli_report_print(cli_run *run, int status)
     cli_text_free(&text);
     return good;
 }
-
-void cli_note_peak(cli_run *run, uint64_t bytes)
-{
-    uint64_t const all = bytes + bvx_memory_peak(run->context);
-    cli_lock();
-    if (all > run->report.peak_bytes) run->report.peak_bytes = all;
-    cli_unlock();
-}

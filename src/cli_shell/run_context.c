@@ -1,4 +1,11 @@
-/* run_context.c - the context of a run: threads, memory, progress. */
+/* run_context.c - the context of a run and its memory: how much there is, and large blocks of it.
+ *
+ * Large blocks ask for huge pages. They are touched for the first time in a fraction of the time, and what
+ * matters more to somebody who presses Ctrl-C: the system takes a gigabyte of them back in milliseconds,
+ * where small pages need a fifth of a second. */
+#if defined(__linux__)
+#define _DEFAULT_SOURCE
+#endif
 #if defined(__unix__) || defined(__APPLE__)
 #define _POSIX_C_SOURCE 200809L
 #define RUN_POSIX       1
@@ -10,12 +17,18 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 #if RUN_POSIX
 #include <sys/resource.h>
 #include <unistd.h>
 #elif defined(_WIN32)
 #include <windows.h>
 #endif
+
+/* ---- memory ---- */
 
 uint64_t cli_memory_there(void)
 {
@@ -48,6 +61,63 @@ uint64_t cli_memory_there(void)
     return memory != UINT64_MAX ? memory : 0;
 }
 
+/* ---- blocks ---- */
+
+enum { BLOCK_LARGE = 4 << 20 };
+
+void cli_large_block(void *block, size_t size)
+{
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+    long const page = sysconf(_SC_PAGESIZE);
+    /* outwards to whole pages: a mapping that is advised as a whole can still grow in its place */
+    size_t before;
+    if (block == NULL || size < BLOCK_LARGE || page <= 0) return;
+    before = (uintptr_t)block % (size_t)page;
+    size = (size + before + (size_t)page - 1) / (size_t)page * (size_t)page;
+    (void)madvise((char *)block - before, size, MADV_HUGEPAGE); /* a wish */
+#else
+    (void)block;
+    (void)size;
+#endif
+}
+
+#if defined(__linux__)
+
+static void *take_block(void *user, size_t size, size_t align)
+{
+    void *block = NULL;
+    (void)user;
+    if (align < sizeof(void *)) align = sizeof(void *);
+    if (posix_memalign(&block, align, size != 0 ? size : 1) != 0) return NULL;
+    cli_large_block(block, size);
+    return block;
+}
+
+static void give_block(void *user, void *block, size_t size, size_t align)
+{
+    (void)user;
+    (void)size;
+    (void)align;
+    free(block);
+}
+
+static void offer_blocks(bvx_context_options *options)
+{
+    options->alloc = take_block;
+    options->free = give_block;
+}
+
+#else
+
+static void offer_blocks(bvx_context_options *options)
+{
+    (void)options; /* the library's own */
+}
+
+#endif
+
+/* ---- the context ---- */
+
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
@@ -55,9 +125,11 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     const char *fault;
     bvx_status status;
 
+    /* Made for the first input; the others share it. */
+    if (run->context != NULL) return CLI_DONE;
     bvx_context_options_init(&o, sizeof o);
     o.threads = run->general->threads;
-    cli_blocks_offer(&o);
+    offer_blocks(&o);
     o.progress = cli_progress;
     o.progress_user = run;
     /* The file in memory counts against the same limit. */

@@ -106,8 +106,6 @@ typedef struct cli_report {
 void cli_report_text(const cli_run *run, int status, int brief, cli_text *text);
 /* Write it to standard output, or with -o - to standard error; 0 when that failed. */
 int cli_report_print(cli_run *run, int status);
-/* So many bytes are held beside what the context has now. */
-void cli_note_peak(cli_run *run, uint64_t bytes);
 
 /* ---- messages.c: what is said to people ---- */
 
@@ -204,6 +202,8 @@ double cli_seconds(void); /* of a clock that only goes forward */
  * seconds. */
 void cli_stage_begin(cli_run *run, const char *format, ...);
 double cli_stage_end(cli_run *run);
+/* So many bytes are held beside what the context has now. */
+void cli_note_peak(cli_run *run, uint64_t bytes);
 /* How many calls of the library, and files written, the stage is made of; 1 where nothing is said. */
 void cli_stage_calls(cli_run *run, int calls);
 int32_t cli_progress(void *run, const char *stage, double fraction); /* a bvx_progress_fn */
@@ -259,13 +259,6 @@ void cli_watch_again(void);
 /* All is said; the program only has to end. */
 void cli_watch_end(int status);
 
-/* ---- blocks.c ---- */
-
-/* Ask for huge pages behind a block, when it is large. */
-void cli_large_block(void *block, size_t size);
-/* Give options an allocator that does so. */
-void cli_blocks_offer(bvx_context_options *options);
-
 /* ---- the run ---- */
 
 struct cli_run {
@@ -303,13 +296,16 @@ int cli_end_of_run(cli_run *run, int status);
 /* All text has gone to standard output. */
 int cli_end_of_output(cli_run *run);
 
-/* ---- run_context.c ---- */
+/* ---- run_context.c: the context of the run, and memory ---- */
 
 /* Memory that this process may use: the machine's, or less where a container
  * or a limit of the shell allows less; 0 where the system does not report. */
 uint64_t cli_memory_there(void);
+/* Ask for huge pages behind a block, when it is large. */
+void cli_large_block(void *block, size_t size);
 
-/* The context of the run, which knows how many bytes of the limit are taken by the file in memory. */
+/* The context of the run, where there is none yet; it knows how many bytes of the limit are taken by the
+ * file in memory. */
 int cli_make_context(cli_run *run, uint64_t file_bytes);
 
 #endif

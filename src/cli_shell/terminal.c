@@ -169,6 +169,14 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
     if (!cli_interrupted()) tell_progress(run, 0);
 }
 
+void cli_note_peak(cli_run *run, uint64_t bytes)
+{
+    uint64_t const all = bytes + bvx_memory_peak(run->context);
+    cli_lock();
+    if (all > run->report.peak_bytes) run->report.peak_bytes = all;
+    cli_unlock();
+}
+
 double cli_stage_end(cli_run *run)
 {
     cli_progress_state *const p = &run->progress;
