@@ -139,6 +139,8 @@ def _members(body: str) -> list[tuple[str, str, list[int], str]]:
     found = []
     for kind, names, comment in re.findall(r"^\s*(\w+) ([\w\[\], ]+);(?:\s*/\*\*<\s*(.*?)\s*\*/)?", body, flags=re.M | re.S):
         note = re.sub(r"\s+", " ", re.sub(r"\[Units: ([^\]]+)\]", r"[\1]", comment))
+        for british, american in (("colour", "color"), ("centre", "center"), ("neighbour", "neighbor")):
+            note = note.replace(british, american)
         for part in names.split(","):
             name, *sizes = re.findall(r"\w+", part)
             if not name.startswith("reserved"):

@@ -28,6 +28,29 @@ WORDS = [
     (r"\b(gives?|given|takes?|taken) back to the (allocator|caller)\b", "freed, returned"),
     (r"\b(which|that) \w+ has not\b[.,;]", "does not have"),
 ]
+# Python's users write American; the names of the C library's fields and of the program's options are what they are.
+AMERICAN = [
+    (r"(?<![.\w-])_?colour\w*", "color"),
+    (r"(?<![.\w])_?centre\w*", "center, centered"),
+    (r"(?<![.\w-])_?neighbour\w*", "neighbor"),
+    (r"\b\w*(behaviour|favour|honour|labour|flavour|rigour)\w*", "-or"),
+    (r"\b(centi|milli|kilo|micro)?metres?\b|\b(fibre|litre)s?\b", "-er"),
+    (r"\bgrey\b", "gray"),
+    (r"\b(licence|defence|offence)\b", "-se"),
+    (r"\b(catalogue|analogue|dialogue)s?\b", "-og"),
+    (r"\b(model|label|travel|signal|channel|level)l(ed|ing)\b", "one l"),
+    (r"\b(voxel|triangul|initial|normal|optim|minim|maxim|recogn|organ|real|summar|visual|general|special|quant|serial|token|parametr|"
+     r"symmetr|local|character|categor|emphas|synchron|random|rasters?|discret|polygon|tetrahedral)is(e[sdr]?|ing|ations?)\b", "-ize"),
+    (r"\banalys(e[sd]?|ing)\b", "analyze"),
+]
+OF_THE_LIBRARY = {  # where names and words of C or of the program become ours, and a misspelled name that must be refused
+    "bindings/python/csource.py": "colour centre neighbour",
+    "bindings/python/src/bitvox/_run.py": "colour centre neighbour",
+    "bindings/python/src/bitvox/_stages.py": "colours",
+    "bindings/python/tests/test_program.py": "neighbourhood",
+    "bindings/python/tests/test_command.py": "voxelise",
+    "bindings/python/tests/test_types.py": "voxelise",
+}
 KEPT = [
     "tests/unit/test_read_ply.c",  # what a generator meant is not a message
 ]
@@ -47,21 +70,30 @@ def texts(path, text):
             yield text.count("\n", 0, paragraph.start()) + 1, paragraph.group(0).replace("\n", " ")
 
 
+def faults(path, line, words, rows):
+    """What rows say against a text."""
+    kept = OF_THE_LIBRARY.get(path, "").split()
+    found = [(match.group(0), better) for pattern, better in rows for match in re.finditer(pattern, words)]
+    return [f"error: {path}:{line}: '{said}'; say: {better}" for said, better in found if said not in kept]
+
+
 def main():
     listed = subprocess.run(["git", "ls-files", "src", "include", "tests/unit", "tests/fault", "tests/fuzz", "tests/golden", "docs", "README.md",
-                             "CONTRIBUTING.md", "bindings/python/src", "bindings/python/README.md"], capture_output=True, text=True, check=True).stdout.split()
+                             "CONTRIBUTING.md", "bindings/python"], capture_output=True, text=True, check=True).stdout.split()
     wrong = []
     for path in listed:
-        if not path.endswith((".c", ".h", ".py", ".md")) or path in KEPT:
+        if not path.endswith((".c", ".h", ".py", ".md", ".ipynb")) or path in KEPT:
             continue
         with open(path, encoding="utf-8") as file:
             text = file.read()
+        ours = path.startswith("bindings/python/")
+        rows = [] if path.startswith("bindings/python/tests/") else WORDS
         for line, words in texts(path, text):
-            for pattern, better in WORDS:
-                found = re.search(pattern, words)
-                if found:
-                    wrong.append(f"error: {path}:{line}: '{found.group(0)}'; say: {better}")
-    print("\n".join(wrong))
+            wrong += faults(path, line, words, rows + AMERICAN if ours else rows)
+        if ours:  # names too; members of C structs stand after a point
+            for line, words in enumerate(text.split("\n"), 1):
+                wrong += faults(path, line, words, AMERICAN)
+    print("\n".join(dict.fromkeys(wrong)))
     return 1 if wrong else 0
 
 

@@ -10,7 +10,7 @@ import bitvox
 
 
 def brute(lattice, mesh):
-    """Distances of all centres to the corners, edges and planes of a convex mesh, sampled."""
+    """Distances of all centers to the corners, edges and planes of a convex mesh, sampled."""
     at = [lattice.center0[a] + np.arange(lattice.shape[a]) * lattice.spacing[a] for a in range(3)]
     centers = np.stack(np.meshgrid(*at, indexing="ij"), -1)
     closest = bitvox.Closest(mesh).find(centers.reshape(-1, 3))
@@ -30,7 +30,7 @@ def test_field_against_closest_points(dtype):
     assert (np.signbit(distances) == solid.to_numpy()[voxels]).all()
     assert found.vectors.dtype == dtype and np.allclose(np.sqrt((found.vectors**2).sum(1)), expected[voxels], atol=1e-6)
     other = found.triangles != bitvox.Closest(TETRAHEDRON).find(centers[voxels])["triangle"]
-    assert (found.features[other] > 0).all()  # edges and corners, where numpy's centres round to another triangle
+    assert (found.features[other] > 0).all()  # edges and corners, where numpy's centers round to another triangle
     assert found.features.max() <= 6 and not distances.flags.writeable
     assert found.value((3, 4, 5)) == 5 * 13 * 14 + 4 * 14 + 3 and found.row_values[-1] == len(distances)
     with pytest.raises(IndexError):
@@ -145,9 +145,9 @@ def test_repair(knot):
     assert report.holes >= 1 and report.before.boundary_edges > 0 and report.after.closed and report.lattice.shape
     assert report.distance.samples == 1000 and report.distance.mean > 0
     assert report.sign == "winding"
-    painted = bitvox.Mesh(torn.vertices, torn.faces, colours=np.tile([9, 8, 7], (torn.n_vertices, 1)))
+    painted = bitvox.Mesh(torn.vertices, torn.faces, colors=np.tile([9, 8, 7], (torn.n_vertices, 1)))
     carried = bitvox.repair(painted, resolution=40, carry=True)
-    assert carried.colours[:, :3].tolist() == [[9, 8, 7]] * carried.n_vertices and carried.report.after.closed
+    assert carried.colors[:, :3].tolist() == [[9, 8, 7]] * carried.n_vertices and carried.report.after.closed
     assert carried == bitvox.repair(torn, resolution=40)
     small = bitvox.repair(torn, resolution=80, triangles=3000)
     assert small.n_faces <= 3000 and small.check().closed

@@ -48,17 +48,17 @@ def test_normals_where_there_are_none(ball):
 
 
 def test_levels_go_to_one_file(ball, tmp_path):
-    coloured = bitvox.Mesh(ball.vertices, ball.faces[::2], colours=np.full((ball.n_vertices, 4), 7, np.uint8))
+    colored = bitvox.Mesh(ball.vertices, ball.faces[::2], colors=np.full((ball.n_vertices, 4), 7, np.uint8))
     path = tmp_path / "levels.glb"
-    bitvox.write_levels(path, [ball, coloured, (ball.vertices, ball.faces[:5])])
+    bitvox.write_levels(path, [ball, colored, (ball.vertices, ball.faces[:5])])
     data = path.read_bytes()
     size = int.from_bytes(data[12:16], "little")
     described = json.loads(data[20 : 20 + size])
     assert [node["name"] for node in described["nodes"]] == ["level_0", "level_1", "level_2"]
     assert described["nodes"][0]["extensions"] == {"MSFT_lod": {"ids": [1, 2]}} and described["extensionsUsed"] == ["MSFT_lod"]
     assert described["scenes"] == [{"nodes": [0]}] and len(described["meshes"]) == 3
-    has_colours = ["COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in described["meshes"]]
-    assert has_colours == [False, True, False]
+    has_colors = ["COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in described["meshes"]]
+    assert has_colors == [False, True, False]
     bitvox.write_levels(path, (mesh for mesh in [ball]))
     assert path.read_bytes() == bitvox.dumps(ball, "glb")
 
@@ -207,15 +207,15 @@ def test_triangles_that_are_not_finite_are_left_out_where_asked(tmp_path):
 def test_drop_nonfinite_of_arrays(dtype, order):
     v = np.array([[0, 0, 0], [np.nan, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, np.inf, 0]], dtype, order=order)
     f = np.array([[0, 3, 2], [0, 1, 2], [0, 2, 4], [0, 4, 3], [5, 2, 3], [2, 3, 4]])
-    colours = np.arange(6, dtype=np.uint8)[:, None].repeat(4, 1)
+    colors = np.arange(6, dtype=np.uint8)[:, None].repeat(4, 1)
     uvs = np.arange(6, dtype=np.float32)[:, None].repeat(2, 1)
-    mesh = bitvox.Mesh(v, f, colours=colours, uvs=uvs)
+    mesh = bitvox.Mesh(v, f, colors=colors, uvs=uvs)
     with pytest.raises(bitvox.RangeError, match="not finite"):
         bitvox.repair(mesh)
     found = mesh.drop_nonfinite()
     assert np.array_equal(found.vertices, v[[0, 2, 3, 4]]) and found.vertices.dtype == dtype
     assert np.array_equal(found.faces, [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-    assert found.colours[:, 0].tolist() == [0, 2, 3, 4] and found.uvs[:, 0].tolist() == [0, 2, 3, 4]
+    assert found.colors[:, 0].tolist() == [0, 2, 3, 4] and found.uvs[:, 0].tolist() == [0, 2, 3, 4]
     assert found.check().closed and mesh.n_faces == 6 and np.isnan(mesh.vertices[1, 0])
     with pytest.raises(bitvox.RangeError, match="vertex index 6"):
         bitvox.Mesh(v, [[0, 1, 6]]).drop_nonfinite()

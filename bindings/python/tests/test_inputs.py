@@ -23,12 +23,12 @@ def test_trimesh():
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.Trimesh(V, F, process=False)
     taken = same(mesh)
-    assert type(taken.vertices) is np.ndarray and taken.colours is None
+    assert type(taken.vertices) is np.ndarray and taken.colors is None
     back = taken.to_trimesh()
     assert back.is_watertight and np.array_equal(back.vertices, V) and np.array_equal(back.faces, F)
     mesh.visual.vertex_colors = np.tile([9, 8, 7, 255], (8, 1))
     painted = bitvox.Mesh.of(mesh)
-    assert painted.colours[3].tolist() == [9, 8, 7, 255]
+    assert painted.colors[3].tolist() == [9, 8, 7, 255]
     assert painted.to_trimesh().visual.vertex_colors[3].tolist() == [9, 8, 7, 255]
     same(trimesh.Scene([mesh]))
     assert bitvox.surface(WANTED).to_trimesh().volume == pytest.approx(bitvox.surface(WANTED).check().volume)
@@ -101,7 +101,7 @@ def test_plot(tmp_path):
 sys.path.insert(0, {str(HERE)!r})
 import bitvox
 from conftest import HERE, box_mesh
-mesh = bitvox.Mesh(*box_mesh(), colours=[[255, 0, 0]] * 8)
+mesh = bitvox.Mesh(*box_mesh(), colors=[[255, 0, 0]] * 8)
 mesh.plot(off_screen=True, screenshot={str(tmp_path / "a.png")!r}, window_size=(80, 60))
 bitvox.voxelize(mesh, resolution=4).plot(off_screen=True, screenshot={str(tmp_path / "b.png")!r}, window_size=(80, 60))
 """
@@ -155,7 +155,7 @@ class Table(dict):
 def test_open3d_stand_ins():
     legacy = SimpleNamespace(vertices=Vector(V.tolist()), triangles=Vector(F.tolist()), triangle_normals=Vector(),
                              vertex_colors=Vector([[1.0, 0, 0]] * 8), has_vertex_colors=lambda: True)
-    assert same(legacy).colours[0].tolist() == [255, 0, 0, 255]
+    assert same(legacy).colors[0].tolist() == [255, 0, 0, 255]
     tensor = SimpleNamespace(vertex=Table(positions=Tensor(V.astype(np.float32))), triangle=Table(indices=Tensor(F.astype(np.int32))))
     same(tensor)
 

@@ -54,27 +54,27 @@ def test_levels_by_error_do_not_depend_on_order():
         assert np.array_equal(got.vertices, want.vertices) and np.array_equal(got.faces, want.faces) and got.report == want.report
 
 
-def test_borders_of_colours_stay():
+def test_borders_of_colors_stay():
     x, y, z = (a.ravel() for a in np.meshgrid(*[np.arange(-20.0, 21.0)] * 3, indexing="ij"))
     ball = bitvox.surface((x * x + y * y + z * z < 300).reshape(41, 41, 41))
     side = np.asarray(ball.vertices)[:, 0] > 22.25  # between two columns of vertices
-    painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.where(side[:, None], (250, 0, 0), (0, 0, 250)))
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.where(side[:, None], (250, 0, 0), (0, 0, 250)))
 
     def shift(level):
-        """How far the line between the colours lies from x = 22.25 in the mean."""
-        red, x, faces = np.asarray(level.colours)[:, 0] / 250 - 0.5, np.asarray(level.vertices, float)[:, 0], np.asarray(level.faces)
+        """How far the line between the colors lies from x = 22.25 in the mean."""
+        red, x, faces = np.asarray(level.colors)[:, 0] / 250 - 0.5, np.asarray(level.vertices, float)[:, 0], np.asarray(level.faces)
         a, b = faces.ravel(), np.roll(faces, -1, 1).ravel()
         crossed = (red[a] > 0) != (red[b] > 0)
         a, b = a[crossed], b[crossed]
         return np.abs(x[a] + (x[b] - x[a]) * red[a] / (red[a] - red[b]) - 22.25).mean()
 
-    for make in (lambda w: painted.simplify(triangles=300, carry=True, colour_weight=w), lambda w: bitvox.lod(painted, triangles=300, carry=True, colour_weight=w)[0],
-                 lambda w: bitvox.lod(painted, triangles=300, carry=True, colour_weight=w, made_from="measured", resolution=40)[0]):
+    for make in (lambda w: painted.simplify(triangles=300, carry=True, color_weight=w), lambda w: bitvox.lod(painted, triangles=300, carry=True, color_weight=w)[0],
+                 lambda w: bitvox.lod(painted, triangles=300, carry=True, color_weight=w, made_from="measured", resolution=40)[0]):
         plain, kept = make(0), make(0.05)
         assert certified(kept).closed and shift(kept) < 0.5 * shift(plain)
-    assert np.array_equal(painted.simplify(triangles=300).vertices, bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300, colour_weight=0.02).vertices)
-    with pytest.raises(bitvox.ArgumentError, match="colour_weight"):
-        painted.simplify(triangles=300, colour_weight=2)
+    assert np.array_equal(painted.simplify(triangles=300).vertices, bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300, color_weight=0.02).vertices)
+    with pytest.raises(bitvox.ArgumentError, match="color_weight"):
+        painted.simplify(triangles=300, color_weight=2)
 
 
 def test_simplify_keeps_flat_faces():
@@ -227,12 +227,12 @@ def test_frame_and_type_are_kept():
     assert mended.bounds[0][0] == pytest.approx(mesh.bounds[0][0], abs=0.3)
 
 
-def test_colours_are_carried(ball):
+def test_colors_are_carried(ball):
     red = np.asarray(ball.vertices)[:, 0] > np.median(np.asarray(ball.vertices)[:, 0])
-    painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.where(red[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8))
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.where(red[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8))
     for level in (painted.simplify(triangles=300, carry=True), *bitvox.lod(painted, triangles=300, carry=True)):
-        assert level.colours.shape == (level.n_vertices, 4) and {0, 255} <= set(level.colours[:, 0].tolist())
-    assert painted.simplify(triangles=300).colours is None
+        assert level.colors.shape == (level.n_vertices, 4) and {0, 255} <= set(level.colors[:, 0].tolist())
+    assert painted.simplify(triangles=300).colors is None
 
 
 # ---- lod ----

@@ -239,23 +239,23 @@ def test_a_local_frame_is_not_forgotten():
     assert bitvox.repair(local, resolution=16).content_hash() == bitvox.repair(world, resolution=16).content_hash()
 
 
-def test_colours_and_uvs():
-    mesh = Mesh(V, F, colours=np.linspace(0, 1, 24).reshape(8, 3))
-    assert mesh.colours.shape == (8, 4) and (mesh.colours[:, 3] == 255).all()
-    assert mesh.colours[7].tolist() == [233, 244, 255, 255]
+def test_colors_and_uvs():
+    mesh = Mesh(V, F, colors=np.linspace(0, 1, 24).reshape(8, 3))
+    assert mesh.colors.shape == (8, 4) and (mesh.colors[:, 3] == 255).all()
+    assert mesh.colors[7].tolist() == [233, 244, 255, 255]
     back = bitvox.loads(bitvox.dumps(mesh, "ply"), "ply")
-    assert np.array_equal(back.colours, mesh.colours)
+    assert np.array_equal(back.colors, mesh.colors)
     level = bitvox.lod(mesh, levels=8, carry=True)[0]
-    assert level.colours.shape == (level.n_vertices, 4) and level.colours[:, 0].max() > 150
+    assert level.colors.shape == (level.n_vertices, 4) and level.colors[:, 0].max() > 150
     painted = bitvox.carry(mesh, bitvox.surface(WANTED))
-    assert painted.colours.shape == (painted.n_vertices, 4)
-    again = bitvox.carry(Mesh(V, F, colours=np.full((8, 3), 9)), painted)
-    assert (again.colours[:, :3] == 9).all() and not (painted.colours[:, :3] == 9).all()
+    assert painted.colors.shape == (painted.n_vertices, 4)
+    again = bitvox.carry(Mesh(V, F, colors=np.full((8, 3), 9)), painted)
+    assert (again.colors[:, :3] == 9).all() and not (painted.colors[:, :3] == 9).all()
     textured = Mesh(V, F, uvs=V[:, :2] / 8)
     assert np.allclose(bitvox.carry(textured, Mesh(V, F)).uvs, V[:, :2] / 8)
     for bad in (np.zeros((7, 3)), np.zeros((8, 2)), np.full((8, 3), 300), np.full((8, 3), -0.5), np.full((8, 3), np.nan)):
         with pytest.raises(ValueError):
-            Mesh(V, F, colours=bad)
+            Mesh(V, F, colors=bad)
     with pytest.raises(ValueError):
         Mesh(V, F, uvs=np.zeros((8, 2)), uv_faces=np.full((12, 3), 8))
 

@@ -20,7 +20,7 @@ def random_grid(seed, shape, share, spacing=1.0):
 @settings(deadline=None, max_examples=40)
 @given(st.integers(0, 2**32), st.tuples(st.sampled_from([1, 63, 64, 65, 127, 128, 129]), st.integers(1, 9), st.integers(1, 9)),
        st.sampled_from([0.02, 0.4, 0.95]), st.sampled_from([6, 18, 26]), st.integers(1, 4), st.booleans())
-def test_neighbourhoods(seed, shape, share, connectivity, steps, beyond):
+def test_neighborhoods(seed, shape, share, connectivity, steps, beyond):
     array, grid = random_grid(seed, shape, share)
     structure = ndimage.generate_binary_structure(3, STRUCTURES[connectivity])
     room = 2 * steps + 1

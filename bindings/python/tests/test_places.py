@@ -206,18 +206,18 @@ def test_xarray_and_zarr(tmp_path):
     assert np.array_equal(found.to_numpy("zyx"), VALUES) and np.allclose(found.center0, ORIGIN)
 
 
-def test_centre_in_place_of_the_corner():
-    by_centre = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, center0=ORIGIN)
+def test_center_in_place_of_the_corner():
+    by_center = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, center0=ORIGIN)
     by_corner = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, corner=[o - 0.5 * s for o, s in zip(ORIGIN, SPACING)])
-    assert by_centre == by_corner and by_centre.center0 == ORIGIN and by_centre.corner == by_corner.corner
-    assert by_centre.window(((1, 2, 1), (2, 2, 2))).center0 == tuple(by_centre.to_world([[1, 2, 1]])[0])
+    assert by_center == by_corner and by_center.center0 == ORIGIN and by_center.corner == by_corner.corner
+    assert by_center.window(((1, 2, 1), (2, 2, 2))).center0 == tuple(by_center.to_world([[1, 2, 1]])[0])
     for wrong, words in (({"corner": (0, 0, 0), "center0": (0, 0, 0)}, "contradict"), ({"direction": np.ones((3, 3))}, "direction"),
-                         ({"direction": [1, 2]}, "direction"), ({"frame": "las"}, "frame"), ({"lattice": by_centre.lattice, "center0": (0, 0, 0)}, "contradicts"),
+                         ({"direction": [1, 2]}, "direction"), ({"frame": "las"}, "frame"), ({"lattice": by_center.lattice, "center0": (0, 0, 0)}, "contradicts"),
                          ({"direction": np.eye(3) * np.nan}, "direction")):
         with pytest.raises(bitvox.ArgumentError, match=words):
             bitvox.Volume(VALUES, order="zyx", **wrong)
     with pytest.raises(bitvox.ArgumentError, match="frame"):
-        by_centre.turned("ras")
+        by_center.turned("ras")
     with pytest.raises(TypeError, match="is not a volume"):
         bitvox.Volume.of(object())
 
@@ -358,3 +358,99 @@ def test_volumes_are_transformed():
     for bad, words in ((np.zeros((3, 3)), "flattens"), (np.eye(2), "shape"), (np.ones((4, 4)), "last row")):
         with pytest.raises(bitvox.ArgumentError, match=words):
             volume.transform(bad)
+
+
+@pytest.mark.parametrize("turn", AXES)
+@pytest.mark.parametrize("scales, shift", [((1, 1, 1), (0, 0, 0)), ((1, 1, 1), (2.5, -3.75, 6)), ((2, 0.5, 4), (-8, 16, 0.25))])
+def test_grids_are_moved_voxel_by_voxel(turn, scales, shift):
+    """Permuted, flipped, scaled and shifted, of a window: each voxel's box comes to lie where the matrix brings it."""
+    lattice = bitvox.Lattice((9, 70, 6), (0.5, 1.25, 3.0), (-11.5, 28.25, 36.0))
+    bits = np.random.default_rng(3).random((5, 66, 4)) < 0.3
+    grid = bitvox.Grid.from_numpy(bits, lattice=lattice, low=(2, 1, 1))
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = turn * scales, shift
+    moved = grid.transform(matrix)
+    wanted = np.argwhere(bits) * grid.spacing + grid.center0
+    wanted = wanted @ matrix[:3, :3].T + matrix[:3, 3]
+    assert sorted(map(tuple, moved.voxels() * moved.spacing + moved.center0)) == sorted(map(tuple, wanted))
+    ends = np.array(list(itertools.product(*zip(*grid.bounds)))) @ matrix[:3, :3].T + matrix[:3, 3]
+    assert moved.bounds == (tuple(ends.min(0)), tuple(ends.max(0))) and moved.count == grid.count
+    assert sorted(moved.lattice.shape) == sorted(lattice.shape) and moved.volume == pytest.approx(grid.volume * np.prod(scales))
+    assert moved.transform(np.linalg.inv(matrix)) == grid  # powers of two: nothing is rounded
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_grids_are_sampled_anew_where_they_lie_oblique(seed):
+    """A voxel is set when its center came out of a set voxel."""
+    grid = bitvox.Grid.from_numpy(np.random.default_rng(seed).random((6, 7, 5)) < 0.5, spacing=SPACING, corner=(1, 2, 3))
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotated(seed) * (1.5, 1, 1), (4, -5, 6)
+    for spacing in (None, 0.75, (0.5, 0.75, 1)):
+        moved = grid.transform(matrix, spacing=spacing)
+        assert moved.spacing == pytest.approx([0.75] * 3 if spacing is None else np.broadcast_to(spacing, 3))
+        back = (np.argwhere(np.ones(moved.shape)) * moved.spacing + moved.center0 - matrix[:3, 3]) @ np.linalg.inv(matrix[:3, :3]).T
+        at = np.floor((back - grid.corner) / grid.spacing).astype(int)
+        inside = ((at >= 0) & (at < grid.shape)).all(axis=1)
+        wanted = np.zeros(len(at), bool)
+        wanted[inside] = grid.to_numpy()[tuple(at[inside].T)]
+        assert np.array_equal(moved.to_numpy().ravel(), wanted) and moved.count
+        ends = np.array(list(itertools.product(*zip(*grid.bounds)))) @ matrix[:3, :3].T + matrix[:3, 3]
+        assert (np.array(moved.bounds[0]) <= ends.min(0) + 1e-9).all() and (np.array(moved.bounds[1]) >= ends.max(0) - 1e-9).all()
+
+
+def test_what_a_grid_cannot_be_moved_by():
+    grid = bitvox.Grid.from_numpy(np.ones((2, 2, 2)))
+    for matrix in (np.eye(2), np.zeros((3, 3)), np.diag([1, 1, 0]), np.diag([1, 1, 1, 2]), np.full((3, 3), np.nan), [[1, 1, 0], [1, 1, 0], [0, 0, 1]]):
+        with pytest.raises(bitvox.ArgumentError, match="matrix"):
+            grid.transform(matrix)
+    with pytest.raises(bitvox.ArgumentError, match="spacing"):
+        grid.transform(np.eye(3), spacing=0.5)
+
+
+def test_meshes_volumes_and_grids_go_the_same_way(ball):
+    """One matrix brings all three to the same place."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = rotated(2) * 2, (1, 2, 3)
+    there = ball.transform(matrix)
+    grid = bitvox.voxelize(ball, resolution=48, padding=1)
+    of_grid, of_volume = grid.transform(matrix), bitvox.Volume.of(grid).transform(matrix)
+    assert of_grid.volume == pytest.approx(there.volume, rel=0.01) and of_volume.surface(0.5).volume == pytest.approx(there.volume, rel=0.02)
+    assert of_grid == of_volume.aligned(method="nearest", outside=0).threshold(1)
+    middle = np.mean(there.bounds, axis=0)
+    for thing in (of_grid, of_volume):
+        assert np.abs(np.mean(thing.bounds, axis=0) - middle).max() < 2 * grid.spacing[0]
+
+
+def test_notions_have_one_name_in_all_classes(knot):
+    """The table of the page on frames: which class has what; and `origin` is the center of the first voxel wherever there is one."""
+    placed, has = ("bounds", "spacing", "origin", "center0", "corner", "shape"), {}
+    grid = bitvox.voxelize(knot, resolution=16, window=((2, 3, 1), (8, 9, 5)))
+    has[grid] = (*placed, "volume", "transform", "save")
+    volume = bitvox.Volume.of(grid)
+    rest = [(volume, (*placed, "transform", "save")), (bitvox.field(knot, resolution=12), (*placed, "save")), (grid.lattice, placed),
+            (bitvox.refine(knot, base=4, levels=2), (*placed, "volume", "save")), (knot, ("bounds", "volume", "area", "is_closed", "transform", "save"))]
+    for thing, names in [*has.items(), *rest]:
+        for name in (*placed, "volume", "area", "is_closed", "transform", "save"):
+            assert hasattr(thing, name) == (name in names), (type(thing), name)
+        if "origin" in names:
+            low, high = np.array(thing.bounds)
+            assert thing.origin == thing.center0 and thing.corner == thing.bounds[0]
+            assert np.allclose(thing.origin, low + 0.5 * np.array(thing.spacing)) and np.allclose(high - low, np.array(thing.shape) * thing.spacing)
+    tree = rest[3][0]
+    assert tree.volume == pytest.approx(tree.expand().volume) and tree.bounds == tree.lattice(0).bounds
+
+
+def test_origin_is_that_of_others():
+    """SimpleITK, VTK (of point data), nibabel and NRRD have the center of the first sample; of cells VTK has their corner."""
+    volume = bitvox.Volume(np.zeros((3, 4, 5), np.uint8), spacing=SPACING, center0=ORIGIN, frame="lps")
+    sitk = pytest.importorskip("SimpleITK")
+    pyvista = pytest.importorskip("pyvista")
+    image = sitk.GetImageFromArray(np.zeros((5, 4, 3), np.uint8))
+    image.SetSpacing(SPACING)
+    image.SetOrigin(volume.origin)
+    assert bitvox.Volume.of(image).origin == image.GetOrigin() == volume.origin
+    points = pyvista.ImageData(dimensions=(3, 4, 5), spacing=SPACING, origin=ORIGIN)
+    points.point_data["s"] = np.zeros(60)
+    assert bitvox.Volume.of(points).origin == tuple(points.points[0]) == ORIGIN
+    grid = bitvox.Grid.from_numpy(np.ones((3, 4, 5)), spacing=SPACING, center0=ORIGIN)
+    assert tuple(grid.to_pyvista().origin) == grid.corner and tuple(grid.to_pyvista().cell_centers().points[0]) == grid.origin == ORIGIN

@@ -112,7 +112,7 @@ def test_progress_and_cancellation():
 def _with_progress():
     """A call of each public function that takes ``progress``, by name."""
     mesh = bitvox.Mesh(*TETRAHEDRON)
-    coloured = bitvox.Mesh(*TETRAHEDRON, colours=np.full((4, 4), 200, np.uint8))
+    colored = bitvox.Mesh(*TETRAHEDRON, colors=np.full((4, 4), 200, np.uint8))
     grid = bitvox.voxelize(mesh, resolution=32)
     shell = bitvox.voxelize(mesh, resolution=32, mode="conservative")
     tree = bitvox.refine(mesh, base=4, levels=2)
@@ -132,7 +132,7 @@ def _with_progress():
         "surface": lambda **p: bitvox.surface(grid, **p),
         "faces": lambda **p: bitvox.faces(grid, **p),
         "merge": lambda **p: bitvox.merge([part], **p),
-        "carry": lambda **p: bitvox.carry(coloured, mesh, **p),
+        "carry": lambda **p: bitvox.carry(colored, mesh, **p),
         "check": lambda **p: bitvox.check(mesh, **p),
         "compare": lambda **p: bitvox.compare(mesh, mesh, samples=100, **p),
         "compare grids": lambda **p: bitvox.compare(grid, shell, **p),
@@ -140,14 +140,14 @@ def _with_progress():
         "Closest": lambda **p: bitvox.Closest(mesh, **p),
         "Closest.find": lambda **p: finder.find(points, **p),
         "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),
-        "repair, all of it": lambda **p: bitvox.repair(coloured, resolution=16, triangles=40, measure=True, measure_samples=50, carry=True, **p),
+        "repair, all of it": lambda **p: bitvox.repair(colored, resolution=16, triangles=40, measure=True, measure_samples=50, carry=True, **p),
         "boolean": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, **p),
         "boolean, fewer": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, triangles=40, **p),
         "lod": lambda **p: bitvox.lod(mesh, triangles=(8, 4), **p),
-        "lod with colours": lambda **p: bitvox.lod(coloured, made_from="measured", resolution=16, triangles=(200, 100), carry=True, **p),
+        "lod with colors": lambda **p: bitvox.lod(colored, made_from="measured", resolution=16, triangles=(200, 100), carry=True, **p),
         "lod of a grid": lambda **p: bitvox.lod(grid, levels=(16, 8), **p),
         "lod of a grid by collapse": lambda **p: bitvox.lod(grid, method="collapse", triangles=(200, 100), **p),
-        "lod of a mesh by levels": lambda **p: bitvox.lod(coloured, levels=(16, 8), carry=True, **p),
+        "lod of a mesh by levels": lambda **p: bitvox.lod(colored, levels=(16, 8), carry=True, **p),
         "simplify": lambda **p: skin.simplify(triangles=(200, 100), **p),
         "refine": lambda **p: bitvox.refine(mesh, resolution=32, **p),
         "expand": lambda **p: tree.expand(**p),
@@ -282,15 +282,15 @@ def everything(mesh, grid):
     measured = bitvox.field(mesh, resolution=12, features=True)
     sections = bitvox.slice_mesh(mesh, spacing=2.0)
     volume = bitvox.Volume(np.asarray(grid.distance("signed") * 10, np.int16))
-    painted = bitvox.Mesh(mesh.vertices, mesh.faces, colours=np.abs(mesh.vertices) / np.abs(mesh.vertices).max())
+    painted = bitvox.Mesh(mesh.vertices, mesh.faces, colors=np.abs(mesh.vertices) / np.abs(mesh.vertices).max())
     leaf = tree.leaves()[0]
     return [
         measured.distances.tobytes(), measured.to_numpy().tobytes(), measured.surface().content_hash(), bitvox.dumps(measured, "nrrd"),
         bitvox.repair(mesh, resolution=16).content_hash(), bitvox.dumps(sections, "csl"),
-        bitvox.from_sections(sections, grid=(12, 12)).content_hash(), bitvox.carry(painted, surface).colours.tobytes(),
+        bitvox.from_sections(sections, grid=(12, 12)).content_hash(), bitvox.carry(painted, surface).colors.tobytes(),
         bitvox.find_pockets(bitvox.voxelize(mesh, resolution=20, padding=1, mode="thin"), mesh).tolist(), bitvox.surface_counts(grid),
         bitvox.faces_counts(grid), bitvox.content_hash(b"abc"), bitvox.render(grid, size=(40, 30), compare=~grid).png(),
-        tree.at([[0, 0, 0]]).tobytes(), tree.find([[1.0, 2, 3]]).tobytes(), tree.neighbours(leaf, "+x").tobytes(),
+        tree.at([[0, 0, 0]]).tobytes(), tree.find([[1.0, 2, 3]]).tobytes(), tree.neighbors(leaf, "+x").tobytes(),
         tree.cast([[0.0, 0, 0, 1, 1, 1]]).tobytes(), tree.expand().content_hash(), bitvox.dumps(tree, "vtu"),
         bitvox.refine(mesh, resolution=24).counts(), grid.fill([[0, 0, 0]]).content_hash(),
         solid.content_hash(), bitvox.voxelize(mesh, resolution=30, mode="conservative", attached=True).content_hash(),

@@ -180,7 +180,7 @@ def test_surface_against_scikit_image():
     mine = bitvox.surface(array)
     theirs = measure.marching_cubes(np.pad(array, 1).astype(np.float32), 0.5)
     ours = {tuple(v) for v in mine.vertices.tolist()}
-    others = {tuple(v) for v in (theirs[0] - 0.5).tolist()}  # centres: padded by one, at half voxels
+    others = {tuple(v) for v in (theirs[0] - 0.5).tolist()}  # centers: padded by one, at half voxels
     assert ours == others
 
 
@@ -299,7 +299,7 @@ def test_octree(knot):
     assert (tree.find(middle)["state"] == 4).all()
     assert np.array_equal(tree.at(expected.voxels()[:5])["ijk"], tree.find(middle)["ijk"])
     assert sum(c.voxels - c.split for c in tree.counts()) == len(tree.leaves(("outside", "inside", "surface")))
-    beside = tree.neighbours(leaves[len(leaves) // 2], "+x")
+    beside = tree.neighbors(leaves[len(leaves) // 2], "+x")
     assert all(leaf["state"] in (1, 2, 4) for leaf in beside)
     hits = tree.cast([[*(middle[0] - [9, 0, 0]), 1, 0, 0]])
     assert hits["hit"][0] == 1 and hits["leaf"]["level"][0] <= 3
@@ -320,13 +320,13 @@ def test_render(ball):
     assert image.png()[:8] == b"\x89PNG\r\n\x1a\n" == ball._repr_png_()[:8] == grid._repr_png_()[:8] == image._repr_png_()[:8]
     assert (np.asarray(image)[0, 0] == 255).all() and (np.asarray(image)[20, 30] < 255).any()
     different = [bitvox.render(grid, size=(240, 180), **o).png() for o in (
-        {}, {"cut": {"x": 3.0}}, {"wireframe": True}, {"from_": (1, 0, 0)}, {"colour": (255, 0, 0)}, {"slices": ("z", 4)},
+        {}, {"cut": {"x": 3.0}}, {"wireframe": True}, {"from_": (1, 0, 0)}, {"color": (255, 0, 0)}, {"slices": ("z", 4)},
         {"compare": grid - bitvox.voxelize(ball, lattice=grid.lattice, mode="thin")}, {"background": (0, 0, 0)})]
     assert len(set(different)) == len(different)
-    painted = bitvox.Mesh(ball.vertices, ball.faces, colours=np.tile([250, 10, 10], (ball.n_vertices, 1)))
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.tile([250, 10, 10], (ball.n_vertices, 1)))
     pixel = bitvox.render(painted, size=(60, 40)).pixels[20, 30]
     assert pixel[0] > 2 * pixel[1]
-    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"colour": (1, 2)},
+    for options in ({"size": (0, 10)}, {"slices": ("w", 3)}, {"cut": {"q": 1}}, {"samples": 9}, {"color": (1, 2)},
                     {"slices": ("z", 3), "from_": (1, 0, 0)}, {"slices": ("z", 3), "cut": {"x": 1}}, {"slices": ("z", 3), "smooth": True}):
         with pytest.raises(bitvox.Error):
             bitvox.render(grid, **options)

@@ -226,20 +226,20 @@ def refuse_negative(faces: Any) -> None:
     raise RangeError(f"faces[{row}, {column}] is {faces[row, column]}: vertex indices start at 0")
 
 
-def colours_in(values: Any, count: int) -> Any:
-    """Colours as (n, 4) uint8, packed; (n, 3) gets alpha 255; floats are taken from 0..1."""
+def colors_in(values: Any, count: int) -> Any:
+    """Colors as (n, 4) uint8, packed; (n, 3) gets alpha 255; floats are taken from 0..1."""
     if values is None:
         return None
-    np = numpy("colours")
-    found = as_numpy(values, "colours")
+    np = numpy("colors")
+    found = as_numpy(values, "colors")
     if found.ndim != 2 or found.shape[0] != count or found.shape[1] not in (3, 4):
-        raise ArgumentError(f"colours have shape {found.shape}; they must be ({count}, 3) or ({count}, 4)")
+        raise ArgumentError(f"colors have shape {found.shape}; they must be ({count}, 3) or ({count}, 4)")
     if found.dtype.kind == "f":
         if found.size and not (found.min() >= 0 and found.max() <= 1):
-            raise RangeError("colours given as floats lie between 0 and 1")
+            raise RangeError("colors given as floats lie between 0 and 1")
         found = np.floor(found * 255.0 + 0.5)
     elif found.size and not (found.min() >= 0 and found.max() <= 255):
-        raise RangeError("colours given as integers lie between 0 and 255")
+        raise RangeError("colors given as integers lie between 0 and 255")
     out = np.full((count, 4), 255, np.uint8)
     out[:, : found.shape[1]] = found
     return out
@@ -350,6 +350,13 @@ def matrix_in(matrix: Any) -> Any:
     if np.linalg.matrix_rank(found[:3, :3]) < 3:
         raise ArgumentError("matrix: it flattens, so nothing of volume would be left")
     return found
+
+
+def moved_by(matrix: Any, points: Any) -> Any:
+    """Points (n, 3) after an affine transform, or a 3 x 3 one: sums in one order, since matrix products of libraries round as the machine likes."""
+    np = numpy("transform")
+    x, y, z = np.asarray(points, np.float64).T
+    return np.stack([row[0] * x + row[1] * y + row[2] * z + (row[3] if len(row) > 3 else 0.0) for row in matrix[:3]], axis=1)
 
 
 LITTLE = sys.byteorder == "little"

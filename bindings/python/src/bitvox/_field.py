@@ -21,7 +21,7 @@ EDGES = names_of("BVX_EDGE_")
 
 
 class Field:
-    """Distances from the centres of voxels to a mesh; made by `bitvox.field`.
+    """Distances from the centers of voxels to a mesh; made by `bitvox.field`.
 
     Value number n is that of set voxel number n of ``band``, in the order of its bits (z, y, x): that of ``band.voxels()``.
 
@@ -47,12 +47,12 @@ class Field:
 
     @property
     def band(self) -> Grid:
-        """The centres that have a value; no copy."""
+        """The centers that have a value; no copy."""
         return self._grid(self._c.band)  # type: ignore[return-value]
 
     @property
     def inside(self) -> Grid | None:
-        """The centres inside, in all of the window; None for sign "none"; no copy."""
+        """The centers inside, in all of the window; None for sign "none"; no copy."""
         return self._grid(self._c.inside)
 
     @property
@@ -77,8 +77,13 @@ class Field:
 
     @property
     def center0(self) -> tuple[float, float, float]:
-        """Centre of the first voxel of its window, where its first value is [world]."""
+        """Center of the first voxel of its window, where its first value is [world]."""
         return self.band.center0
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]; the library and the program call the `corner` so."""
+        return self.center0
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -87,7 +92,7 @@ class Field:
 
     @property
     def half_width(self) -> float:
-        """Of the band [world]; infinity: every centre has a value."""
+        """Of the band [world]; infinity: every center has a value."""
         return self._c.half_width
 
     @property
@@ -109,7 +114,7 @@ class Field:
 
     @property
     def vectors(self) -> Array | None:
-        """(n, 3) from centres to closest points [world], or None; read-only, no copy."""
+        """(n, 3) from centers to closest points [world], or None; read-only, no copy."""
         return self._values(self._c.vectors, 3)
 
     @property
@@ -146,14 +151,14 @@ class Field:
 
     def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, far: Far = "constant", threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
-        """Every centre of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
+        """Every center of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
         Parameters
         ----------
         vectors
             the vectors, with one more axis of three, in place of signed distances.
         far
-            where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbours;
+            where the band has no value: "constant" (the half width, negative inside) or "propagated" (from neighbors;
             needs a field measured with ``features=True``).
 
         Examples
@@ -190,7 +195,7 @@ class Field:
         memory_limit: int | None = None,
         progress: Progress = None,
     ) -> Mesh:
-        """The closed surface between inside and outside centres, with vertices where the field has it.
+        """The closed surface between inside and outside centers, with vertices where the field has it.
 
         Parameters
         ----------
@@ -206,7 +211,7 @@ class Field:
             other voxels of the field's window, whose surface is wanted in place of that of ``inside``: where both are the
             same, vertices are the mesh's, elsewhere those of ``offset``, or in the middle between set and empty ones.
         offset
-            with ``grid``: where this distance to the mesh, negative inside, lies between a set and an empty centre, the
+            with ``grid``: where this distance to the mesh, negative inside, lies between a set and an empty center, the
             surface passes there: ``-t`` for the inner wall of a hollow body of thickness t [world].
 
         Returns
@@ -242,7 +247,7 @@ class Field:
         return made
 
     def to_pyvista(self, *, vectors: bool = False, far: Far = "constant") -> Any:
-        """A pyvista.ImageData with the point data "distance" (points are the voxels' centres, as in the .vti that `save` writes) and, with
+        """A pyvista.ImageData with the point data "distance" (points are the voxels' centers, as in the .vti that `save` writes) and, with
         ``vectors``, "vector"; ``far`` as for `to_numpy`.
 
         Examples
@@ -273,7 +278,7 @@ class Field:
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
         if copy is False:
-            raise ValueError("a field is a band: an array of all centres is always a copy")
+            raise ValueError("a field is a band: an array of all centers is always a copy")
         return arrays.handed(self.to_numpy(), dtype)
 
     def __eq__(self, other: object) -> bool:
@@ -346,7 +351,7 @@ def field(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Field:
-    """Measure the distance from the centres of voxels to a mesh.
+    """Measure the distance from the centers of voxels to a mesh.
 
     Parameters
     ----------
@@ -358,9 +363,9 @@ def field(
         empty voxels added on every side. Default: the half-width, so that the band fits (3 without a band; 0 with a
         ``corner``).
     half_width
-        of the band: centres so near to the mesh have a value [largest spacings]; 0 or infinity: all centres.
+        of the band: centers so near to the mesh have a value [largest spacings]; 0 or infinity: all centers.
     sign
-        what decides that a centre is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
+        what decides that a center is inside: "exact" (as fill "parity"), "winding" (holes and overlaps), "vote" (holes
         and flipped triangles), "pseudonormal", "normal" (the side of the closest point or triangle), "none", or "auto":
         inside is what fill "auto" has inside.
     dtype

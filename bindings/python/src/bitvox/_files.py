@@ -280,7 +280,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
     path
         a name that ends in .glb, or .glb.gz, which packs it.
     levels
-        meshes, the finest first; with colours and uvs or without, as each is.
+        meshes, the finest first; with colors and uvs or without, as each is.
 
     Raises
     ------

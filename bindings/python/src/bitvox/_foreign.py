@@ -63,7 +63,7 @@ def _from_nibabel(image: Any) -> Volume:
 
 
 def placed_by(affine: Any) -> dict[str, Any]:
-    """Spacing, centre of the first voxel and directions of an affine from indices to the world."""
+    """Spacing, center of the first voxel and directions of an affine from indices to the world."""
     np = arrays.numpy("volumes")
     steps = np.asarray(affine, float)
     spacing = np.sqrt((steps[:3, :3] ** 2).sum(axis=0))

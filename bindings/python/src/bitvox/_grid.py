@@ -91,7 +91,7 @@ class Grid:
         spacing, corner
             of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0), the origin if there is none [world].
         center0
-            centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+            center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
         lattice, low
             a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
 
@@ -181,8 +181,13 @@ class Grid:
 
     @property
     def center0(self) -> tuple[float, float, float]:
-        """Centre of the grid's voxel (0, 0, 0) [world]."""
+        """Center of the grid's voxel (0, 0, 0) [world]."""
         return tuple(o + (i + 0.5) * s for o, i, s in zip(self._c.lattice.origin, self.low, self.spacing))  # type: ignore[return-value]
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]; the library and the program call the `corner` so."""
+        return self.center0
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -481,8 +486,51 @@ class Grid:
             flips[axis_of("flip", a)] = 1
         return self._through(lambda run, made: lib.bvx_grid_permute(run.context, self._c, order, flips, made))
 
+    def transform(self, matrix: Any, *, spacing: Any = None) -> Grid:
+        """The same set in another place: ``matrix`` (4, 4), or (3, 3) without a shift, is applied to all positions.
+
+        A matrix with one number in each row and column, beside the shift, brings voxels onto voxels: axes are permuted, flipped, scaled
+        and shifted, and the lattice and the window with them. Nothing is lost: the same number of voxels is set, and the inverse matrix
+        brings them back. Any other one turns the voxels out of the axes, and the set is sampled anew on a lattice around the moved
+        window: a voxel is set when its center came out of a set voxel. That takes one byte a voxel of both grids.
+
+        Parameters
+        ----------
+        spacing
+            of the new lattice where the set is sampled anew, one number or three. Default: the smallest edge of the moved voxels, along
+            all axes [world].
+
+        Raises
+        ------
+        ArgumentError
+            a matrix of another shape, one that flattens, or one whose last row is not 0 0 0 1; ``spacing`` for a matrix that needs none.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((1, 2, 3)))
+        >>> grid.transform([[0, -1, 0, 10], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]).bounds
+        ((8.0, 0.0, 0.0), (10.0, 1.0, 3.0))
+        >>> grid.transform([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]], spacing=0.25).shape
+        (8, 9, 12)
+        """
+        full = arrays.matrix_in(matrix)
+        linear = full[:3, :3]
+        if ((linear != 0).sum(axis=0) != 1).any():
+            made: Grid = call("resampled_bits", self, full, spacing)
+            return made
+        if spacing is not None:
+            raise ArgumentError("spacing is for a matrix that turns voxels out of the axes; this one brings voxels onto voxels")
+        axes = [int(a) for a in (linear != 0).argmax(axis=1)]  # which of the grid's become x, y and z
+        turned = self.permute(axes, [a for a in range(3) if linear[a, axes[a]] < 0])
+        whole = self.lattice
+        ends = arrays.moved_by(full, [whole.corner, [c + n * s for c, n, s in zip(whole.corner, whole.shape, whole.spacing)]])
+        steps = [abs(float(linear[a, axes[a]])) * whole.spacing[axes[a]] for a in range(3)]
+        placed = Grid(Lattice(turned.lattice.shape, steps, ends.min(axis=0).tolist()), (turned.low, turned.shape))
+        ffi.memmove(placed._c.words, turned._c.words, ffi.sizeof("uint64_t") * placed._c.words_per_row * turned.shape[1] * turned.shape[2])
+        return placed
+
     def resample(self, lattice: Lattice, window: WindowLike = None) -> Grid:
-        """The same set on another lattice: a voxel is set when its centre lies in a set voxel of this grid.
+        """The same set on another lattice: a voxel is set when its center lies in a set voxel of this grid.
 
         Parameters
         ----------
@@ -557,7 +605,7 @@ class Grid:
 
     def sample(self, points: Any, *, gradients: bool = False, threads: int | None = None, memory_limit: int | None = None,
                progress: Progress = None) -> Any:
-        """Trilinear samples at points: 1 at the centres of set voxels, 0 at those of others and beyond the window.
+        """Trilinear samples at points: 1 at the centers of set voxels, 0 at those of others and beyond the window.
 
         Parameters
         ----------
@@ -766,7 +814,7 @@ class Grid:
 
     def dilate(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
                threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
-        """Voxels that have a set one among their neighbours, or within a ball.
+        """Voxels that have a set one among their neighbors, or within a ball.
 
         All is done as in unbounded space and cut to the window; padding of the lattice makes room.
 
@@ -777,7 +825,7 @@ class Grid:
         connectivity
             6 (across faces), 18 (and edges) or 26 (and corners).
         radius
-            of a ball, in place of steps and connectivity; centres at most this far count [world].
+            of a ball, in place of steps and connectivity; centers at most this far count [world].
         beyond
             True when voxels beyond the window count as set.
 
@@ -790,7 +838,7 @@ class Grid:
 
     def erode(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
-        """Voxels that have no empty one among their neighbours, or within a ball.
+        """Voxels that have no empty one among their neighbors, or within a ball.
 
         Parameters
         ----------
@@ -845,7 +893,7 @@ class Grid:
         Parameters
         ----------
         thickness
-            set voxels whose nearest empty centre is at most so far stay [world].
+            set voxels whose nearest empty center is at most so far stay [world].
         drain
             radius of a round hole through the shell [world]; 0: none.
         drain_side
@@ -886,12 +934,12 @@ class Grid:
 
     def distance(self, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32", squares: bool = False,
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
-        """Exact Euclidean distances between centres of voxels, an array ``[x, y, z]`` in memory with x running fastest.
+        """Exact Euclidean distances between centers of voxels, an array ``[x, y, z]`` in memory with x running fastest.
 
         Parameters
         ----------
         side
-            "outside": of every centre to the nearest set one; "inside": to the nearest empty one; "signed": the first
+            "outside": of every center to the nearest set one; "inside": to the nearest empty one; "signed": the first
             less the second, negative on set voxels.
         beyond
             what lies beyond the window: "nothing", "empty" or "set".

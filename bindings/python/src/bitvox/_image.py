@@ -109,7 +109,7 @@ def _image_from(width: int, height: int, data: bytes) -> Image:
     return Image(ffi.gc(made, lambda _, pixels=pixels: None))
 
 
-def _colour(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:
+def _color(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:
     found = tuple(value)
     if len(found) != 3:
         raise ArgumentError(f"{name} must be red, green, blue")
@@ -128,7 +128,7 @@ def render(
     cut: dict[str, float] | None = None,
     cut_low: Sequence[float] | None = None,
     cut_high: Sequence[float] | None = None,
-    colour: Sequence[int] = (200, 196, 188),
+    color: Sequence[int] = (200, 196, 188),
     background: Sequence[int] = (255, 255, 255),
     samples: int = 2,
     show: Sequence[float] | None = None,
@@ -143,7 +143,7 @@ def render(
     Parameters
     ----------
     source
-        a mesh (what `Mesh.of` takes; the colours of its vertices show) or a `Grid`.
+        a mesh (what `Mesh.of` takes; the colors of its vertices show) or a `Grid`.
     size
         width and height in pixels.
     from_
@@ -158,7 +158,7 @@ def render(
         take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
     cut_low, cut_high
         take away what lies below and above these three [world].
-    colour, background
+    color, background
         red, green, blue.
     samples
         rays a pixel along each side, 1 to 4.
@@ -202,7 +202,7 @@ def render(
     if show is not None:
         options.show = tuple(float(x) for x in show)
     options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)
-    options.colour, options.background = _colour("colour", colour), _colour("background", background)
+    options.colour, options.background = _color("color", color), _color("background", background)
     if cut_low is not None:
         options.cut_low = arrays.triple("cut_low", cut_low)
     if cut_high is not None:

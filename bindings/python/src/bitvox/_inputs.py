@@ -61,9 +61,9 @@ def _is_trimesh(source: Any) -> bool:
 def _from_trimesh(source: Any) -> Mesh:
     visual = getattr(source, "visual", None)
     kind = getattr(visual, "kind", None)
-    colours = getattr(visual, "vertex_colors", None) if kind in ("vertex", "face") else None  # of faces: the mean around each vertex
+    colors = getattr(visual, "vertex_colors", None) if kind in ("vertex", "face") else None  # of faces: the mean around each vertex
     uvs = getattr(visual, "uv", None) if kind == "texture" else None
-    return Mesh(_base(source.vertices), _base(source.faces), colours=None if colours is None else _base(colours),
+    return Mesh(_base(source.vertices), _base(source.faces), colors=None if colors is None else _base(colors),
                 uvs=None if uvs is None or len(uvs) != len(source.vertices) else _base(uvs))
 
 
@@ -93,13 +93,13 @@ def _from_polydata(source: Any) -> Mesh:
     faces = np.asarray(source.faces)
     if faces.size % 4 or (faces[::4] != 3).any():
         raise ArgumentError("the PolyData holds faces that triangulate() leaves")
-    return Mesh(np.asarray(source.points), faces.reshape(-1, 4)[:, 1:], colours=_point_colours(source),
+    return Mesh(np.asarray(source.points), faces.reshape(-1, 4)[:, 1:], colors=_point_colors(source),
                 uvs=getattr(source, "active_texture_coordinates", None))
 
 
-def _point_colours(source: Any) -> Any:
-    """PyVista's colours: bytes by point, three or four, under a name that says so."""
-    for name in ("colours", "colors", "RGB", "RGBA", "rgb", "rgba"):
+def _point_colors(source: Any) -> Any:
+    """PyVista's colors: bytes by point, three or four, under a name that says so."""
+    for name in ("colors", "RGB", "RGBA", "rgb", "rgba"):
         if name in source.point_data:
             found = source.point_data[name]
             if found.dtype == "uint8" and found.ndim == 2 and found.shape[1] in (3, 4):
@@ -112,8 +112,8 @@ def _is_open3d_tensor(source: Any) -> bool:
 
 
 def _from_open3d_tensor(source: Any) -> Mesh:
-    colours = source.vertex.colors.cpu().numpy() if "colors" in source.vertex else None
-    return Mesh(source.vertex.positions.cpu().numpy(), source.triangle.indices.cpu().numpy(), colours=colours)
+    colors = source.vertex.colors.cpu().numpy() if "colors" in source.vertex else None
+    return Mesh(source.vertex.positions.cpu().numpy(), source.triangle.indices.cpu().numpy(), colors=colors)
 
 
 def _is_open3d(source: Any) -> bool:
@@ -122,8 +122,8 @@ def _is_open3d(source: Any) -> bool:
 
 def _from_open3d(source: Any) -> Mesh:
     np = arrays.numpy("Open3D")
-    colours = np.asarray(source.vertex_colors) if source.has_vertex_colors() else None
-    return Mesh(np.asarray(source.vertices), np.asarray(source.triangles), colours=colours)
+    colors = np.asarray(source.vertex_colors) if source.has_vertex_colors() else None
+    return Mesh(np.asarray(source.vertices), np.asarray(source.triangles), colors=colors)
 
 
 def _is_meshio(source: Any) -> bool:

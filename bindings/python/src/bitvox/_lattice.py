@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Sequence, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Sequence, Union
 
 from ._arrays import triple
 from ._calls import call
@@ -50,7 +50,7 @@ class Lattice:
     """A regular lattice of voxels in space.
 
     Voxel ``(i, j, k)`` is the box from ``corner + ijk * spacing`` to ``corner + (ijk + 1) * spacing``; samples are taken
-    at its centre. Two lattices are equal when all their fields are.
+    at its center. Two lattices are equal when all their fields are.
 
     Parameters
     ----------
@@ -200,8 +200,18 @@ class Lattice:
 
     @property
     def center0(self) -> tuple[float, float, float]:
-        """Centre of voxel (0, 0, 0) [world]."""
+        """Center of voxel (0, 0, 0) [world]."""
         return tuple(o + 0.5 * s for o, s in zip(self.corner, self.spacing))  # type: ignore[return-value]
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]; the library and the program call the `corner` so."""
+        return self.center0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of all its voxels: ((x, y, z), (x, y, z)) [world]."""
+        return self.corner, tuple(a + n * s for a, n, s in zip(self.corner, self.shape, self.spacing))  # type: ignore[return-value]
 
     @property
     def fraction_bits(self) -> int:
@@ -225,6 +235,47 @@ class Lattice:
 
     def __repr__(self) -> str:
         return f"Lattice(shape={self.shape}, spacing={self.spacing}, corner={self.corner})"
+
+
+class Placed:
+    """Where something lies that has a ``lattice`` and fills it."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+
+        @property
+        def lattice(self) -> Lattice: ...
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        return self.lattice.shape
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Edges of a voxel [world]."""
+        return self.lattice.spacing
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the first voxel [world]."""
+        return self.lattice.corner
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Center of the first voxel [world]."""
+        return self.lattice.center0
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]; the library and the program call the `corner` so."""
+        return self.center0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of all voxels: ((x, y, z), (x, y, z)) [world]."""
+        return self.lattice.bounds
 
 
 def place(source: Any, resolution: Any, spacing: Any, padding: int, lattice: Lattice | None, corner: Any = None) -> Lattice:

@@ -170,7 +170,7 @@ def simplify(
     error_kind: ErrorKind | None = None,
     count: int | None = None,
     even: float | None = None,
-    colour_weight: float = 0.0,
+    color_weight: float = 0.0,
     open: OpenInput | None = None,
     strict: bool = False,
     samples: int | None = None,
@@ -201,8 +201,8 @@ def simplify(
         this many levels, each with half of the triangles of the one before. With none of these: one level of half.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    colour_weight
-        of a mesh with colours, with ``carry``: keep the borders between colours where they are. A difference of 255
+    color_weight
+        of a mesh with colors, with ``carry``: keep the borders between colors where they are. A difference of 255
         in one channel costs as much as a distance of this part of the mesh's longest side, 0 to 1; 0.02 to 0.1 keep borders well.
     open
         of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
@@ -213,7 +213,7 @@ def simplify(
         measure the distances between mesh and level from this many points a side, for the report. Default:
         20000 with ``error``, else 0: they are not.
     carry
-        give the result the colours and texture coordinates of the nearest points on the mesh.
+        give the result the colors and texture coordinates of the nearest points on the mesh.
     dtype
         float32 or float64; None: the mesh's own.
 
@@ -243,7 +243,7 @@ def simplify(
     options = options_of("simplify_options")
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
-    _set_common(options, even, colour_weight, strict, error, samples, dtype)
+    _set_common(options, even, color_weight, strict, error, samples, dtype)
     if open is not None:
         options.open = lib.BVX_OPEN_SHELL + _place("open", open, OPEN_INPUTS)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
@@ -274,13 +274,13 @@ def _place(name: str, value: Any, names: Sequence[str]) -> int:
     return names.index(value)
 
 
-def _set_common(options: Any, even: float | None, colour_weight: float, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
+def _set_common(options: Any, even: float | None, color_weight: float, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
     """What simplify_options and levels_options share. Levels by error are measured anyhow: the report says what decided."""
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
         options.even = float(even)
-    options.colour_weight = float(colour_weight)
+    options.colour_weight = float(color_weight)
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
@@ -341,7 +341,7 @@ def lod(
     least_part: int | None = None,
     least_cavity: int | None = None,
     even: float | None = None,
-    colour_weight: float = 0.0,
+    color_weight: float = 0.0,
     strict: bool = False,
     samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
@@ -397,7 +397,7 @@ def lod(
     lattice
         a `Lattice` to measure on, in place of a resolution.
     sign
-        measured: what decides that a centre is inside, as for `repair`.
+        measured: what decides that a center is inside, as for `repair`.
     sharp
         measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
     outer_hull
@@ -408,8 +408,8 @@ def lod(
         measured: smaller pieces are dropped, smaller cavities filled [voxels].
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    colour_weight
-        of a mesh with colours, with ``carry``: keep the borders between colours where they are, as for `simplify`.
+    color_weight
+        of a mesh with colors, with ``carry``: keep the borders between colors where they are, as for `simplify`.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
@@ -428,7 +428,7 @@ def lod(
     face_rule, local_frame
         the paper's methods: as for `surface`.
     carry
-        give each level the colours and texture coordinates of the nearest points on the mesh.
+        give each level the colors and texture coordinates of the nearest points on the mesh.
     dtype
         float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
 
@@ -457,7 +457,7 @@ def lod(
     """
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
-                   "least_cavity": least_cavity, "even": even, "colour_weight": colour_weight or None, "strict": strict or None, "samples": samples}
+                   "least_cavity": least_cavity, "even": even, "color_weight": color_weight or None, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
@@ -477,7 +477,7 @@ def lod(
         mesh = surface(source, **limits) if is_grid else Mesh.of(source)
         options = options_of("levels_options")
         targets = _Targets(options, mesh, triangles, error, error_kind, count)
-        _set_common(options, even, colour_weight, strict, error, samples, dtype)
+        _set_common(options, even, color_weight, strict, error, samples, dtype)
         options.open = _place("open", "shell" if open is None else open, OPENS)
         options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
         if lattice is not None:

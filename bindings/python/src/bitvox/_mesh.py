@@ -42,7 +42,7 @@ class Mesh:
         (n, 3), or (m, 3, 3): the corners of m triangles, without faces.
     faces
         (m, 3) integers, each below n. None: vertices 3t, 3t+1, 3t+2 are triangle t.
-    colours
+    colors
         (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
     uvs
         (k, 2) texture coordinates; ``uv_faces`` (m, 3) numbers into them, or None when k is n.
@@ -68,9 +68,9 @@ class Mesh:
     0.16666666666666666
     """
 
-    __slots__ = ("_vertices", "_faces", "_colours", "_uvs", "_uv_faces", "_keys", "frame", "report", "__weakref__")
+    __slots__ = ("_vertices", "_faces", "_colors", "_uvs", "_uv_faces", "_keys", "frame", "report", "__weakref__")
 
-    def __init__(self, vertices: Any, faces: Any = None, *, colours: Any = None, uvs: Any = None, uv_faces: Any = None,
+    def __init__(self, vertices: Any, faces: Any = None, *, colors: Any = None, uvs: Any = None, uv_faces: Any = None,
                  frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         if faces is None and getattr(vertices, "ndim", 0) == 3:
             vertices = vertices.reshape(-1, 3)
@@ -83,7 +83,7 @@ class Mesh:
             self._faces = None
         else:
             self._faces = arrays.faces_in(faces, len(self._vertices))
-        self._colours: Any = arrays.colours_in(colours, len(self._vertices))
+        self._colors: Any = arrays.colors_in(colors, len(self._vertices))
         self._uvs: Any = None
         self._uv_faces: Any = None
         if uvs is not None:
@@ -114,9 +114,9 @@ class Mesh:
         dtype = "float32" if owner.position_type == lib.BVX_F32 else "float64"
         self._vertices = arrays.array_at(owner.positions, dtype, (n, 3), owner, writable=True)
         self._faces = arrays.array_at(owner.triangles, "uint32", (m, 3), owner, writable=True)
-        self._colours = self._uvs = self._uv_faces = self._keys = None
+        self._colors = self._uvs = self._uv_faces = self._keys = None
         if owner.colours != ffi.NULL:
-            self._colours = arrays.array_at(owner.colours, "uint8", (n, 4), owner, writable=True)
+            self._colors = arrays.array_at(owner.colours, "uint8", (n, 4), owner, writable=True)
         if owner.uvs != ffi.NULL:
             by_vertex = owner.uv_triangles == ffi.NULL
             self._uvs = arrays.array_at(owner.uvs, "float32", (n if by_vertex else owner.uv_count, 2), owner, writable=True)
@@ -165,9 +165,9 @@ class Mesh:
         return self._faces
 
     @property
-    def colours(self) -> Array | None:
+    def colors(self) -> Array | None:
         """(n, 4) uint8 red, green, blue, alpha, or None."""
-        return self._colours
+        return self._colors
 
     @property
     def uvs(self) -> Array | None:
@@ -219,7 +219,7 @@ class Mesh:
                 raise RangeError(f"vertex {found.max()} does not fit {np.dtype(faces)}")
             found = found.astype(faces, copy=False)
         other._faces = found
-        other._colours, other._uvs, other._uv_faces = self._colours, self._uvs, self._uv_faces
+        other._colors, other._uvs, other._uv_faces = self._colors, self._uvs, self._uv_faces
         other._keys, other.frame, other.report = self._keys, self.frame, self.report
         return other
 
@@ -249,8 +249,8 @@ class Mesh:
         if faces.size and int(faces.max()) >= self.n_vertices:
             raise RangeError(f"vertex index {faces.max()}, but there are {self.n_vertices} vertices")
         other = Mesh(np.array(self._vertices, order="C"), np.array(faces, np.uint32, order="C"), frame=self.frame)
-        if self._colours is not None:
-            other._colours = np.array(self._colours)
+        if self._colors is not None:
+            other._colors = np.array(self._colors)
         if self._uvs is not None:
             other._uvs = np.array(self._uvs)
             other._uv_faces = None if self._uv_faces is None else np.array(self._uv_faces)
@@ -259,8 +259,8 @@ class Mesh:
             run.check(lib.bvx_mesh_drop_nonfinite(run.context, mesh, dropped))
             n, m = mesh.vertex_count, mesh.triangle_count
         other._vertices, other._faces = other._vertices[:n], other.faces[:m]
-        if other._colours is not None:
-            other._colours = other._colours[:n]
+        if other._colors is not None:
+            other._colors = other._colors[:n]
         if other._uv_faces is not None:
             other._uv_faces = other._uv_faces[:m]
         elif other._uvs is not None:
@@ -282,8 +282,8 @@ class Mesh:
             if f.count == 0:
                 f.pointer = v.pointer  # no triangle, where NULL would stand for soup
             view.indices, view.triangle_count, view.index_type, view.index_stride = f.pointer, f.count, f.kind, f.stride
-        if self._colours is not None:
-            view.colours = ffi.cast("uint8_t *", arrays.address(self._colours))
+        if self._colors is not None:
+            view.colours = ffi.cast("uint8_t *", arrays.address(self._colors))
         run.meshes.append(self)
         return view
 
@@ -309,8 +309,8 @@ class Mesh:
         mesh.triangle_count = mesh.triangle_capacity = self.n_faces
         mesh.frame = self.frame
         keep += [positions, faces]
-        if self._colours is not None:
-            mesh.colours = ffi.cast("uint8_t *", arrays.address(self._colours))
+        if self._colors is not None:
+            mesh.colours = ffi.cast("uint8_t *", arrays.address(self._colors))
         if self._uvs is not None:
             mesh.uvs = ffi.cast("float *", arrays.address(self._uvs))
             mesh.uv_count = len(self._uvs)
@@ -375,9 +375,7 @@ class Mesh:
         """
         np = arrays.numpy("Mesh.transform")
         full = arrays.matrix_in(matrix)
-        x, y, z = np.asarray(self.in_world(), np.float64).T
-        moved = np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in full[:3]], axis=1)
-        made = self._with_vertices(moved.astype(np.asarray(self._vertices).dtype))
+        made = self._with_vertices(arrays.moved_by(full, self.in_world()).astype(np.asarray(self._vertices).dtype))
         made.frame, made._keys, made.report = (0.0, 0.0, 0.0), None, None
         if np.linalg.det(full[:3, :3]) < 0:
             made._faces = np.ascontiguousarray(np.asarray(made.faces)[:, ::-1])
@@ -488,7 +486,7 @@ class Mesh:
         return vertices, facets
 
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
-                 error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None, colour_weight: float = 0.0,
+                 error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None, color_weight: float = 0.0,
                  open: OpenInput | None = None, strict: bool = False,
                  samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -496,7 +494,7 @@ class Mesh:
 
         Parameters
         ----------
-        triangles, error, error_kind, count, even, colour_weight, open, strict, samples, carry, dtype
+        triangles, error, error_kind, count, even, color_weight, open, strict, samples, carry, dtype
             as for `bitvox.simplify`.
 
         Returns
@@ -509,7 +507,7 @@ class Mesh:
         >>> bitvox.read('knot.ply').simplify(triangles=500).n_faces <= 500
         True
         """
-        return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, colour_weight=colour_weight, open=open, strict=strict,
+        return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, color_weight=color_weight, open=open, strict=strict,
                         samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
@@ -545,13 +543,13 @@ class Mesh:
 
     def __getstate__(self) -> Any:
         np = arrays.numpy("pickling")
-        held = [self._vertices, self._faces, self._colours, self._uvs, self._uv_faces, *(self._keys or (None, None))]
+        held = [self._vertices, self._faces, self._colors, self._uvs, self._uv_faces, *(self._keys or (None, None))]
         return [None if a is None else np.array(a) for a in held], self.frame, self.report
 
     def __setstate__(self, state: Any) -> None:
         held = state[0]
         self.frame, self.report = state[1:]
-        self._vertices, self._faces, self._colours, self._uvs, self._uv_faces = held[:5]
+        self._vertices, self._faces, self._colors, self._uvs, self._uv_faces = held[:5]
         self._keys = None if held[5] is None else (held[5], held[6])
 
     # ---- to others ----
@@ -568,7 +566,7 @@ class Mesh:
         return np.asarray(self._vertices, np.float64) + np.asarray(self.frame) if any(self.frame) else np.asarray(self._vertices, np.float64)
 
     def to_trimesh(self) -> Any:
-        """A trimesh.Trimesh with the same vertices and faces, in the same order, and colours where there are any; with texture coordinates
+        """A trimesh.Trimesh with the same vertices and faces, in the same order, and colors where there are any; with texture coordinates
         where there are some: vertices on seams are then there once for each.
 
         Examples
@@ -578,7 +576,7 @@ class Mesh:
         """
         trimesh = need("trimesh", "formats")
         if self._uvs is None:
-            return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colours, process=False)
+            return trimesh.Trimesh(self.in_world(), self.faces.astype("int64"), vertex_colors=self._colors, process=False)
         vertices, faces, uvs = self._seams_split()
         visual = need("trimesh.visual", "formats").TextureVisuals(uv=uvs)
         return trimesh.Trimesh(vertices, faces, visual=visual, process=False)
@@ -594,7 +592,7 @@ class Mesh:
         return self.in_world()[unique[:, 0]], numbers.reshape(-1, 3), np.asarray(self._uvs, float)[unique[:, 1]]
 
     def to_pyvista(self) -> Any:
-        """A pyvista.PolyData; colours become the point data "colours".
+        """A pyvista.PolyData; colors become the point data "colors".
 
         Examples
         --------
@@ -607,14 +605,14 @@ class Mesh:
         flat[:, 0] = 3
         flat[:, 1:] = self.faces
         made = pyvista.PolyData(self.in_world(), flat.ravel())
-        if self._colours is not None:
-            made.point_data["colours"] = np.asarray(self._colours)
+        if self._colors is not None:
+            made.point_data["colors"] = np.asarray(self._colors)
         if self._uvs is not None and self._uv_faces is None:
             made.active_texture_coordinates = np.asarray(self._uvs)
         return made
 
     def to_open3d(self) -> Any:
-        """An open3d.geometry.TriangleMesh, with colours where there are any; needs ``bitvox[open3d]``.
+        """An open3d.geometry.TriangleMesh, with colors where there are any; needs ``bitvox[open3d]``.
 
         Examples
         --------
@@ -624,12 +622,12 @@ class Mesh:
         np, open3d = arrays.numpy("to_open3d"), need("open3d", "open3d")
         made = open3d.geometry.TriangleMesh(open3d.utility.Vector3dVector(np.ascontiguousarray(self.in_world())),
                                             open3d.utility.Vector3iVector(np.ascontiguousarray(self.faces, np.int32)))
-        if self._colours is not None:
-            made.vertex_colors = open3d.utility.Vector3dVector(np.asarray(self._colours)[:, :3] / 255.0)
+        if self._colors is not None:
+            made.vertex_colors = open3d.utility.Vector3dVector(np.asarray(self._colors)[:, :3] / 255.0)
         return made
 
     def to_meshio(self) -> Any:
-        """A meshio.Mesh of triangles; colours become the point data "colours". Needs ``bitvox[formats]``.
+        """A meshio.Mesh of triangles; colors become the point data "colors". Needs ``bitvox[formats]``.
 
         Examples
         --------
@@ -637,7 +635,7 @@ class Mesh:
         'triangle'
         """
         np, meshio = arrays.numpy("to_meshio"), need("meshio", "formats")
-        data = {} if self._colours is None else {"colours": np.asarray(self._colours)}
+        data = {} if self._colors is None else {"colors": np.asarray(self._colors)}
         return meshio.Mesh(self.in_world(), [("triangle", np.asarray(self.faces).astype(np.int64))], point_data=data)
 
     def to_napari(self, name: str | None = None) -> Any:
@@ -666,8 +664,8 @@ class Mesh:
         --------
         >>> bitvox.read('knot.ply').plot()  # doctest: +SKIP
         """
-        if self._colours is not None:
-            options = {"scalars": "colours", "rgb": True, **options}
+        if self._colors is not None:
+            options = {"scalars": "colors", "rgb": True, **options}
         return self.to_pyvista().plot(**options)
 
     def _repr_html_(self) -> str:
@@ -695,7 +693,7 @@ def new_mesh() -> Any:
 
 
 def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
-    """A mesh in the requested type; None: float32, or float64 where float32 does not distinguish neighbouring positions."""
+    """A mesh in the requested type; None: float32, or float64 where float32 does not distinguish neighboring positions."""
     with Run(**limits) as run:
         options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
         made = new_mesh()

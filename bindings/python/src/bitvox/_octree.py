@@ -75,6 +75,45 @@ class Octree:
             run.check(lib.bvx_octree_lattice(run.context, self._c, self._level(level), out))
         return Lattice._of(out)
 
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels of the last level along x, y, z."""
+        return self.lattice().shape
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Edges of a voxel of the last level [world]."""
+        return self.lattice().spacing
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the first voxel, of every level [world]."""
+        return self.lattice().corner
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Center of the first voxel of the last level [world]."""
+        return self.lattice().center0
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]; the library and the program call the `corner` so."""
+        return self.center0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of all its voxels: ((x, y, z), (x, y, z)) [world]."""
+        return self.lattice().bounds
+
+    @property
+    def volume(self) -> float:
+        """Of the leaves at the surface and inside: that of ``expand()`` [world^3]."""
+        total = 0.0
+        for level, counts in enumerate(self.counts()):
+            a, b, c = self.lattice(level).spacing
+            total += (counts.surface + counts.inside) * (a * b * c)
+        return total
+
     def _level(self, level: int | None) -> int:
         return self.levels if level is None else in_range("level", level, 0, self.levels)
 
@@ -123,13 +162,13 @@ class Octree:
             run.check(lib.bvx_octree_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
         return arrays.records_at(out, "bvx_octree_leaf", given.count, out)
 
-    def neighbours(self, leaf: Any, direction: Direction) -> Any:
+    def neighbors(self, leaf: Any, direction: Direction) -> Any:
         """The leaves that share a face with a ``leaf`` (one record), in the ``direction`` "-x", "-y", "-z", "+x", "+y" or "+z".
 
         Examples
         --------
         >>> tree = bitvox.refine('knot.ply', base=4, levels=3)
-        >>> len(tree.neighbours(tree.leaves('surface')[0], '+x')) > 0
+        >>> len(tree.neighbors(tree.leaves('surface')[0], '+x')) > 0
         True
         """
         if direction not in _DIRECTIONS:

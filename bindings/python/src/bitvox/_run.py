@@ -10,6 +10,7 @@ import contextlib
 import contextvars
 import functools
 import os
+import re
 import time
 from typing import Any, Callable, Iterator, NamedTuple, Union
 
@@ -31,6 +32,7 @@ _settings: contextvars.ContextVar[_Settings] = contextvars.ContextVar("bitvox", 
 _forked = False
 _counted: tuple[float, int] = (0.0, 0)
 _REMEDIES = {"bvx_repair": "bitvox.repair", "bvx_build_levels": "bitvox.lod", "bvx_grid_distance": "Grid.distance"}
+_AMERICAN = {"colour": "color", "centre": "center", "neighbour": "neighbor"}  # the library's words; what a message quotes stays
 
 
 @functools.cache
@@ -267,7 +269,7 @@ class Run:
         words = ffi.string(lib.bvx_last_error(self.context).text).decode("utf-8", "replace")
         for theirs, ours in _REMEDIES.items():
             words = words.replace(theirs, ours)
-        return words
+        return re.sub(rf"(?<!['\"])\b({'|'.join(_AMERICAN)})", lambda found: _AMERICAN[found[1]], words)
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""

@@ -429,7 +429,7 @@ def from_sections(
         of a body with one section alone, which is refused without: half to either side of it, a slab with flat caps, with
         tapered ones a lens [world]. Bodies with several sections take no notice of it.
     join
-        parallel planes: parts of neighbouring sections that share no area, as of slanted vessels, are joined by shifting
+        parallel planes: parts of neighboring sections that share no area, as of slanted vessels, are joined by shifting
         where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.

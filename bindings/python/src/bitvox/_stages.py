@@ -68,7 +68,7 @@ def voxelize(
     window
         only this box of the lattice: (low, size) or (x0, y0, z0, x1, y1, z1).
     mode
-        "solid": voxels whose centres lie inside. "conservative": all voxels that the surface touches. "thin": those that
+        "solid": voxels whose centers lie inside. "conservative": all voxels that the surface touches. "thin": those that
         keep a flood through faces out. "sampled": those of points less than a voxel apart.
     fill
         what is inside: "auto" (the default: parity where closed shells do not cross, nonzero where they do, winding where
@@ -161,7 +161,7 @@ def voxelize(
         run.check(lib.bvx_voxelize_solid(run.context, source._view(run), where._c, options, made))
     solid = Grid._made(made, record(report))
     if not solid and window is None and lattice is None:
-        warnings.warn("the result is empty: the mesh contains no voxel's centre; a finer resolution, or mode='conservative', which sets the "
+        warnings.warn("the result is empty: the mesh contains no voxel's center; a finer resolution, or mode='conservative', which sets the "
                       "voxels of its surface, may have more", stacklevel=2)
     return solid
 
@@ -315,7 +315,7 @@ def surface(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Mesh:
-    """The closed, manifold surface between set and empty voxel centres, by marching cubes.
+    """The closed, manifold surface between set and empty voxel centers, by marching cubes.
 
     Parameters
     ----------
@@ -330,7 +330,7 @@ def surface(
     face_rule
         "separate" (set corners are kept apart across a face) or "join".
     dtype
-        of the vertices, float32 or float64; None: float32 where it can tell neighbouring positions apart.
+        of the vertices, float32 or float64; None: float32 where it can tell neighboring positions apart.
     open_sides
         sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
     keys
@@ -462,25 +462,25 @@ def merge(parts: Sequence[Mesh], *, threads: int | None = None, memory_limit: in
 
 
 def carried(source: Mesh, target: Any, limits: dict[str, Any]) -> None:
-    """Give a bvx_mesh that the library made the colours and texture coordinates of the nearest points of a mesh."""
+    """Give a bvx_mesh that the library made the colors and texture coordinates of the nearest points of a mesh."""
     with Run(**limits) as run:
         run.check(lib.bvx_mesh_carry(run.context, source._struct(run), target))
 
 
 def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Mesh:
-    """The target with the colours and texture coordinates of the source's nearest points.
+    """The target with the colors and texture coordinates of the source's nearest points.
 
     Parameters
     ----------
     source
-        a mesh with ``colours`` or ``uvs``.
+        a mesh with ``colors`` or ``uvs``.
     target
         a mesh in the same frame; it stays as it is.
 
     Examples
     --------
-    >>> mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colours=[[255, 0, 0]] * 3)
-    >>> bitvox.carry(mesh, ([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])).colours[0].tolist()
+    >>> mesh = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], colors=[[255, 0, 0]] * 3)
+    >>> bitvox.carry(mesh, ([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])).colors[0].tolist()
     [255, 0, 0, 255]
     """
     after = Mesh.of(target)
@@ -495,7 +495,7 @@ def carry(source: Any, target: Any, *, threads: int | None = None, memory_limit:
         setattr(owner, name, getattr(borrowed, name))
     made = after.astype()
     if owner.colours != ffi.NULL:
-        made._colours = arrays.array_at(owner.colours, "uint8", (after.n_vertices, 4), owner, writable=True)
+        made._colors = arrays.array_at(owner.colours, "uint8", (after.n_vertices, 4), owner, writable=True)
     if owner.uvs != ffi.NULL:
         made._uvs = arrays.array_at(owner.uvs, "float32", (after.n_vertices, 2), owner, writable=True)
         made._uv_faces = None
@@ -684,7 +684,7 @@ def repair(
     resolution
         voxels along the longest axis. Default 256. Or a ``lattice`` to work on.
     sign
-        what decides that a centre is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
+        what decides that a center is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
         (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
     interpolation
         where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
@@ -696,7 +696,7 @@ def repair(
         thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
     thin
         walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
-        a voxel become shells, other walls are lost where no centre lies in them) or "drop" (lost). They are described by
+        a voxel become shells, other walls are lost where no center lies in them) or "drop" (lost). They are described by
         the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
@@ -713,7 +713,7 @@ def repair(
     measure
         measure the distances between input and result, from ``measure_samples`` points a side.
     carry
-        give the result the colours and texture coordinates of the nearest points on the mesh.
+        give the result the colors and texture coordinates of the nearest points on the mesh.
     face_rule, dtype, local_frame
         as for `surface`.
 
@@ -851,7 +851,7 @@ def boolean(
         cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
     thin
         walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
-        difference) or "drop" (lost where no centre lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
+        difference) or "drop" (lost where no center lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
         ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
     least_part
         smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
@@ -870,7 +870,7 @@ def boolean(
     Raises
     ------
     EmptyError
-        none of the voxels has its centre inside a, or b, though all of it lies on the lattice.
+        none of the voxels has its center inside a, or b, though all of it lies on the lattice.
 
     Examples
     --------

@@ -13,7 +13,7 @@ from ._stages import voxelize
 
 
 def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
-    """A trimesh VoxelGrid of a mesh, on trimesh's own places: centres at whole multiples of the pitch.
+    """A trimesh VoxelGrid of a mesh, on trimesh's own places: centers at whole multiples of the pitch.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Iterable, Sequence
 
 from . import _arrays as arrays
 from ._bytes import format_of, read_bytes
-from ._calls import call
+from ._calls import call, entered
 from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError
 from ._grid import Grid, new_grid
 from ._html import shown
@@ -33,7 +33,7 @@ def _type_number(code: str) -> int:
 
 
 class Volume:
-    """Samples at the centres of voxels; it looks at its array and does not copy it.
+    """Samples at the centers of voxels; it looks at its array and does not copy it.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Volume:
     spacing, corner
         of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
     center0
-        centre of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+        center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
     direction
         three by three numbers whose columns are the directions of the array's axes x, y and z in the world, as SimpleITK's
         GetDirection and VTK's direction_matrix give them; flipped, permuted and oblique ones too. None: along the world's.
@@ -182,8 +182,13 @@ class Volume:
 
     @property
     def center0(self) -> tuple[float, float, float]:
-        """Centre of the first voxel: what SimpleITK calls the origin [world]."""
+        """Center of the first voxel: what SimpleITK calls the origin [world]."""
         return self._world((0, 0, 0))
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """`center0` under the name that SimpleITK and NRRD have for it [world]."""
+        return self.center0
 
     def _world(self, ijk: Any) -> tuple[float, float, float]:
         x, y, z = self.to_world([ijk])[0].tolist()
@@ -200,7 +205,7 @@ class Volume:
         """
         np = arrays.numpy("Volume")
         own = np.array(tuple(self._c.lattice.origin)) + (np.asarray(ijk, float) + self.low + 0.5) * np.asarray(self.spacing)
-        return own if self._turn is None else into_world(self._turn, own)
+        return own if self._turn is None else arrays.moved_by(self._turn, own)
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
@@ -229,7 +234,7 @@ class Volume:
         full = arrays.matrix_in(matrix)
         steps = full[:3, :3] @ (self.direction * np.asarray(self.spacing))
         spacing = np.sqrt((steps**2).sum(axis=0))
-        center0 = into_world(full[:3, :3], [self.center0])[0] + full[:3, 3]
+        center0 = arrays.moved_by(full, [self.center0])[0]
         return Volume(self._array, spacing=spacing.tolist(), center0=center0.tolist(), direction=steps / spacing, frame=self.frame)
 
     def turned(self, frame: Frame) -> Volume:
@@ -287,7 +292,7 @@ class Volume:
 
     @property
     def lattice(self) -> Lattice:
-        """The lattice whose voxels' centres the samples are; with a direction, in the volume's own frame: the world is
+        """The lattice whose voxels' centers the samples are; with a direction, in the volume's own frame: the world is
         ``direction @ position``."""
         return Lattice._of(self._c.lattice)
 
@@ -520,8 +525,8 @@ class Volume:
         faces = np.asarray(mesh.faces)
         if np.linalg.det(self._turn) < 0:
             faces = np.ascontiguousarray(faces[:, ::-1])
-        turned = into_world(self._turn, np.asarray(mesh.vertices, np.float64)).astype(np.asarray(mesh.vertices).dtype)
-        made = Mesh(turned, faces, frame=tuple(into_world(self._turn, np.asarray([mesh.frame]))[0].tolist()))
+        turned = arrays.moved_by(self._turn, np.asarray(mesh.vertices, np.float64)).astype(np.asarray(mesh.vertices).dtype)
+        made = Mesh(turned, faces, frame=tuple(arrays.moved_by(self._turn, np.asarray([mesh.frame]))[0].tolist()))
         made.report = mesh.report
         return made
 
@@ -554,18 +559,11 @@ def turn_of(direction: Any) -> Any:
     return None if (found == np.eye(3)).all() else found
 
 
-def into_world(turn: Any, points: Any) -> Any:
-    """``turn @ point`` of each, by sums in one order: matrix products of libraries round as the machine likes."""
-    np = arrays.numpy("Volume")
-    x, y, z = np.asarray(points, float).T
-    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in turn], axis=1)
-
-
 def from_world(turn: Any, points: Any) -> Any:
     """The other way round; exact for axes that are flipped and permuted."""
     np = arrays.numpy("Volume")
     transposed = np.abs(turn.T @ turn - np.eye(3)).max() < 1e-12
-    return into_world(turn.T if transposed else np.linalg.inv(turn), points)
+    return arrays.moved_by(turn.T if transposed else np.linalg.inv(turn), points)
 
 
 def number(name: str, value: Any) -> float:
@@ -740,6 +738,13 @@ def _in_frame(volume: Volume, frame: Frame | None, path: str) -> Volume:
     if volume.frame is None:
         raise ArgumentError(f"{path}: the file does not say what its axes are, so it cannot be turned to {frame!r}")
     return volume.turned(frame)
+
+
+@entered
+def resampled_bits(grid: Grid, matrix: Any, spacing: Any) -> Grid:
+    """See `Grid.transform`: what `Volume.aligned` makes of 0 and 1 by the nearest sample."""
+    volume = volume_of_bits(grid).transform(matrix).aligned(spacing=spacing, method="nearest", outside=0)
+    return Grid.from_numpy(volume.array, spacing=volume.spacing, center0=volume.center0)
 
 
 def volume_of_bits(grid: Grid) -> Volume:

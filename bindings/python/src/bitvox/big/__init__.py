@@ -10,7 +10,7 @@
     coarse = volume.downsample(4, "majority")
 
 Chunks are windows of one lattice, and a window holds the bits of the whole there; so nothing depends on how the work was cut,
-on who did it or on how often it was tried. What looks at neighbours gets a halo of their voxels, as wide as it looks. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
+on who did it or on how often it was tried. What looks at neighbors gets a halo of their voxels, as wide as it looks. `plan` gives the same work as a list of picklable tasks, for Ray or a batch queue.
 Needs ``bitvox[big]`` (dask, zarr); `plan` needs neither.
 """
 

@@ -10,7 +10,7 @@ from .._grid import Grid
 from .chunks import Index
 from .volume import Volume
 
-_STEPS = {6: 0, 18: 1, 26: 2}  # how far neighbours across a cut may lie beside each other, in steps along its two axes
+_STEPS = {6: 0, 18: 1, 26: 2}  # how far neighbors across a cut may lie beside each other, in steps along its two axes
 
 
 def label(volume: Volume, *, connectivity: int = 6) -> tuple[Any, int]:

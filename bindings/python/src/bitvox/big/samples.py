@@ -6,7 +6,7 @@ import os
 from typing import Any, Sequence
 
 from .._errors import ArgumentError, need
-from .._lattice import Lattice
+from .._lattice import Lattice, Placed
 from .._mesh import Mesh
 from .._run import settings
 from .._stages import merge
@@ -17,7 +17,7 @@ from .store import array_of
 from .volume import Volume
 
 
-class Samples:
+class Samples(Placed):
     """A volume of samples in chunks, nothing of it computed before it is requested: what `bitvox.Volume` is for one machine.
 
     Attributes
@@ -25,7 +25,7 @@ class Samples:
     array
         a Dask array [x, y, z] of integers or floats.
     lattice
-        the lattice whose voxels' centres the samples are.
+        the lattice whose voxels' centers the samples are.
 
     Examples
     --------
@@ -46,11 +46,6 @@ class Samples:
         if where.shape != tuple(array.shape):
             raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
         self.array, self.lattice = array, where
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Samples along x, y, z."""
-        return self.lattice.shape
 
     def compute(self) -> WholeVolume:
         """The whole volume, here.

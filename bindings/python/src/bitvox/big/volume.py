@@ -10,7 +10,7 @@ from .. import _arrays as arrays
 from .._errors import ArgumentError, need
 from .._grid import Grid, triple_of
 from .._html import shown
-from .._lattice import Lattice, Window
+from .._lattice import Lattice, Placed, Window
 from .._mesh import Mesh
 from .._run import settings
 from .._stages import merge
@@ -20,7 +20,7 @@ from .plan import check_options, load, one_type, place_chunks, source_of, split_
 from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
 
-class Volume:
+class Volume(Placed):
     """A grid in chunks, nothing of it computed before it is requested.
 
     Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`). All
@@ -51,11 +51,6 @@ class Volume:
     def lattice(self) -> Lattice:
         """The lattice that all chunks are windows of."""
         return self.chunks.lattice
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Voxels along x, y, z."""
-        return self.lattice.shape
 
     @property
     def array(self) -> Any:
@@ -180,10 +175,10 @@ class Volume:
     def __invert__(self) -> Volume:
         return self.map(operator.invert)
 
-    # ---- growing, shrinking, distances: each chunk with a halo of its neighbours' voxels ----
+    # ---- growing, shrinking, distances: each chunk with a halo of its neighbors' voxels ----
 
     def around(self, function: Callable[..., Grid], margin: int | Sequence[int], *arguments: Any) -> Volume:
-        """A volume of ``function(grid, *arguments)``, for operations that look at neighbours.
+        """A volume of ``function(grid, *arguments)``, for operations that look at neighbors.
 
         Parameters
         ----------

@@ -48,7 +48,7 @@ def read_dicom(source: Any, *, threshold: Any = None, labels: Any = None, series
 
 
 def read_dicom_volume(source: Any, *, series: str | None = None) -> Volume:
-    """The samples of a DICOM series after slope and intercept (Hounsfield units of CT), in the patient's millimetres (x to the left,
+    """The samples of a DICOM series after slope and intercept (Hounsfield units of CT), in the patient's millimeters (x to the left,
     y to the back, z to the head).
 
     Parameters
@@ -134,7 +134,7 @@ def _values(one: Any, np: Any) -> Any:
     values = one.pixel_array
     slope, intercept = float(getattr(one, "RescaleSlope", 1) or 1), float(getattr(one, "RescaleIntercept", 0) or 0)
     if values.ndim != 2:
-        raise UnsupportedError("colour pictures, and frames without a place of their own, are not a volume of numbers")
+        raise UnsupportedError("color pictures, and frames without a place of their own, are not a volume of numbers")
     if slope == 1.0 and intercept.is_integer() and abs(intercept) < 2**30 and values.dtype.itemsize <= 2:
         whole = values.astype(np.int32) + int(intercept)
         small = not whole.size or (int(whole.min()) >= -(2**15) and int(whole.max()) < 2**15)
@@ -169,7 +169,7 @@ def is_picture(path: str | os.PathLike[str]) -> bool:
 
 
 def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None = None, tolerance: float = 0.01) -> Sections:
-    """Contours of structures from a DICOM RTSTRUCT file, in the patient's millimetres.
+    """Contours of structures from a DICOM RTSTRUCT file, in the patient's millimeters.
 
     Parameters
     ----------

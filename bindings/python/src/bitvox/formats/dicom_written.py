@@ -26,7 +26,7 @@ def write_segmentation(segments: Any, path: str | os.PathLike[str], *, source: A
     ----------
     segments
         a `Grid`; a `Volume`, whose labels other than 0 become segments named by their numbers; or a dict of names and grids or
-        volumes of 0 and 1 that share their place. Segments may overlap. Grids are in the patient's millimetres, "lps", as volumes
+        volumes of 0 and 1 that share their place. Segments may overlap. Grids are in the patient's millimeters, "lps", as volumes
         that do not say their frame; volumes in "ras" are turned.
     path
         of the file.
@@ -149,7 +149,7 @@ def _save(made: Any, path: str | os.PathLike[str], pydicom: Any) -> None:
 
 
 def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
-    """The segments of a DICOM segmentation (SEG), in its place and directions, in the patient's millimetres ("lps").
+    """The segments of a DICOM segmentation (SEG), in its place and directions, in the patient's millimeters ("lps").
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
 
 
 def write_rtstruct(sections: Any, path: str | os.PathLike[str], *, source: Any = None, description: str = "bitvox") -> None:
-    """Write contours as a DICOM RTSTRUCT, in the patient's millimetres.
+    """Write contours as a DICOM RTSTRUCT, in the patient's millimeters.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ def read_images(source: Any, *, threshold: Any = None, labels: Any = None, spaci
         file names in order, a pattern such as ``"scan_*.png"`` (sorted by the numbers in the names), or one file of
         several pages (TIFF).
     threshold, labels
-        which values are set; without either, all other than 0. Colour pictures count by their brightness.
+        which values are set; without either, all other than 0. Color pictures count by their brightness.
     spacing, corner
         of the lattice [world].
     flip_y

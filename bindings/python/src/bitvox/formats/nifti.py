@@ -17,7 +17,7 @@ GRID_MARK = b"bitvox grid: 1 is inside"  # the description in the head of a file
 
 
 def read_nifti_volume(path: str | os.PathLike[str], *, index: int | None = None) -> Volume:
-    """The samples of a NIfTI volume, in the file's world (millimetres, x to the right, y forward, z up: the frame "ras"), with the axes
+    """The samples of a NIfTI volume, in the file's world (millimeters, x to the right, y forward, z up: the frame "ras"), with the axes
     nearest to the world's first; what lies oblique to them keeps its ``direction``.
 
     Parameters
@@ -103,7 +103,7 @@ def np_eye() -> Any:
 
 
 def write_nifti(grid: Grid, path: str | os.PathLike[str]) -> None:
-    """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the centre of the first voxel, its description that it
+    """Write a grid to ``path`` (.nii or .nii.gz) as a mask (uint8); its affine carries the center of the first voxel, its description that it
     is a grid: `bitvox.read` gives it back.
 
     The format keeps places as float32: what is read back has the same voxels on a lattice that may lie a rounding beside.

@@ -159,8 +159,8 @@ def _inr(path: str) -> Volume:
 
 
 def _tiff(path: str) -> Volume:
-    """A stack of grey pictures, the first lowest in z, with the spacing that stands in the file (OME's, ImageJ's, or pixels by
-    centimetre or inch, which become millimetres); rows run along y as they stand in the file."""
+    """A stack of gray pictures, the first lowest in z, with the spacing that stands in the file (OME's, ImageJ's, or pixels by
+    centimeter or inch, which become millimeters); rows run along y as they stand in the file."""
     np, tifffile = arrays.numpy("tiff"), need("tifffile", "medical")
     try:
         with tifffile.TiffFile(path) as file:

@@ -14,7 +14,7 @@ import bitvox
 
 @pytest.fixture(scope="module")
 def things():
-    mesh = bitvox.Mesh(*box_mesh((0, 0, 0), (1, 2, 3)), colours=np.arange(24).reshape(8, 3))
+    mesh = bitvox.Mesh(*box_mesh((0, 0, 0), (1, 2, 3)), colors=np.arange(24).reshape(8, 3))
     grid = bitvox.voxelize(mesh, resolution=12, padding=2)
     values = np.arange(60.0).reshape(3, 4, 5)
     values[1, 1, 1] = np.nan
@@ -159,17 +159,17 @@ def test_labels_may_be_numbers(knot):
     assert cut.of(7) == cut.of("7")
 
 
-def test_colours_and_textures_come_through():
+def test_colors_and_textures_come_through():
     trimesh, pyvista = pytest.importorskip("trimesh"), pytest.importorskip("pyvista")
-    colours = np.arange(24, dtype=np.uint8).reshape(8, 3)
-    mesh = bitvox.Mesh(*box_mesh(), colours=colours)
-    assert (bitvox.Mesh.of(mesh.to_pyvista()).colours[:, :3] == colours).all() and (bitvox.Mesh.of(mesh.to_trimesh()).colours[:, :3] == colours).all()
+    colors = np.arange(24, dtype=np.uint8).reshape(8, 3)
+    mesh = bitvox.Mesh(*box_mesh(), colors=colors)
+    assert (bitvox.Mesh.of(mesh.to_pyvista()).colors[:, :3] == colors).all() and (bitvox.Mesh.of(mesh.to_trimesh()).colors[:, :3] == colors).all()
     ball = pyvista.Sphere()
     ball.point_data["RGB"] = np.full((ball.n_points, 3), 9, np.uint8)
-    assert (bitvox.Mesh.of(ball).colours == [9, 9, 9, 255]).all()
+    assert (bitvox.Mesh.of(ball).colors == [9, 9, 9, 255]).all()
     red = trimesh.creation.box()
     red.visual.face_colors = [255, 0, 0, 255]
-    assert (bitvox.Mesh.of(red).colours == [255, 0, 0, 255]).all()
+    assert (bitvox.Mesh.of(red).colors == [255, 0, 0, 255]).all()
     uvs = np.random.default_rng(1).random((8, 2)).astype("f4")
     textured = bitvox.Mesh(*box_mesh(), uvs=uvs).to_trimesh()
     assert np.allclose(textured.visual.uv, uvs) and np.array_equal(bitvox.Mesh.of(textured).uvs, uvs)
@@ -234,8 +234,8 @@ def test_meshes_are_transformed(knot):
     assert mirror.volume == pytest.approx(knot.volume) and mirror.check().oriented
     far = bitvox.Mesh(*box_mesh(), frame=(100, 0, 0)).transform(np.eye(3))
     assert far.bounds[0][0] == 100 + box_mesh()[0][:, 0].min()
-    painted = bitvox.Mesh(*box_mesh(), colours=np.full((8, 3), 9), uvs=np.zeros((36, 2)), uv_faces=np.arange(36).reshape(12, 3)).transform(np.diag([-1, 1, 1]))
-    assert (painted.colours[:, :3] == 9).all() and (painted.uv_faces == np.arange(36).reshape(12, 3)[:, ::-1]).all()
+    painted = bitvox.Mesh(*box_mesh(), colors=np.full((8, 3), 9), uvs=np.zeros((36, 2)), uv_faces=np.arange(36).reshape(12, 3)).transform(np.diag([-1, 1, 1]))
+    assert (painted.colors[:, :3] == 9).all() and (painted.uv_faces == np.arange(36).reshape(12, 3)[:, ::-1]).all()
 
 
 def test_open_files_are_read(tmp_path, knot):

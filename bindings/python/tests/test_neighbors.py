@@ -23,11 +23,11 @@ def test_trimesh_voxels(solid):
 
 
 def test_meshes_go_out(ball):
-    coloured = bitvox.Mesh(ball.vertices, ball.faces, colours=np.tile([[10, 20, 30, 255]], (ball.n_vertices, 1)).astype(np.uint8))
+    colored = bitvox.Mesh(ball.vertices, ball.faces, colors=np.tile([[10, 20, 30, 255]], (ball.n_vertices, 1)).astype(np.uint8))
     meshio = pytest.importorskip("meshio")
-    theirs = coloured.to_meshio()
+    theirs = colored.to_meshio()
     assert isinstance(theirs, meshio.Mesh) and bitvox.Mesh.of(theirs).content_hash() == bitvox.Mesh.of((ball.in_world(), np.asarray(ball.faces).astype(np.int64))).content_hash()
-    assert theirs.point_data["colours"][0].tolist() == [10, 20, 30, 255]
+    assert theirs.point_data["colors"][0].tolist() == [10, 20, 30, 255]
 
 
 @pytest.mark.parametrize("ending", ["3mf", "vtp"])
