@@ -422,6 +422,31 @@ static bvx_status check_far_contours(bvx_context *ctx, const bvx_sections *given
     return BVX_OK;
 }
 
+/* The same at the other end: a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be
+ * much smaller than the widest one. */
+#define SECTIONS_NARROWEST 1e-70
+
+static bvx_status check_tiny_contours(bvx_context *ctx, const bvx_sections *given)
+{
+    double widest = 0.0;
+
+    for (uint64_t i = 0; i < given->loop_count; i++) {
+        const bvx_section_loop *const loop = &given->loops[i];
+        const double *const first = given->points + 3 * loop->first_point;
+
+        for (uint64_t k = 3; k < 3 * (uint64_t)loop->point_count; k++) {
+            double const width = bvxi_absolute(first[k] - first[k % 3]);
+            if (width > widest) widest = width;
+        }
+    }
+    /* All points of all loops at one place: each loop is refused by itself. */
+    if (widest == 0.0 || widest >= SECTIONS_NARROWEST) return BVX_OK;
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
+        "%s: the widest loop spans %g; below %g areas and volumes round to 0: scale the contours",
+        sections_name, widest, SECTIONS_NARROWEST);
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
@@ -436,6 +461,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(check_far_contours(context, sections));
+    BVXI_TRY(check_tiny_contours(context, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);

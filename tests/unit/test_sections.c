@@ -685,6 +685,35 @@ static void test_volumes_of_far_contours_are_finite(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, report.prismoid_volume / 1e75 / 1e75 / 1e75);
 }
 
+/* Two squares scaled, sections apart by themselves: either may be tiny. */
+static void scaled_squares(double scale, double apart)
+{
+    two_squares();
+    for (int i = 0; i < 8; i++)
+        for (int a = 0; a < 2; a++) stack.point[3 * i + a] *= scale;
+    stack.position[1] = apart;
+    for (int i = 4; i < 8; i++) stack.point[3 * i + 2] = apart;
+}
+
+/* Areas of 1e-150 and less have products that are 0: volumes were 0 without a word. */
+static void test_tiny_contours_have_volumes_or_are_refused(void)
+{
+    scaled_squares(0.25e-70, 1e-70);
+    build_good();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, certificate.volume / 1e-70 / 1e-70 / 1e-70);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, report.prismoid_volume / 1e-70 / 1e-70 / 1e-70);
+
+    scaled_squares(0.25, 1e-160);
+    build_good();
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, certificate.volume / 1e-160);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.0, report.prismoid_volume / 1e-160);
+
+    scaled_squares(1e-160, 1.0);
+    refuse(BVX_ERR_RANGE, "the widest loop spans 4e-160; below 1e-70 areas and volumes round to 0: scale");
+    scaled_squares(1e-160, 1e-160);
+    refuse(BVX_ERR_RANGE, "the widest loop spans 4e-160; below 1e-70");
+}
+
 static void test_bad_stacks_are_refused(void)
 {
     refuse(BVX_ERR_EMPTY, "hold no loop");
@@ -949,6 +978,7 @@ int main(void)
     RUN_TEST(test_f32_is_rounded_f64);
     RUN_TEST(test_bad_loops_are_refused);
     RUN_TEST(test_volumes_of_far_contours_are_finite);
+    RUN_TEST(test_tiny_contours_have_volumes_or_are_refused);
     RUN_TEST(test_bad_stacks_are_refused);
     RUN_TEST(test_bad_options_are_refused);
     RUN_TEST(test_threads_and_memory_change_nothing);
