@@ -957,7 +957,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *          oriented
  *  levels  [Size: level_count] their arrays are not the mesh's. After a failure no level remains
  *  Returns BVX_ERR_ARGUMENT (also a mesh that is not as above, with an edge), BVX_ERR_EMPTY (no triangle),
- *  BVX_ERR_RANGE (coordinates; strict: a level that cannot be made).
+ *  BVX_ERR_RANGE (coordinates; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that
+ *  cannot be made).
  *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; above 20,000 triangles 1.3 MB a thread;
  *  with a colour weight 190 bytes a vertex]
  *  [Cost: O(triangles), some microseconds for each that goes]
@@ -1216,8 +1217,8 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  simplified as it is too. When thin walls are kept, and what is tried under a memory limit: docs/rules.md.
  *  mesh    any mesh with area; vertices must be finite
  *  levels  [Size: level_count] as for bvx_mesh_simplify. After a failure no level remains
- *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE, BVX_ERR_BUDGET (names a limit
- *  that suffices).
+ *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less
+ *  than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
  *  of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a border edge,
  *  400 KB, and 1.3 MB a thread above 20,000 triangles]
@@ -2162,7 +2163,8 @@ typedef struct bvx_section_loop {
 /** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and
  *  sections may be in any order. Loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
-    double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build] */
+    double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build,
+                                  the widest loop at least 1e-70] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
     double *positions;       /**< of each plane: point . normal / |normal| [Size: section_count] */
     uint64_t point_count;    /**< [Limit: < 2^31] */

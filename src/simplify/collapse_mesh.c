@@ -16,6 +16,11 @@ enum {
     COLLAPSE_CURVE_BITS = 21 /* of the order in space along each axis */
 };
 
+/* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
+ * as one that turns or flattens something. */
+#define COLLAPSE_NARROWEST 1e-30
+#define COLLAPSE_WIDEST    1e31
+
 /* The plane at a border edge weighs as much as that of a triangle whose doubled area is the edge's square. */
 #define BORDER_WEIGHT 1.0
 
@@ -396,6 +401,11 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
         c->boxes.low[a] = low[a];
         if (high[a] - low[a] > size) size = high[a] - low[a];
     }
+
+    if (size > 0 && !(size >= COLLAPSE_NARROWEST && size <= COLLAPSE_WIDEST))
+        return bvxi_fail_for(c->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the mesh spans %g; edges collapse between spans of %g and %g: scale it",
+                             c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
 
     /* The longest side decides: steps are the same along all axes. */
     c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;

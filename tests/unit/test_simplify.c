@@ -843,6 +843,30 @@ static void test_open_shell_refuses_meshes_with_borders_flips_and_doubles(void)
     refuse(BVX_ERR_RANGE, &o, 1, "vertex index");
 }
 
+/* Outside of these spans nothing collapsed, and triangles that could not be fewer were said to be why. */
+static void test_spans_beyond_what_edges_collapse_in_are_refused(void)
+{
+    static const double scales[] = {1e-30, 1e-14, 1e14, 1e29, 1e-33, 1e-160, 1e33, 1e150};
+    static const uint64_t target = 100;
+    bvx_simplify_options o = defaults();
+
+    o.target_triangles = &target;
+    for (int i = 0; i < 8; i++) {
+        make_shape(shape_named("cube"));
+        for (uint64_t k = 0; k < 3 * mesh.vertices; k++) mesh.p[k] *= scales[i];
+        if (i < 4) {
+            bvx_mesh_view const view = maker_view(&mesh);
+
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
+                                            bvx_last_message(ctx));
+            TEST_ASSERT_TRUE(level[0].triangle_count <= target);
+            bvx_mesh_free(ctx, &level[0]);
+        } else {
+            refuse(BVX_ERR_RANGE, &o, 1, "edges collapse between spans of 1e-30 and 1e31: scale it");
+        }
+    }
+}
+
 /* ---- Memory ---- */
 
 /* Bytes a triangle of what a call takes besides the mesh, between two
@@ -925,6 +949,7 @@ int main(void)
     RUN_TEST(test_levels_fill_the_callers_arrays_or_refuse_small_ones);
     RUN_TEST(test_simplify_refuses_options_out_of_range_or_exclusive);
     RUN_TEST(test_open_shell_refuses_meshes_with_borders_flips_and_doubles);
+    RUN_TEST(test_spans_beyond_what_edges_collapse_in_are_refused);
     RUN_TEST(test_memory_is_as_the_header_says);
     return UNITY_END();
 }
