@@ -2,8 +2,8 @@
  * stays.
  *
  * The solid is made once (lod_input.c); each level is one call of bvx_build_lods, timed only. Everything is
- * written at the end, so a failure leaves no part of a chain. A level that keeps nothing is warned of and has
- * no file; only where no level keeps anything is that a failure. */
+ * written at the end, so a failure leaves no part of a chain. A level that keeps nothing, or cannot have so few
+ * triangles, is warned of and has no file; only where that is so of all levels is it a failure. */
 #include "cli_commands/lod_chain.h"
 #include "cli_args/rows.h"
 
@@ -36,7 +36,8 @@ static const cli_argument lod_rows[] = {
          "level needs; else 8 x the finest level, less where memory is short]"),
     {.also = cli_takes_padding},
     LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
-         "maximum number of triangles of each level"),
+         "maximum number of triangles of each level; one of which samples keep\n"
+         "nothing is left out with a warning"),
     {.also = cli_takes_errors},
     WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n"
@@ -181,19 +182,29 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
             number, level->volume, volume);
 }
 
-/* A level that keeps nothing takes no other with it: its file is left out, and whoever asked is told. */
-static int leave_out(cli_run *run, cli_chain *c, int number, cli_made *made)
+/* Why a level is not there: it keeps nothing, or its target is below what any resolution gives. */
+static int cannot_be(const cli_run *run, bvx_status status)
 {
+    return status == BVX_ERR_EMPTY ||
+           (status == BVX_ERR_RANGE && bvx_last_error(run->context)->reason == BVX_REASON_TARGET);
+}
+
+/* A level that cannot be takes no other with it: its file is left out, and whoever asked is told. */
+static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, cli_made *made)
+{
+    const char *const advice = status == BVX_ERR_EMPTY ? ""
+                                                       : "; take more triangles for it, or --method collapse";
     int const i = c->count, others = c->asked - 1 - number;
     char *const path = c->path[i];
     int const own_file = cli_has_number(run->options->output);
 
     /* The last one, and none before it: nothing would be written. */
     if (i == 0 && others == 0)
-        return cli_fail_advised(run, BVX_ERR_EMPTY, NULL,
-                                number != 0 ? "; no level before it keeps anything either" : "");
+        return cli_fail_advised(
+            run, status, NULL,
+            status == BVX_ERR_EMPTY && number != 0 ? "; no level before it keeps anything either" : advice);
     /* Where all levels share a file, that of the others is this one's too. */
-    cli_advise(made, "%s; %s%s", bvx_last_error(run->context)->text, path,
+    cli_advise(made, "%s%s; %s%s", bvx_last_error(run->context)->text, advice, path,
                own_file ? " is not written" : " is written without it");
     if (own_file) {
         cli_forget_output(run, i);
@@ -233,7 +244,7 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     cli_stage_begin(run, "level %d", number);
     status = build_level(run, c, number);
     entry->milliseconds = cli_stage_end(run) * 1e3;
-    if (status == BVX_ERR_EMPTY) return leave_out(run, c, number, made);
+    if (cannot_be(run, status)) return leave_out(run, c, status, number, made);
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", number);

@@ -232,6 +232,14 @@ any(w.startswith("level 1, ") and w.endswith("k_1.ply is not written") for w in 
 warns 'or a lower threshold; samples.glb is written without it' lod "$knot" -o samples.glb --levels 32,16,1 --samples 0
 holds 'a level that keeps nothing in a .glb: two' sh -c 'grep -a -q level_1 samples.glb && ! grep -a -q level_2 samples.glb'
 rm -f k_?.ply alone.ply
+echo older >k_1.ply
+warns 'level 1 asks for at most 4 triangles; none of the resolutions tried keeps anything in so few; take more triangles for it, or --method collapse; k_1.ply is not written' \
+    lod "$knot" -o k_%d.ply --method coverage --triangles 3000,4,900 --samples 0
+holds 'a target by samples too small: the others are written, what stood at its name stays' sh -c 'test -s k_0.ply && test -s k_2.ply && test "$(cat k_1.ply)" = older'
+holds 'a target by samples too small: what is written' says '^written: k_0.ply, k_2.ply$'
+refuses 1 'level 1 asks for at most 2 triangles; none of the resolutions tried keeps anything in so few; take more triangles for it, or --method collapse' \
+    lod "$knot" -o k_%d.ply --method coverage --triangles 4,2 --resolution 64 --samples 0
+rm -f k_?.ply
 does 'levels by samples in one .glb' lod "$knot" -o samples.glb --levels 24,12 --samples 0
 holds 'levels by samples in one .glb: both' grep -a -q level_1 samples.glb
 reports 'levels in one .glb --json' '[m["path"] for m in r["meshes"]] == ["all.glb", "all.glb"] and r["meshes"][1]["triangles"] <= 100' lod "$knot" -o all.glb --triangles 600,100 --samples 0
