@@ -657,7 +657,8 @@ BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t siz
  *  Returns BVX_ERR_ARGUMENT (also options that the rule does not take, and a window for flood or regions),
  *  BVX_ERR_EMPTY (no triangle; flood: it reached every centre off the surface although there is an inside),
  *  BVX_ERR_RANGE (index of a vertex or triangle: not finite, beyond the vertices, or too far from the lattice
- *  for its fixed point).
+ *  for its fixed point: docs/exactness.md). A closed mesh beside the window gives an empty grid, one around
+ *  it a full one.
  *  [Memory: the grid, 16 bytes a vertex, 1 a row, up to 6.3 MiB for triangles, 160 KiB a worker; each rule
  *  adds what docs/rules.md lists]
  *  [Cost: O(vertices + triangles + crossings + words); VOTE three times that; REGIONS and FLOOD add
@@ -811,7 +812,8 @@ BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
  *  windows that overlap by one layer of voxels tile the whole, and bvx_mesh_merge joins them to the whole's
  *  bytes. Vertices are in order of (z, y, axis, x) of their edge, triangles of (z, y, x) of their cell.
  *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or
- *  local_frame; 2^32 vertices or more). An empty grid gives an empty mesh.
+ *  local_frame; 2^32 vertices or more). An empty grid gives an empty mesh,
+ *  a full one a closed box (with all sides open: an empty mesh).
  *  [Memory: the mesh and 16 bytes a row]
  *  [Cost: O(words + crossings)]
  *  Source: Lorensen, Cline. Marching Cubes. 1987; face rules and triangulations from
@@ -955,7 +957,7 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *  mesh    edge-manifold and oriented, or it can be made so: doubled triangles count once, flipped ones are
  *          turned, a vertex in which parts touch becomes one for each. BVX_OPEN_SHELL: closed, manifold,
  *          oriented
- *  levels  [Size: level_count] their arrays are not the mesh's. After a failure no level remains
+ *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read
  *  Returns BVX_ERR_ARGUMENT (also a mesh that is not as above, with an edge), BVX_ERR_EMPTY (no triangle),
  *  BVX_ERR_RANGE (coordinates; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that
  *  cannot be made).
@@ -1041,7 +1043,7 @@ typedef struct bvx_repair_report {
                                              [Units: world] */
     double sharp_share; /**< of all edge length, the share that is sharp; 0 above 500,000 triangles */
     int32_t sharp;      /**< 1: vertices were put on sharp edges and corners */
-    int32_t needs;      /**< BVX_NEEDS_...: why the input needs a repair */
+    int32_t needs;      /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
     int32_t copied;     /**< 1: it needed none and was copied (if_needed) */
     int32_t thin_kept;  /**< 1: thin walls are in the result; 0: there are none, or they are lost */
     uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong */
@@ -1100,9 +1102,10 @@ typedef struct bvx_repair_options {
 BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
 
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
- *  guarantees, whatever the input. Holes get smooth lids, overlapping parts become one, sheets become shells,
- *  and walls too thin for the lattice are kept (thin). Details smaller than a voxel are lost, and rods
- *  thinner than one come out thicker. The steps, and what counts as a sheet: docs/rules.md.
+ *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
+ *  smooth lids, overlapping parts become one, sheets become shells, and walls too thin for the lattice are
+ *  kept (thin). Details smaller than a voxel are lost, and rods thinner than one come out thicker. The steps,
+ *  and what counts as a sheet: docs/rules.md.
  *  mesh      triangles without area do no harm; vertices must be finite, used or not
  *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts
@@ -1216,7 +1219,7 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  bvx_mesh_simplify, whose guarantee holds for every level. With BVX_OPEN_KEEP or CUT a mesh with borders is
  *  simplified as it is too. When thin walls are kept, and what is tried under a memory limit: docs/rules.md.
  *  mesh    any mesh with area; vertices must be finite
- *  levels  [Size: level_count] as for bvx_mesh_simplify. After a failure no level remains
+ *  levels  [Size: level_count] as for bvx_mesh_simplify
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less
  *  than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
@@ -1365,7 +1368,7 @@ BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh
  *  target_triangles is given. A target takes the largest resolution that a bisection finds not to exceed it.
  *  collapse 2 to 4 puts triangles where the surface bends: nearer to the original, but less even and slower
  *  (docs/rules.md).
- *  levels  [Size: level_count] After a failure no level remains, nor do meshes of an earlier call in them
+ *  levels  [Size: level_count] After a failure none is to be read
  *  Returns BVX_ERR_RANGE (a resolution above the grid's; f32 as in bvx_extract_surface; a target below the
  *  triangles of the coarsest level), BVX_ERR_EMPTY (a level that keeps nothing, named).
  *  [Memory: the meshes, one coarse grid, 24 bytes a sample row and column (coverage: and 4 bytes a sample;
@@ -1386,7 +1389,8 @@ typedef struct bvx_closest_point {
     double position[3]; /**< [Units: world] */
     double distance;    /**< [Units: world] */
     double weight[3];   /**< barycentric coordinates: not negative, with sum 1 but for rounding */
-    uint32_t triangle;  /**< the lowest index among the triangles at that distance */
+    uint32_t triangle;  /**< the lowest index among the triangles at that distance, as computed; position,
+                             weight and feature are of it */
     int32_t feature;    /**< 0: inside the triangle; 1, 2, 3: on edge 0-1, 1-2, 2-0; 4, 5, 6: on corner 0, 1,
                              2 */
 } bvx_closest_point;
@@ -1768,7 +1772,7 @@ typedef struct bvx_component {
 
 /** The connected components of a grid, in the order of their first voxels (z, y, x).
  *  connectivity  6: across faces; 18: and edges; 26: and corners
- *  parts         [Size: capacity]
+ *  parts         [Size: capacity] of more parts BVX_ERR_CAPACITY: count is that of all, parts unspecified
  *  Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more).
  *  [Memory: 4 bytes a run and 24 for each word of a slice]
  *  [Cost: O(words + runs)]
