@@ -753,8 +753,8 @@ BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size)
  *  the lattice's fixed point. Closed sets touch when they share a point; triangles without area count as the
  *  segments or points that they are (thin: they have no crossing).
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (vertex or index, as in bvx_voxelize_solid).
- *  [Memory: the grid, 16 bytes a vertex, and with several threads 4 for each triangle and tile of rows that
- *  it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel]
+ *  [Memory: the grid, 16 bytes a vertex, and with several threads up to 8 a triangle, or 4 for each triangle
+ *  and tile of rows that it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel]
  *  [Cost: O(vertices + triangles + runs + words); sampled: O(points in the window); attached: twice more]
  *  [Exact: in any order of triangles and corners; a window has the bits of the whole]
  *  Source: Schwarz, Seidel. Fast Parallel Surface and Solid Voxelization on GPUs. 2010 (conservative); Laine.

@@ -33,9 +33,14 @@ typedef struct bvxi_surface_job {
     bvxi_tiles tiles; /* of the window's rows */
     bvxi_bins bins;
     int32_t fraction_bits, mode, cpu, task;
-    int32_t pieces;          /* of the triangles, for a single tile and a single thread */
+    int32_t pieces;          /* of the triangles, for a single tile */
     uint32_t first;          /* triangle of the present piece */
     int32_t size[3], low[3]; /* of the window [Units: voxels] */
+
+    /* workers beside the first that have grids of their own, for a single tile: voxelize_surface.c */
+    int32_t helper_count;
+    struct bvxi_surface_helper *helpers;
+    uint64_t *helper_words;
 
     /* attached triangles */
     bvxi_rank rank;

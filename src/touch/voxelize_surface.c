@@ -1,13 +1,16 @@
 /* voxelize_surface.c - the voxels that a mesh's surface touches: bvx_voxelize_surface.
  *
- * Vertices are snapped, triangles are sorted by tile of rows (tile_bins.c), each tile writes its own rows by
- * the definition requested (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over
- * the tiles: the first counts by rank, the second fills in.
+ * Vertices are snapped. Then each tile of rows takes the triangles that reach it (tile_bins.c) and writes its
+ * own rows, or each worker takes pieces of the triangles and writes a grid of its own, by the definition
+ * requested (conservative.c, thin.c, sampled.c). Attached triangles take two more runs over the tiles: the
+ * first counts by rank, the second fills in.
  * Guarantee: exact; the same bits for any order of triangles, threads and windows. */
 #include "touch/surface_voxels.h"
 
 enum {
     SURFACE_GRAIN = 65536, /* triangles between looks at progress */
+    APART_GRAIN = 4096,    /* triangles that a worker takes at a time */
+    APART_BYTES = 8,       /* of the grids of workers beside the first, for each triangle, at most */
     LARGE_GRID = 1 << 23   /* [Units: words] */
 };
 
@@ -72,15 +75,32 @@ static void touch_tile(void *user, int32_t number, int32_t worker)
                   job->bins.end[number + 1] - job->bins.end[number]);
 }
 
-/* A piece of the triangles into the only tile; the pieces come one after the other. */
+/* A worker beside the first, with a grid and counts of its own until all are joined. */
+struct bvxi_surface_helper {
+    bvxi_surface_job job;
+    bvx_grid grid;
+    int32_t begun;
+};
+
+static bvxi_surface_job *job_of_worker(bvxi_surface_job *job, int32_t worker)
+{
+    struct bvxi_surface_helper *helper;
+
+    if (worker == 0) return job;
+    helper = &job->helpers[worker - 1];
+    /* By the worker itself, while its words are about to be needed; who never comes costs nothing. */
+    if (!helper->begun) memset(helper->grid.words, 0, (size_t)bvxi_grid_words(&helper->grid) * 8);
+    helper->begun = 1;
+    return &helper->job;
+}
+
+/* A piece of the triangles into the only tile. */
 static void touch_only_tile(void *user, int32_t piece, int32_t worker)
 {
-    bvxi_surface_job *const job = user;
+    bvxi_surface_job *const job = job_of_worker(user, worker);
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, 0), 0};
     uint64_t begin, end;
 
-    (void)worker;
-    /* On one thread the triangles are cut into pieces only to report progress. */
     bvxi_piece(job->view->triangle_count, job->pieces, piece, &begin, &end);
     job->first = (uint32_t)begin;
     touch_by_mode(&tile, NULL, end - begin);
@@ -94,6 +114,60 @@ static void empty_slice(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     empty_rows(job, &slice);
+}
+
+/* A slice of the helpers' grids into the one of all. */
+static void join_slice(void *user, int32_t index, int32_t worker)
+{
+    const bvxi_surface_job *const job = user;
+    size_t const words = (size_t)job->size[1] * (size_t)job->grid->words_per_row, at = (size_t)index * words;
+    uint64_t *BVXI_RESTRICT const all = job->grid->words + at;
+
+    (void)worker;
+    for (int32_t h = 0; h < job->helper_count; h++) {
+        const uint64_t *BVXI_RESTRICT const own = job->helpers[h].grid.words + at;
+
+        for (size_t i = 0; job->helpers[h].begun && i < words; i++) all[i] |= own[i];
+    }
+}
+
+static void join_counts(bvxi_surface_job *job, const bvxi_surface_job *own)
+{
+    job->used[0] += own->used[0];
+    job->samples[0] += own->samples[0];
+    job->parts[0] += own->parts[0];
+    for (int a = 0; a < 3; a++) job->beyond[0][a] += own->beyond[0][a];
+}
+
+static bvx_status open_helpers(bvx_context *ctx, bvxi_surface_job *job)
+{
+    uint64_t const count = (uint64_t)job->helper_count, words = bvxi_grid_words(job->grid);
+
+    if (count == 0) return BVX_OK;
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *job->helpers, "the workers' surfaces",
+                             &job->helpers));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * words * 8, "the workers' grids", &job->helper_words));
+    /* All copies are made before anybody works on the first. */
+    for (uint64_t h = 0; h < count; h++) {
+        struct bvxi_surface_helper *const helper = &job->helpers[h];
+
+        helper->grid = *job->grid;
+        helper->grid.words = job->helper_words + h * words;
+        helper->job = *job;
+        helper->job.grid = &helper->grid;
+    }
+    return BVX_OK;
+}
+
+/* Sums of whole numbers and sets of bits: in any order the same. */
+static bvx_status close_helpers(bvx_context *ctx, bvxi_surface_job *job, double at)
+{
+    if (job->helper_count == 0) return BVX_OK;
+    for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
+    BVXI_TRY(bvxi_parallel(ctx, "surface", at, at, job->size[2], join_slice, job));
+    bvxi_drop(ctx, job->helper_words);
+    bvxi_drop(ctx, job->helpers);
+    return BVX_OK;
 }
 
 static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t task, double from, double to)
@@ -113,8 +187,10 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
                                     empty_slice, job));
     }
     count_nothing(job, 0);
-    return bvxi_parallel_long(ctx, "surface", middle, to, job->pieces, triangles / (double)job->pieces,
-                              touch_only_tile, job);
+    BVXI_TRY(open_helpers(ctx, job));
+    BVXI_TRY(bvxi_parallel_long(ctx, "surface", middle, to, job->pieces, triangles / (double)job->pieces,
+                                touch_only_tile, job));
+    return close_helpers(ctx, job, to);
 }
 
 /* ---- attached triangles ---- */
@@ -196,15 +272,28 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
 
 /* ---- the call ---- */
 
-/* One thread takes all triangles as they come; more get some tiles each, so that none waits long for the
- * last one. Large tiles are cut further, so that they are not long without a report. */
-static int32_t choose_tile_count(const bvx_context *ctx, const bvx_grid *grid)
+/* One thread takes all triangles as they come. So do several with a grid each where these are small beside the
+ * mesh: the work of one thread, shared. Lists of attached triangles have to be in order; they, and large grids,
+ * get some tiles a thread, so that none waits long for the last one. Large tiles are cut further, so that they
+ * are not long without a report. */
+static void share_work(const bvx_context *ctx, int attach, bvxi_surface_job *job)
 {
+    uint64_t const triangles = job->view->triangle_count, words = bvxi_grid_words(job->grid);
     int32_t const threads = bvxi_threads(ctx);
+    int32_t tiles = 8 * threads;
 
-    if (threads == 1) return 1;
-    if (threads >= BVXI_SURFACE_TILES / 8 || bvxi_grid_words(grid) > LARGE_GRID) return BVXI_SURFACE_TILES;
-    return 8 * threads;
+    job->pieces = 1;
+    if (threads == 1) {
+        tiles = 1;
+        job->pieces = bvxi_piece_count(triangles, SURFACE_GRAIN);
+    } else if (!attach && words <= triangles * APART_BYTES / 8 / (uint64_t)(threads - 1)) {
+        tiles = 1;
+        job->pieces = bvxi_piece_count(triangles, APART_GRAIN);
+        job->helper_count = threads - 1;
+    } else if (threads >= BVXI_SURFACE_TILES / 8 || words > LARGE_GRID) {
+        tiles = BVXI_SURFACE_TILES;
+    }
+    bvxi_tiles_choose(&job->tiles, job->size[1], job->size[2], tiles);
 }
 
 static const bvxi_option surface_option_rows[] = {
@@ -244,8 +333,8 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
 }
 
 /* A job for a grid that is open; the mesh and the lattice have been checked. */
-static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, const bvx_grid *grid,
-                          bvxi_surface_job *job)
+static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t mode, int attach,
+                          const bvx_grid *grid, bvxi_surface_job *job)
 {
     memset(job, 0, sizeof *job);
     job->view = mesh;
@@ -255,10 +344,7 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
     job->cpu = bvxi_cpu(ctx);
     memcpy(job->size, grid->size, sizeof job->size);
     memcpy(job->low, grid->low, sizeof job->low);
-
-    /* Several pieces on one thread give progress; with more threads the tiles do. */
-    bvxi_tiles_choose(&job->tiles, grid->size[1], grid->size[2], choose_tile_count(ctx, grid));
-    job->pieces = bvxi_threads(ctx) == 1 ? bvxi_piece_count(mesh->triangle_count, SURFACE_GRAIN) : 1;
+    share_work(ctx, attach, job);
 }
 
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
@@ -268,7 +354,7 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     bvxi_surface_job job;
 
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
-    begin_surface(ctx, mesh, BVX_SURFACE_THIN, lost, &job);
+    begin_surface(ctx, mesh, BVX_SURFACE_THIN, 0, lost, &job);
     job.solid = solid;
     BVXI_TRY(run_surface(ctx, function, &o, &job));
     for (int a = 0; a < 3; a++) {
@@ -308,7 +394,7 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     /* Into a copy of the struct: after a failure the caller's grid is as it was. */
     made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
-    begin_surface(context, mesh, o.mode, &made, &job);
+    begin_surface(context, mesh, o.mode, o.attached != NULL, &made, &job);
     status = run_surface(context, surface_name, &o, &job);
     if (status != BVX_OK) {
         if (surface->words == NULL) bvx_grid_free(context, &made);

@@ -22,6 +22,11 @@ static void test_contexts_and_windows_agree(void)
     check_contexts(SAMPLED);
 }
 
+static void test_workers_share_the_triangles(void)
+{
+    check_workers(SAMPLED);
+}
+
 /* A triangle with corners at the ends of the fixed point, about a window. */
 static void test_huge_triangles(void)
 {
@@ -267,6 +272,7 @@ int main(void)
     RUN_TEST(test_meshes_and_windows_are_the_oracles);
     RUN_TEST(test_order_types_and_strides_change_nothing);
     RUN_TEST(test_contexts_and_windows_agree);
+    RUN_TEST(test_workers_share_the_triangles);
     RUN_TEST(test_huge_triangles);
     RUN_TEST(test_connected_meshes_are_26_connected);
     RUN_TEST(test_counts_what_it_did);

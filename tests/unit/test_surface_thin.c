@@ -22,6 +22,11 @@ static void test_contexts_and_windows_agree(void)
     check_contexts(THIN);
 }
 
+static void test_workers_share_the_triangles(void)
+{
+    check_workers(THIN);
+}
+
 /* ---- Closed meshes ---- */
 
 enum { STAR, STARS, CUBES, TETRAHEDRA, ALIGNED_BOXES, CLOSED_KINDS };
@@ -189,6 +194,7 @@ int main(void)
     RUN_TEST(test_meshes_and_windows_are_the_oracles);
     RUN_TEST(test_order_types_and_strides_change_nothing);
     RUN_TEST(test_contexts_and_windows_agree);
+    RUN_TEST(test_workers_share_the_triangles);
     RUN_TEST(test_separates_what_parity_tells_apart);
     RUN_TEST(test_a_wall_is_one_voxel_thick);
     return UNITY_END();

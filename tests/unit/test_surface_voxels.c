@@ -22,6 +22,11 @@ static void test_contexts_and_windows_agree(void)
     check_contexts(CONSERVATIVE);
 }
 
+static void test_workers_share_the_triangles(void)
+{
+    check_workers(CONSERVATIVE);
+}
+
 /* Triangles of up to 2^31 steps whose planes pass near a window: two corners anywhere, the third one such
  * that some point of the window lies near the plane. */
 static void make_far(int32_t count, const bvx_window *w, int32_t f)
@@ -291,6 +296,7 @@ int main(void)
     RUN_TEST(test_meshes_and_windows_are_the_oracles);
     RUN_TEST(test_order_types_and_strides_change_nothing);
     RUN_TEST(test_contexts_and_windows_agree);
+    RUN_TEST(test_workers_share_the_triangles);
     RUN_TEST(test_huge_triangles_in_small_windows);
     RUN_TEST(test_extreme_corners);
     RUN_TEST(test_planes_too_steep_for_doubles);
