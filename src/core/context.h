@@ -58,21 +58,6 @@ struct bvx_context {
     char message[BVXI_MESSAGE_SIZE];
 };
 
-void *bvxi_arena_alloc(bvxi_arena *arena, int kind, size_t size, uint64_t serial);
-void bvxi_arena_free(bvxi_arena *arena, void *block);
-/* The bytes that a block of scratch was requested. */
-uint64_t bvxi_arena_size(const bvxi_arena *arena, const void *block);
-/* The scratch taken last since a mark, and its size; NULL: none. All of that lives on. */
-void *bvxi_arena_since(const bvxi_arena *arena, uint64_t mark, uint64_t *size);
-void bvxi_arena_adopt(bvxi_arena *arena, uint64_t mark);
-
-/* memory.c, outside of arenas: a block comes and goes. BVX_ERR_MEMORY: no room for one more. */
-bvx_status bvxi_scratch_remember(bvx_context *ctx, void *block, uint64_t size);
-void bvxi_scratch_forget(bvx_context *ctx, const void *block);
-void *bvxi_scratch_since(const bvx_context *ctx, uint64_t mark, uint64_t *size);
-/* 0: it is none of the table's. */
-uint64_t bvxi_scratch_size(const bvx_context *ctx, const void *block);
-
 /* heap.c, left out of freestanding builds: the C library's heap with alignment. */
 void *bvxi_heap_alloc(void *user, size_t size, size_t align);
 void bvxi_heap_free(void *user, void *block, size_t size, size_t align);

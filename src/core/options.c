@@ -38,8 +38,8 @@ void bvxi_give_options(void *options, size_t size, const void *defaults, size_t 
 
 /* ---- Ranges ---- */
 
-static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
-                                    int64_t value)
+BVXI_COLD static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                              int64_t value)
 {
     if (row->kind != BVXI_IS_WHOLE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: %s %d is unknown", function,
@@ -51,17 +51,19 @@ static bvx_status fail_whole_option(bvx_context *ctx, const char *function, cons
                          function, row->name, value, (int64_t)row->low, (int64_t)row->high);
 }
 
-static bvx_status check_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
-                                     const unsigned char *at)
+static inline bvx_status check_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                            const unsigned char *at)
 {
     int32_t value;
-    int good;
 
     memcpy(&value, at, sizeof value);
     /* Choices that are not consecutive: low holds the bits, one for each that is allowed. */
-    if (row->kind == BVXI_IS_AMONG) good = value >= 0 && value < 32 && ((uint32_t)row->low >> value & 1) != 0;
-    else good = value >= row->low && value <= row->high;
-    return good ? BVX_OK : fail_whole_option(ctx, function, row, value);
+    if (BVXI_UNLIKELY(row->kind == BVXI_IS_AMONG)) {
+        if (value >= 0 && value < 32 && ((uint32_t)row->low >> value & 1) != 0) return BVX_OK;
+    } else if (BVXI_LIKELY(value >= row->low && value <= row->high)) {
+        return BVX_OK;
+    }
+    return fail_whole_option(ctx, function, row, value);
 }
 
 static bvx_status check_count_option(bvx_context *ctx, const char *function, const bvxi_option *row,
@@ -75,18 +77,10 @@ static bvx_status check_count_option(bvx_context *ctx, const char *function, con
                          function, row->name, value, (uint64_t)row->low, (uint64_t)row->high);
 }
 
-static bvx_status check_real_option(bvx_context *ctx, const char *function, const bvxi_option *row,
-                                    const unsigned char *at)
+BVXI_COLD static bvx_status fail_real_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                             double value)
 {
     const char *const also = row->kind == BVXI_IS_ZERO_OR ? "0, or " : "";
-    double value;
-    int within;
-
-    memcpy(&value, at, sizeof value);
-    within = value >= row->low && value <= row->high;
-    /* 0 as the upper end stands for none. */
-    if (row->kind == BVXI_IS_ABOVE) within = value > row->low && (value <= row->high || row->high == 0.0);
-    if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;
 
     if (row->kind == BVXI_IS_ABOVE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is %g; it must be above %g%s",
@@ -99,9 +93,23 @@ static bvx_status check_real_option(bvx_context *ctx, const char *function, cons
                          function, row->name, value, also, row->low, row->high);
 }
 
+static inline bvx_status check_real_option(bvx_context *ctx, const char *function, const bvxi_option *row,
+                                           const unsigned char *at)
+{
+    double value;
+    int within;
+
+    memcpy(&value, at, sizeof value);
+    within = value >= row->low && value <= row->high;
+    /* 0 as the upper end stands for none. */
+    if (row->kind == BVXI_IS_ABOVE) within = value > row->low && (value <= row->high || row->high == 0.0);
+    if (within || (row->kind == BVXI_IS_ZERO_OR && value == 0.0)) return BVX_OK;
+    return fail_real_option(ctx, function, row, value);
+}
+
 /* A reserved array has 8-byte elements: name which. */
-static bvx_status fail_reserved_option(bvx_context *ctx, const char *function, const bvxi_option *row,
-                                       size_t i)
+BVXI_COLD static bvx_status fail_reserved_option(bvx_context *ctx, const char *function,
+                                                 const bvxi_option *row, size_t i)
 {
     if (row->size <= 8) return bvxi_fail_reserved(ctx, function, "");
     return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: reserved[%u] must be 0", function,
@@ -112,27 +120,21 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void
                               const bvxi_option *rows, size_t count)
 {
     /* In the order of the rows, so that the first field that is wrong is named. */
-    for (size_t i = 0; i < count; i++) {
-        const bvxi_option *const row = &rows[i];
+    for (const bvxi_option *row = rows; row != rows + count; row++) {
         const unsigned char *const at = (const unsigned char *)options + row->at;
-        bvx_status status = BVX_OK;
 
         switch (row->kind) {
-        case BVXI_IS_COUNT: status = check_count_option(ctx, function, row, at); break;
+        case BVXI_IS_COUNT: BVXI_TRY(check_count_option(ctx, function, row, at)); break;
         case BVXI_IS_REAL:
         case BVXI_IS_ABOVE:
-        case BVXI_IS_ZERO_OR: status = check_real_option(ctx, function, row, at); break;
+        case BVXI_IS_ZERO_OR: BVXI_TRY(check_real_option(ctx, function, row, at)); break;
         case BVXI_IS_RESERVED:
             /* All bytes, whatever their type: only zeros are allowed. */
-            for (size_t k = 0; k < row->size && status == BVX_OK; k++)
-                if (at[k] != 0) status = fail_reserved_option(ctx, function, row, k / 8);
+            for (size_t k = 0; k < row->size; k++)
+                if (at[k] != 0) return fail_reserved_option(ctx, function, row, k / 8);
             break;
-        case BVXI_IS_WHOLE:
-        case BVXI_IS_CHOICE:
-        case BVXI_IS_AMONG:
-        default: status = check_whole_option(ctx, function, row, at); break;
+        default: BVXI_TRY(check_whole_option(ctx, function, row, at)); break;
         }
-        if (status != BVX_OK) return status;
     }
     return BVX_OK;
 }

@@ -37,10 +37,12 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
     if (ctx == NULL || ctx->calls++ != 0) return;
 
     ctx->mark = bvxi_scratch_begin(ctx);
+    ctx->stage = ctx->function = function;
+    /* Without a callback nobody looks at shares. */
+    if (ctx->progress == NULL) return;
     ctx->shares = 0;
     ctx->share[0] = (bvxi_share){.knee = BEFORE_END, .high = BEFORE_END, .bend = 1.0, .to = 1.0};
     ctx->reached = 0.0;
-    ctx->stage = ctx->function = function;
 }
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
@@ -60,6 +62,7 @@ void bvxi_share_begin(bvx_context *ctx, double from, double to)
     const bvxi_share *const outer = present_share(ctx);
     bvxi_share share = {.bend = 1.0, .to = to};
 
+    if (ctx->progress == NULL) return;
     share.low = place_in(outer, from);
     share.knee = share.high = place_in(outer, to);
     if (++ctx->shares < BVXI_SHARES) ctx->share[ctx->shares] = share;
@@ -71,7 +74,7 @@ void bvxi_share_costs(bvx_context *ctx, double from, double to, double times)
     double cost[BVXI_SHARES]; /* of what is left of each share, in shares of the call as planned before */
     double now, end, part, old;
 
-    if (top >= BVXI_SHARES) return;
+    if (ctx->progress == NULL || top >= BVXI_SHARES) return;
     now = place_in(&ctx->share[top], from);
     end = place_in(&ctx->share[top], to);
     if (!(end > now)) return;
@@ -103,16 +106,17 @@ void bvxi_share_costs(bvx_context *ctx, double from, double to, double times)
 
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
 {
-    ctx->shares--;
+    if (ctx->progress != NULL) ctx->shares--;
     return status;
 }
 
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 {
     const bvxi_share *const share = present_share(ctx);
-    double at = place_in(share, fraction);
+    double at;
 
     if (ctx->progress == NULL) return BVX_OK;
+    at = place_in(share, fraction);
 
     /* Tests call works without a public function around them; there is no whole then. */
     if (ctx->calls != 0) {
@@ -162,12 +166,18 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
     }
 }
 
+/* Without a callback nobody is asked between batches, so there is one. */
+static bvx_status run_all(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user)
+{
+    if (count > 0) run(ctx, 0, count, task, user);
+    return BVX_OK;
+}
+
 /* Few enough batches to cost nothing, large enough to feed every worker. */
 static int32_t batch_of(const bvx_context *ctx, int32_t count)
 {
     int32_t const least = ctx->threads * TASKS_PER_WORKER, batch = (count + BATCHES - 1) / BATCHES;
 
-    if (ctx->progress == NULL) return count;
     return batch < least && ctx->threads != 1 ? least : batch;
 }
 
@@ -178,7 +188,7 @@ static int32_t batch_of_long(const bvx_context *ctx, int32_t count, double each)
                   least = ctx->threads == 1 ? 1 : ctx->threads * LONG_TASKS_PER_WORKER;
     double const fits = BETWEEN_REPORTS * (double)ctx->threads / (each > 1.0 ? each : 1.0);
 
-    if (ctx->progress == NULL || fits >= (double)most) return most;
+    if (fits >= (double)most) return most;
     if (fits <= (double)least) return least < most ? least : most;
     return (int32_t)fits;
 }
@@ -199,12 +209,14 @@ static bvx_status run_batches(bvx_context *ctx, const char *stage, double from, 
 bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                          bvx_task_fn *task, void *user)
 {
+    if (ctx->progress == NULL) return run_all(ctx, count, task, user);
     return run_batches(ctx, stage, from, to, count, batch_of(ctx, count), task, user);
 }
 
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user)
 {
+    if (ctx->progress == NULL) return run_all(ctx, count, task, user);
     return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
 }
 

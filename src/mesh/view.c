@@ -190,11 +190,15 @@ static int bounds_of_block(const unsigned char *at, size_t n, float low[3], floa
         zero[k] += f * 0.0f;
     }
     /* Lanes become axes: every third one is of the same coordinate. */
-    for (size_t k = 0; k < lanes; k++) {
-        low[k % 3] = k < 3 || lo[k] < low[k % 3] ? lo[k] : low[k % 3];
-        high[k % 3] = k < 3 || hi[k] > high[k % 3] ? hi[k] : high[k % 3];
-        sum += zero[k];
+    for (size_t a = 0; a < 3; a++) {
+        low[a] = lo[a];
+        high[a] = hi[a];
+        for (size_t k = a + 3; k < lanes; k += 3) {
+            low[a] = lo[k] < low[a] ? lo[k] : low[a];
+            high[a] = hi[k] > high[a] ? hi[k] : high[a];
+        }
     }
+    for (size_t k = 0; k < lanes; k++) sum += zero[k];
     return sum == 0.0f;
 }
 

@@ -63,7 +63,8 @@ static double float_step(double coordinate)
     double step = 1.0 / 9007199254740992.0 / 9007199254740992.0 / 8796093022208.0;
 
     /* A float has 24 bits, so its step doubles whenever the coordinate reaches 2^24 of them. Doubling is
-     * exact and needs no logarithm of a library. */
+     * exact and needs no logarithm of a library; most of the way goes by 16 doublings at once. */
+    while (step * 16777216.0 * 65536.0 <= coordinate) step *= 65536.0;
     while (step * 16777216.0 <= coordinate) step *= 2;
     return step;
 }
