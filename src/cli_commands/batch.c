@@ -58,6 +58,7 @@ static char *path_in_folder(const char *folder, const char *input, const char *e
         snprintf(path, room, "%s/%s", folder, name);
         return path;
     }
+    /* a.stl.gz becomes a.ply: both endings go, as what is made is not packed. */
     if (cli_is_packed(name)) length -= 3;
     dot = name + length;
     if (dot > name) dot--;
@@ -133,6 +134,7 @@ static void begin_file(cli_run *run, const batch *b, int i)
     memset(&run->progress, 0, sizeof run->progress);
     run->context = NULL;
     run->context_limit = 0;
+    /* Commands fill in options that were not given, so each file starts from those of the line. */
     *run->options = b->asked;
     run->options->input[0] = b->asked.input[i];
     run->about = b->asked.input[i];

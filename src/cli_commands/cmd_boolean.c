@@ -360,6 +360,7 @@ static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_m
         bvx_mesh_view view;
 
         bvx_mesh_view_of(&b->in[i].mesh, &view);
+        /* Joined at equal positions: a file may have each corner of a triangle for itself. */
         if (bvx_mesh_check(run->context, &view, 1, &c) != BVX_OK) return;
         own += c.components;
     }
@@ -397,6 +398,7 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0)
             cli_advise(made, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+    /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
     for (int i = 0; i < 3; i++)
         if ((b->few >> i & 1) != 0)
             cli_advise(made, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],

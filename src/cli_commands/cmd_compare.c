@@ -60,6 +60,7 @@ static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bv
     cli_tell(made, "\n");
     tell_only(made, "A", d->only_a, d->components_only_a, d->largest_only_a);
     tell_only(made, "B", d->only_b, d->components_only_b, d->largest_only_b);
+    /* Where nothing differs there is no box of it. */
     if (d->only_a + d->only_b == 0) {
         cli_tell(made, "  the same\n");
         return;
@@ -253,6 +254,7 @@ static int check_compare_options(cli_run *run)
         return cli_usage(
             run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "
                  "or make a mesh of the grid with 'bitvox lod'");
+    /* The seed places samples; 0 of them have no place. */
     if (kind[0] == CLI_MESH && o->samples == 0 && cli_given(run, "--seed"))
         return cli_usage(run, "--seed has no use with --samples 0");
     if (kind[0] == CLI_MESH) return CLI_DONE;

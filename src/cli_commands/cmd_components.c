@@ -197,6 +197,8 @@ static void report_parts(const components_job *job, cli_made *made)
     cli_json_count(t, "dropped", job->kept.dropped);
     cli_json_count(t, "voxels_dropped", job->kept.voxels_dropped);
     cli_json_count(t, "filled", job->filled);
+    /* Set voxels by 26 and empty ones by 6 are counted together, or the other way round; 18 has no such
+     * partner. */
     if (job->connectivity != 18) {
         cli_json_count(t, "cavities", job->topology.cavities);
         cli_text_add(t, ", \"tunnels\": %" PRId64 ", \"euler\": %" PRId64, job->topology.tunnels,
@@ -301,6 +303,7 @@ static int make_components(cli_run *run, void *work, cli_made *made)
     CLI_TRY(check_components_options(run));
     CLI_TRY(open_components_outputs(run));
     CLI_TRY(cli_read_input(run, run->options->input[0], &job->in));
+    /* Refused before parts are looked for, which takes longer. */
     if (output != NULL && !CLI_HOLDS(run, CLI_TO_MESH))
         CLI_TRY(cli_check_grid_format(run, output, &job->in.grid.lattice, job->in.grid.size));
     CLI_TRY(keep_components(run, job));

@@ -270,6 +270,7 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
 
     memset(&t, 0, sizeof t);
     status = cli_take_tree(run, in->tree, &t);
+    /* Taken over, also by a failure: it must not go twice. */
     in->tree = NULL;
     if (status == CLI_DONE) {
         cli_tell(made, "  format      octree, %" PRId32 " levels above the last\n", t.levels);
@@ -335,6 +336,7 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
+    /* Refused before a large file is read for nothing. */
     if (own->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */

@@ -299,6 +299,7 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
                  c->input_triangles, c->diagonal);
         return;
     }
+    /* Of a mesh both are told, since the levels are those of its solid. */
     cli_tell_input(run, c->input.triangle_count, &c->certificate, c->diagonal, made);
     cli_tell(made,
              "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64

@@ -266,6 +266,7 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
         d.thickness = own->hollow.thickness + deep * 1.75 * most;
         d.drain_radius = 0.0;
         d.report = NULL;
+        /* Made twice, without and with the hole: what only the first one has is the hole. */
         status = bvx_grid_hollow(run->context, &job->in.grid, &d, &closed);
         d.drain_radius = own->hollow.drain_radius;
         d.report = &job->hollow;
@@ -492,6 +493,7 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     cli_stage_begin(run, "distance");
     status = measure(run, &job->in.grid, field);
     cli_stage_end(run);
+    /* Without these arrays nothing was measured, and the library has no message about it. */
     if (field->row_values == NULL || field->distances == NULL)
         return cli_fail(run, "no memory for %" PRIu64 " distances", field->value_count);
     CLI_TRY(cli_check_call(run, status, cli_input_name(job->in.path)));

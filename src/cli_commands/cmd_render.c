@@ -205,6 +205,7 @@ static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
     if (status == CLI_DONE) cli_turntable_room(run, scene, show);
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) {
         bvx_image picture = {0};
+        /* One room for all frames, so that the body does not seem to breathe while it turns. */
         cli_turn(direction, up, i, count, turned);
         status = draw_stage(run, scene, s, turned, show, &picture);
         if (status == CLI_DONE) status = write_image(run, i, &picture);

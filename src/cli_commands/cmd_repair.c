@@ -319,6 +319,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     if (result != CLI_DONE || !reduction->done) return result;
     /* The report is of the mesh that is written. */
     report->after = reduction->level.certificate;
+    /* The distances were of the mesh before it collapsed, so they are measured anew. */
     if (!own->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);

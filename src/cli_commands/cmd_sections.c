@@ -611,6 +611,7 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
+    /* All bodies are kept together or none, so none is made where not all can be. */
     if (count > CLI_MAX_OUTPUTS)
         result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
                           cli_input_name(run->options->input[0]), CLI_MAX_OUTPUTS);

@@ -228,6 +228,7 @@ static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *latti
     if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_text_add(t, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
+    /* Between two terrains what was dug away and what was heaped up are two numbers. */
     if (o->fill == BVX_FILL_BELOW) {
         cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
                      second ? " where both terrains are" : " under the surface");

@@ -111,6 +111,7 @@ static int copy_without(cli_run *run, const bvx_volume_view *view, const bvx_gri
             }
     *copy = *view;
     copy->samples = *samples;
+    /* Zeros stand for samples without gaps, as the copy has them. */
     memset(copy->strides, 0, sizeof copy->strides);
     return CLI_DONE;
 }
@@ -248,6 +249,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
 
+    /* No grid is written, yet the report says which voxels the surface is around. */
     cli_note_voxels(run, &j->volume.view.lattice, j->report.inside);
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -266,6 +268,7 @@ static int list_labels(cli_run *run, volume_job *j)
     bvx_status status;
 
     cli_stage_begin(run, "labels");
+    /* Counted first: a volume of other samples has millions of values. */
     status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
     /* More than can be written is refused below without listing them. */
     if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
