@@ -132,18 +132,29 @@ static int row_has_voxels(const uint64_t *row, int32_t words)
     return any != 0;
 }
 
+enum {
+    VOXELS_BETWEEN_REPORTS = 1 << 22 /* 16 MB of numbers: some hundredths of a second where memory is new */
+};
+
 /* Empty rows are cleared as one stretch: large ones cost no reading of what is overwritten. */
 static bvx_status label_rows(bvx_context *ctx, const bvxi_spaces *spaces, uint32_t *labels)
 {
     const bvx_grid *const g = spaces->grid;
     const uint32_t *label = spaces->parts.label;
     const uint64_t *row = g->words;
-    int32_t const step = (g->size[2] + 7) / 8;
-    size_t const nx = (size_t)g->size[0];
+    size_t const nx = (size_t)g->size[0], slice = nx * (size_t)g->size[1];
     size_t empty = 0; /* voxels before labels that are still to be cleared */
+    size_t due = 0;   /* voxels until the next report */
 
     for (int32_t z = 0; z < g->size[2]; z++) {
-        if (z % step == 0) BVXI_TRY(bvxi_progress(ctx, "label", (double)z / (double)g->size[2]));
+        if (due < slice) {
+            /* What is cleared late would keep the next report waiting. */
+            memset(labels - empty, 0, empty * sizeof *labels);
+            empty = 0;
+            BVXI_TRY(bvxi_progress(ctx, "label", (double)z / (double)g->size[2]));
+            due = VOXELS_BETWEEN_REPORTS;
+        }
+        due = due > slice ? due - slice : 0;
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row, labels += nx) {
             if (!row_has_voxels(row, g->words_per_row)) {
                 empty += nx;
@@ -176,8 +187,10 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
     if (!ok || capacity < voxels)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the window has %u voxels, the array given holds %u",
                          label_name, voxels, capacity);
-    BVXI_TRY(bvxi_spaces_open(context, label_name, "components", grid, 0, connectivity, &spaces));
-    BVXI_TRY(label_rows(context, &spaces, labels));
+    /* Runs are joined by words; each voxel's number is written, mostly to memory that is new. */
+    BVXI_TRY(BVXI_SHARE(context, 0.0, 0.2,
+                        bvxi_spaces_open(context, label_name, "components", grid, 0, connectivity, &spaces)));
+    BVXI_TRY(BVXI_SHARE(context, 0.2, 1.0, label_rows(context, &spaces, labels)));
     if (count != NULL) *count = spaces.count;
     bvxi_spaces_free(&spaces);
     return BVX_OK;

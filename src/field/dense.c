@@ -106,6 +106,10 @@ bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const b
 
 enum { PROPAGATE_SWEEPS = 6, PROPAGATE_ROUNDS = 3, PROPAGATE_GRAIN = 1 << 12 };
 
+/* What a centre takes, as measured on one processor; reports go by it [Units: nanoseconds] */
+#define PROPAGATE_SWEEP_TIME   8.0
+#define PROPAGATE_MEASURE_TIME 60.0
+
 #define PROPAGATE_NONE UINT32_MAX
 
 typedef struct propagate_job {
@@ -230,6 +234,8 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
 
 static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
 {
+    const bvx_grid *const g = &job->field->band;
+    double const centres = (double)bvxi_grid_rows(g) * (double)g->size[0];
     int32_t const sweeps = PROPAGATE_SWEEPS * PROPAGATE_ROUNDS;
 
     for (int32_t s = 0; s < sweeps; s++) {
@@ -238,8 +244,10 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
         /* Up and down along each axis in turn. */
         job->axis = s / 2 % 3;
         job->down = s % 2;
-        job->pieces = bvxi_piece_count((uint64_t)job->field->band.size[job->axis == 2 ? 1 : 2], 1);
-        BVXI_TRY(bvxi_parallel(ctx, "dense field", from, to, job->pieces, propagate_sweep, job));
+        job->pieces = bvxi_piece_count((uint64_t)g->size[job->axis == 2 ? 1 : 2], 1);
+        BVXI_TRY(bvxi_parallel_long(ctx, "dense field", from, to, job->pieces,
+                                    centres * PROPAGATE_SWEEP_TIME / (double)job->pieces, propagate_sweep,
+                                    job));
     }
     return BVX_OK;
 }
@@ -316,16 +324,17 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
 {
     const bvx_grid *const g = &job->field->band;
     int32_t const pieces = bvxi_piece_count(bvxi_grid_rows(g), 1 + PROPAGATE_GRAIN / (uint64_t)g->size[0]);
+    double const each = (double)voxels * PROPAGATE_MEASURE_TIME / (double)pieces;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the points' numbers", &job->source));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are passed on",
                         &job->points));
     job->pieces = pieces;
     /* Points before sweeps, as any centre may pass on any of them. */
-    BVXI_TRY(bvxi_parallel(ctx, "dense field", 0.1, 0.2, job->pieces, propagate_start, job));
+    BVXI_TRY(bvxi_parallel_long(ctx, "dense field", 0.1, 0.2, job->pieces, each, propagate_start, job));
     BVXI_TRY(propagate_all(ctx, job));
     job->pieces = pieces;
-    return bvxi_parallel(ctx, "dense field", 0.7, 1.0, job->pieces, propagate_finish, job);
+    return bvxi_parallel_long(ctx, "dense field", 0.7, 1.0, job->pieces, each, propagate_finish, job);
 }
 
 bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,

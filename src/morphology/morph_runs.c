@@ -16,6 +16,10 @@ enum {
     RUNS_MOST = 4000
 };
 
+/* Reports go by these, results do not [Units: nanoseconds] */
+#define RUNS_WORD_TIME 0.1 /* to join a word to one of a ball's rows, as measured on one processor */
+#define RUNS_STEP_TIME 4e7 /* of a piece between two reports */
+
 typedef struct runs_job {
     bvxi_bit_box from, to;
     bvxi_row_ends ends;
@@ -25,6 +29,7 @@ typedef struct runs_job {
     uint64_t half_bytes, tail, around, flip;
     size_t slice, room; /* words of a slice, and of one with rows beyond it */
     int32_t reach[3], pieces, cpu;
+    int32_t steps, step; /* a piece's slices are spread in so many steps, between which the caller is asked */
 } runs_job;
 
 /* ---- the ball ---- */
@@ -185,19 +190,42 @@ static void run_runs_piece(void *user, int32_t index, int32_t worker)
     /* Slices beyond this piece are read for those in it, and written by their own piece. */
     bvxi_piece((uint64_t)nz, job->pieces, index, &first, &last);
     int32_t const begin = (int32_t)first, end = (int32_t)last;
+    /* Slices are joined as they come: how many steps they come in shows in no bit. */
+    bvxi_piece((uint64_t)(end - begin) + 2 * (uint64_t)rz, job->steps, job->step, &first, &last);
     /* Rows before the first and after the last one count as what lies beyond. */
     memset(scratch + RUNS_CHUNK, job->around != 0 ? 0xff : 0, ((size_t)job->reach[0] + 1) * job->room * 8);
-    for (int32_t z = begin; z < end; z++) /* slices beyond the box reach those near its sides */
+    for (int32_t z = begin; z < end && job->step == 0;
+         z++) /* slices beyond the box reach those near its sides */
         memset(job->to.words + (size_t)z * job->slice,
                job->around != 0 && (z < rz || nz - z <= rz) ? 0xff : 0, job->slice * 8);
-    for (int32_t z = begin - rz; z < end + rz; z++)
+    for (int32_t z = begin - rz + (int32_t)first; z < begin - rz + (int32_t)last; z++)
         if (z >= 0 && z < nz) spread_slice(job, scratch, z, begin, end);
+    if (job->step + 1 < job->steps) return;
     /* Turned back, and cut to the row's end. */
     for (int32_t z = begin; z < end; z++) {
         uint64_t *const out = job->to.words + (size_t)z * job->slice;
         for (size_t k = 0; k < job->slice; k++) out[k] ^= job->flip;
         for (size_t k = words - 1; k < job->slice; k += words) out[k] &= job->tail;
     }
+}
+
+/* All pieces, step by step: large balls have few pieces, each of which may take long. */
+static bvx_status run_steps(bvx_context *ctx, const char *stage, double from, double to, runs_job *job)
+{
+    double const joins = 3.2 * (double)(job->reach[1] + 1) * (double)(job->reach[2] + 1) + job->reach[0];
+    double const slices = (double)job->from.size[2] / (double)job->pieces + 2.0 * (double)job->reach[2];
+    double const piece = RUNS_WORD_TIME * joins * (double)job->slice * slices;
+
+    /* A step is what is done between two reports. */
+    job->steps = 1 + (int32_t)(piece / RUNS_STEP_TIME < slices ? piece / RUNS_STEP_TIME : slices);
+    for (job->step = 0; job->step < job->steps; job->step++) {
+        double const low = from + (to - from) * ((double)job->step / (double)job->steps);
+        double const high = from + (to - from) * ((double)(job->step + 1) / (double)job->steps);
+
+        BVXI_TRY(bvxi_parallel_long(ctx, stage, low, high, job->pieces, piece / (double)job->steps,
+                                    run_runs_piece, job));
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
@@ -235,7 +263,7 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch));
     measure_runs(morph, &job);
-    BVXI_TRY(bvxi_parallel(ctx, morph->stage, from, to, job.pieces, run_runs_piece, &job));
+    BVXI_TRY(run_steps(ctx, morph->stage, from, to, &job));
     bvxi_drop(ctx, job.scratch);
     bvxi_drop(ctx, job.half);
     bvxi_row_ends_free(ctx, &job.ends);

@@ -544,3 +544,13 @@ def test_what_a_new_user_types(ball, tmp_path):
     assert run("import bitvox; bitvox.big.plan; bitvox.formats.read_amf; bitvox.reports.Certificate").returncode == 0
     with pytest.raises(AttributeError):
         bitvox.smoke  # noqa: B018
+
+
+@pytest.mark.parametrize("name, least", [("close", 14), ("label", 17)])
+def test_long_steps_are_reported_on_the_way(name, least):
+    """A large ball has few pieces of slices, and numbers of voxels one step: both were a few reports, or reports of one fraction."""
+    box = bitvox.Grid.from_numpy(np.ones((250, 250, 250) if name == "close" else (340, 340, 340), np.uint8))
+    reached = set()
+    run = {"close": lambda p: box.close(radius=30, progress=p, threads=1), "label": lambda p: box.label(progress=p, threads=1)}[name]
+    run(lambda stage, fraction: reached.add(fraction))
+    assert len(reached) >= least
