@@ -1296,7 +1296,8 @@ BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
  *  voxel may be lost. The report says what has few voxels, and which resolution to take.
  *  operation  BVX_BOOLEAN_...
  *  result     its arrays are not those of a or b (BVX_ERR_ARGUMENT). Empty, and no error, where no centre
- *             lies inside, as in the intersection of bodies that are apart
+ *             lies inside, as in the intersection of bodies that are apart or the difference where b holds a.
+ *             Where b does not reach a, the difference is a's surface on the lattice
  *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the
  *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in bvx_extract_surface).
  *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them), 16 bytes a row,
@@ -1424,7 +1425,8 @@ BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, 
 /* ---- Distance fields ----------------------------------------------------------------------------------- */
 
 /** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of
- *  set voxel n of band, counted in the order of its bits (z, y, x). */
+ *  set voxel n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only;
+ *  bvx_field_dense gives them distances too. */
 typedef struct bvx_field {
     bvx_grid band;   /**< set: centres that have a value */
     bvx_grid inside; /**< set: centres inside, in all of the window; without words for BVX_SIGN_NONE. NORMAL,
@@ -1648,7 +1650,7 @@ typedef struct bvx_morph_options {
 BVX_API void bvx_morph_options_init(bvx_morph_options *options, size_t size);
 
 /** Grow and shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
- *  the window.
+ *  the window; both halves of open and close, and only the end is cut to the window.
  *  dilate  voxels with a set one within the neighbourhood (steps times) or the ball
  *  erode   voxels with no empty one there
  *  open    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid

@@ -1,22 +1,20 @@
 /* threads.c - the one file that knows threads: the helpers of a context, and the parallel-for that they
- * serve.
+ * serve. How many there may be says processors.c.
  *
  * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on
  * processors that others keep busy. Four rules see to that; none of them can show in a result, as what a task
  * computes depends on its index only.
  *
  *   - The calling thread begins only. Helpers are started once a context's steps have taken COLD_TIME, and
- *   are woken for a
- *     step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate has to be right.
+ *     are woken for a step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate
+ *     has to be right.
  *   - There are no more helpers than processors without work, where the system reports (Linux). The caller
- *   wakes
- *     one; each that comes wakes two more while tasks are left.
+ *     wakes one; each that comes wakes two more while tasks are left.
  *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor
- *   meanwhile holds
- *     no task, so nobody waits for it. Who waits looks again and again for SPIN_TIME, then sleeps.
+ *     meanwhile holds no task, so nobody waits for it. Who waits looks again and again for SPIN_TIME, then
+ *     sleeps.
  *   - A helper that loses its processor inside a task makes the caller wait. The caller then works alone for
- *   a multiple of
- *     that time, a longer one each time it happens again.
+ *     a multiple of that time, a longer one each time it happens again.
  *
  * POSIX threads where the compiler was told to use them (-pthread defines _REENTRANT), else OpenMP where that
  * is on, else none. A forked child has no helpers: it works alone in contexts of its parent. */

@@ -21,8 +21,7 @@
  *   120   u64     hash(bytes 0 to 119, 0)
  *   Then window.size z slices, z rising by one, each
  *     0   u64     hash(bytes 8 to the slice's end, frame), frame being hash(bytes 16 to 95 of the head, 0): a
- *     slice of another
- *                 lattice or another window in x and y does not pass for one of this file
+ *                 slice of another lattice or another window in x and y does not pass for one of this file
  *     8   u32     lattice index z
  *    12   u32     encoding: 0 or 1
  *    16   u64     n, bytes that follow
@@ -30,15 +29,11 @@
  *   Nothing follows the last slice.
  *
  *   Encoding 0: the slice's rows, y rising; a row is (size x + 63) / 64 words of u64, voxel x is bit x & 63
- *   of word x >> 6,
- *   bits past the row are 0.
+ *   of word x >> 6, bits past the row are 0.
  *   Encoding 1: lengths of runs along the slice's size x * size y voxels, x fastest, by turns of empty and
- *   set voxels, the
- *   empty ones first. The first length may be 0, no other is; together they are all voxels of the slice. A
- *   length is written
- *   seven bits a byte, the lowest first, all bytes but its last with 128 added, in as few bytes as it takes:
- *   at most 8, as a
- *   slice has at most 2^50 voxels.
+ *   set voxels, the empty ones first. The first length may be 0, no other is; together they are all voxels of
+ *   the slice. A length is written seven bits a byte, the lowest first, all bytes but its last with 128
+ *   added, in as few bytes as it takes: at most 8, as a slice has at most 2^50 voxels.
  *
  * Our writer takes encoding 1 where it is the shorter one; a reader takes either. The same grid always gives
  * the same bytes, however it was cut into parts for bvx_write_slices.

@@ -27,8 +27,8 @@
  *   Level 0 has rows of bits as a grid has: word (z * base y + y) * w + (x >> 6), bit x & 63, w words a row;
  *   bits past a row are 0.
  *   Level l + 1 has one byte for each split voxel of level l, in the order of their bits; byte i is bits 8 (i
- *   & 7) and on of
- *   word i >> 3, bit p = x + 2 y + 4 z of it the child (x, y, z). Bits past the last byte are 0.
+ *   & 7) and on of word i >> 3, bit p = x + 2 y + 4 z of it the child (x, y, z). Bits past the last byte are
+ *   0.
  *
  * So every length follows from what stands before it, and no file stands for more than its bytes. The same
  * tree always gives the same bytes. */

@@ -4,10 +4,10 @@
  * empty one.
  *   whole    squares of steps of voxels as uint32_t; the squared diagonal of the box must be below 2^32 - 1
  *   else     weight[0] * dx^2 + weight[1] * dy^2 + weight[2] * dz^2 in doubles, rounded after each product
- *   and sum from left to
- *            right; which target is nearest in a row, a slice and the box is decided exactly Ties go to the
- * target of least linear index (z, then y, then x). Each group of 16 squares along x is handed to a sink, by
- * tasks that run at the same time for different y. */
+ *            and sum from left to right; which target is nearest in a row, a slice and the box is decided
+ *            exactly
+ * Ties go to the target of least linear index (z, then y, then x). Each group of 16 squares along x is handed
+ * to a sink, by tasks that run at the same time for different y. */
 #ifndef BVXI_TRANSFORM_H
 #define BVXI_TRANSFORM_H
 

@@ -11,15 +11,13 @@
  *
  * No triangles cross, whatever the numbers are:
  *  - A fan over a loop on a box's surface from a point strictly inside the box is embedded, as every ray from
- *  the point meets
- *    the surface once; it touches the cell's faces in the loop only, so neighbours are unchanged.
+ *    the point meets the surface once; it touches the cell's faces in the loop only, so neighbours are
+ *    unchanged.
  *  - Cells with several loops keep their apexes only if all triangles of different loops are proven apart.
  *  - A side is turned only between two cells of one loop each, on a face that is cut once. The line from apex
- *  to apex lies in
- *    the two boxes together and passes the face strictly inside, at q. So turning is the same as making the
- *    side v w the
- *    path v q w in both loops, which stay simple: the fans over them are embedded as before, whatever other
- *    sides do.
+ *    to apex lies in the two boxes together and passes the face strictly inside, at q. So turning is the same
+ *    as making the side v w the path v q w in both loops, which stay simple: the fans over them are embedded
+ *    as before, whatever other sides do.
  *  - All that holds for coordinates as written: apexes are rounded first and compared with the rounded faces.
  * What is done to a loop or side depends on nothing else that is done, so order and threads do not show. */
 #include "surface/sharp.h"

@@ -8,8 +8,8 @@
  * of their boxes:
  *   a box that is longer than one voxel along one axis at most: the triangle touches all of it;
  *   up to two voxels along each axis, or up to three: one bit for each voxel that an edge or the plane
- *   misses, by loops
- *   without branches (touch_cells.h); along two axes one projection decides, along three all and the plane;
+ *   misses, by loops without branches (touch_cells.h); along two axes one projection decides, along three all
+ *   and the plane;
  *   larger: runs by divisions (touch_rows.c).
  * Guarantee: exact, closed sets, for every triangle, also without area. */
 #include "touch/surface_voxels.h"

@@ -2,11 +2,9 @@
  *
  *   bench_components MESH_FOLDER OUT [RUNS]   prints Markdown
  *   bench_components turns MESH_FOLDER OUT    writes the grids to OUT/components_NAME.npy, then does one run
- *   for each line
- *                                             "NAME CONNECTIVITY" of standard input and answers with the
- *                                             milliseconds for counting,
- *                                             numbering into fresh memory and into warm memory, and the
- *                                             number of parts
+ *                                             for each line "NAME CONNECTIVITY" of standard input and answers
+ *                                             with the milliseconds for counting, numbering into fresh memory
+ *                                             and into warm memory, and the number of parts
  *
  * Grids of 512 x 512 x 512: the dragon's solid, and voxels at random, a tenth of them set. One thread,
  * processor time, least of the runs. */

@@ -2,9 +2,8 @@
  *
  *   bench_field MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/field.jsonl: targets
  *   bench_field turns MESH_FOLDER OUT    writes the arrays of dragon, scan and repaired scan to OUT, then
- *   does one job for each
- *                                        line "field|repair THREADS" of standard input and answers with
- *                                        milliseconds and counts
+ *                                        does one job for each line "field|repair THREADS" of standard input
+ *                                        and answers with milliseconds and counts
  *
  * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs
  * is compared, the median stands in brackets. The lattice of the field is the fitted one with room for the

@@ -2,8 +2,8 @@
  *
  *   bench_grids MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/grids.jsonl: targets
  *   bench_grids turns MESH_FOLDER OUT    writes the arrays of the peers' inputs to OUT, then does one job for
- *   each line "JOB THREADS"
- *                                        of standard input and answers with milliseconds and what it made
+ *                                        each line "JOB THREADS" of standard input and answers with
+ *                                        milliseconds and what it made
  *
  * From arrays to arrays in warm memory. One thread: processor time; two: time of day. The least of the runs
  * is compared, the median stands in brackets. Grids have 512 x 512 x 512 voxels: the dragon's solid and

@@ -2,9 +2,8 @@
  *
  *   bench_voxels MESH_FOLDER OUT [RUNS]   prints Markdown; writes OUT/voxels.jsonl: targets
  *   bench_voxels turns MESH_FOLDER OUT    writes the dragon's arrays to OUT, then does one conservative
- *   surface for each line
- *                                         "RESOLUTION" of standard input and answers with milliseconds,
- *                                         lattice and voxels
+ *                                         surface for each line "RESOLUTION" of standard input and answers
+ *                                         with milliseconds, lattice and voxels
  *
  * One thread, processor time, warm memory; the contenders of a row take turns in every run, the least of the
  * runs is compared and the median stands in brackets. */
