@@ -398,6 +398,11 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
     for (int i = 0; i < 2 && !b->by_mesh; i++)
         if (b->is_mesh[i] && b->voxels[i] == 0)
             cli_advise(made, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
+    /* Often wrong units or a wrong place. A body that the lattice is too coarse for is told below. */
+    if (b->by_mesh && b->operation == BVX_BOOLEAN_DIFFERENCE && b->voxels[1] == 0 &&
+        (b->few & BVX_FEW_B) == 0)
+        cli_advise(made, "%s does not reach %s: nothing is taken away", cli_input_name(b->in[1].path),
+                   cli_input_name(b->in[0].path));
     /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
     for (int i = 0; i < 3; i++)
         if ((b->few >> i & 1) != 0)

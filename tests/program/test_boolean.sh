@@ -71,6 +71,10 @@ run boolean difference cube.obj crumb.obj -o result.ply --resolution 64 --json
 grep -q 'few voxels at this resolution; --resolution 576 shows it' out
 result 'a body of few voxels is told' $?
 refuses 1 'take a resolution of' union cube.obj crumb.obj -o result.ply --spacing 5
+sed 's/^v /v 100/' crumb.obj >far.obj
+run boolean difference cube.obj far.obj -o result.ply --resolution 64 --json
+grep -q 'far.obj does not reach cube.obj: nothing is taken away' out
+result 'a second body beside the first is told' $?
 
 # Mesh and grid agree: the same voxels whatever goes out.
 run boolean union "$knot" blocks.ply -o both.bvx --resolution 64 --json
