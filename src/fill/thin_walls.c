@@ -21,10 +21,6 @@
 
 #include <math.h>
 
-/* How deep behind the front the back is looked for: half of BVXI_THIN_WALL, as from there the back of a thin
- * wall is at least as near as its front [Units: largest spacings] */
-#define WALL_DEPTH 0.75
-
 /* Cosine between one normal and the opposite of the other, 57 degrees: the faces of an edge sharper than that
  * are a wall too. */
 #define WALL_FACING 0.55
@@ -37,10 +33,7 @@
  * rest is for curved ones [Units: largest spacings] */
 #define WALL_SAME 0.25
 
-/* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
-#define WALL_BESIDE 1.8
-
-enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BLOCK = 3, WALL_MANY_BLOCKS = 512, WALL_BINS = 64 };
+enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BINS = 64, LIST_GRAIN = 1 << 14 };
 
 /* ---- The list of places ---- */
 
@@ -53,26 +46,59 @@ void bvxi_walls_drop(bvxi_walls *t)
     t->count = 0;
 }
 
+typedef struct list_job {
+    bvxi_walls *walls;
+    int32_t pieces;
+    uint64_t first[BVXI_MOST_PIECES]; /* by piece of the words: how many are set, then where they go */
+} list_job;
+
+static void count_listed(void *user, int32_t piece, int32_t worker)
+{
+    list_job *const job = user;
+    const uint64_t *const words = job->walls->places.words;
+    uint64_t count = 0, begin, end;
+
+    (void)worker;
+    bvxi_piece(job->walls->bytes / 8, job->pieces, piece, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) count += bvxi_popcount(words[i]);
+    job->first[piece] = count;
+}
+
+/* In the order of the grid, so the list has one order. */
+static void list_piece(void *user, int32_t piece, int32_t worker)
+{
+    const list_job *const job = user;
+    const uint64_t *const words = job->walls->places.words;
+    uint64_t n = job->first[piece], begin, end;
+
+    (void)worker;
+    bvxi_piece(job->walls->bytes / 8, job->pieces, piece, &begin, &end);
+    for (uint64_t i = begin; i < end; i++)
+        for (uint64_t bits = words[i]; bits != 0; bits &= bits - 1)
+            job->walls->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
+}
+
 /* The set centres of places, in order. */
 bvx_status bvxi_walls_list(bvxi_walls *t)
 {
-    uint64_t const words = t->bytes / 8;
-    uint64_t count = 0, n = 0;
+    list_job job = {.walls = t, .pieces = bvxi_piece_count(t->bytes / 8, LIST_GRAIN)};
+    uint64_t count = 0;
 
     bvxi_walls_drop(t);
     /* Counted first, so that both arrays have their size. */
-    for (uint64_t i = 0; i < words; i++) count += bvxi_popcount(t->places.words[i]);
+    BVXI_TRY(bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, count_listed, &job));
+    for (int32_t i = 0; i < job.pieces; i++) {
+        uint64_t const n = job.first[i];
+        job.first[i] = count;
+        count += n;
+    }
     if (count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
     t->count = count;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
-    /* In the order of the grid, so the list has one order. */
-    for (uint64_t i = 0; i < words; i++)
-        for (uint64_t bits = t->places.words[i]; bits != 0; bits &= bits - 1)
-            t->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
-    return BVX_OK;
+    return bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, list_piece, &job);
 }
 
 /* ---- Where the lattice loses the surface ---- */
@@ -110,290 +136,44 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, si
     }
 }
 
-static void mark_all_diagonals(const bvx_grid *g, uint64_t *out)
+typedef struct diagonal_job {
+    const bvx_grid *solid;
+    uint64_t *out;
+    int32_t first; /* slice */
+} diagonal_job;
+
+/* Of every other slice: it and the next one are marked, so no two tasks of a run meet. */
+static void mark_slice_diagonals(void *user, int32_t index, int32_t worker)
 {
-    int32_t const words = g->words_per_row;
+    const diagonal_job *const job = user;
+    const bvx_grid *const g = job->solid;
+    int32_t const words = g->words_per_row, z = job->first + 2 * index;
     size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
+    int const on = z + 1 < g->size[2];
 
+    (void)worker;
     /* Planes xy and xz by rows, yz by words of four rows. */
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t y = 0; y < g->size[1]; y++) {
-            size_t const at = (size_t)z * slice + (size_t)y * row;
-            int const up = y + 1 < g->size[1], on = z + 1 < g->size[2];
+    for (int32_t y = 0; y < g->size[1]; y++) {
+        size_t const at = (size_t)z * slice + (size_t)y * row;
+        int const up = y + 1 < g->size[1];
 
-            if (up) mark_row_diagonals(g->words, out, at, at + row, words);
-            if (on) mark_row_diagonals(g->words, out, at, at + slice, words);
-            /* Only where both rows are there. */
-            for (size_t i = at; up && on && i < at + row; i++)
-                mark_diagonals(g->words, out, i, i + row, i + slice, i + row + slice);
-        }
+        if (up) mark_row_diagonals(g->words, job->out, at, at + row, words);
+        if (on) mark_row_diagonals(g->words, job->out, at, at + slice, words);
+        /* Only where both rows are there. */
+        for (size_t i = at; up && on && i < at + row; i++)
+            mark_diagonals(g->words, job->out, i, i + row, i + slice, i + row + slice);
+    }
 }
 
 bvx_status bvxi_walls_mark(bvxi_walls *t)
 {
+    diagonal_job job = {t->solid, t->places.words, 0};
+
     BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
-    mark_all_diagonals(t->solid, t->places.words);
+    for (; job.first < 2; job.first++)
+        BVXI_TRY(bvxi_parallel(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
+                               mark_slice_diagonals, &job));
     return BVX_OK;
-}
-
-/* ---- The triangles nearby ---- */
-
-/* A view of triangles that are listed, over the mesh's vertices. */
-static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, uint64_t count,
-                           bvx_mesh_view *view)
-{
-    *view = *mesh;
-    view->indices = corner;
-    view->index_type = BVX_U32;
-    view->index_stride = 0;
-    view->triangle_count = count;
-}
-
-/* Blocks of voxels that hold [low, high], cut to the window. */
-static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3],
-                        int32_t to[3])
-{
-    for (int a = 0; a < 3; a++) {
-        double const last = (double)t->block_size[a] - 1;
-        double const l = low[a] / WALL_BLOCK, h = high[a] / WALL_BLOCK;
-
-        /* Cut to the window: what lies beyond is sorted into its border. */
-        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
-        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
-    }
-}
-
-static uint8_t *block_row(const bvxi_walls *t, int32_t y, int32_t z)
-{
-    return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
-}
-
-static void mark_blocks(bvxi_walls *t)
-{
-    const bvx_grid *const g = &t->places;
-
-    for (uint64_t n = 0; n < t->count; n++) {
-        double low[3], high[3];
-        int32_t at[3], from[3], to[3];
-
-        bvxi_bit_centre(g, t->at[n], at);
-        for (int a = 0; a < 3; a++) {
-            /* How far from a place triangles may matter, a little more for rounding. */
-            double const far = 1.0 + 2 * WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
-            double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
-
-            low[a] = (double)at[a] + 0.5 - reach;
-            high[a] = (double)at[a] + 0.5 + reach;
-        }
-        block_range(t, low, high, from, to);
-        /* Rows of blocks, so that each is set at once. */
-        for (int32_t z = from[2]; z <= to[2]; z++)
-            for (int32_t y = from[1]; y <= to[1]; y++)
-                memset(block_row(t, y, z) + from[0], 1, (size_t)(to[0] - from[0]) + 1);
-    }
-}
-
-/* The block of each vertex; of those that no triangle uses too, whatever they are. */
-static void place_vertices_in_blocks(bvxi_walls *t)
-{
-    const bvx_lattice *const l = &t->places.lattice;
-
-    for (uint64_t v = 0; v < t->mesh->vertex_count; v++) {
-        double p[3];
-        int32_t to[3];
-
-        bvxi_view_position(t->mesh, v, p);
-        /* In voxels of the window. */
-        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
-        /* from and to are one block for a point: only from is kept. */
-        block_range(t, p, p, t->block_of + 3 * v, to);
-    }
-}
-
-static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
-{
-    const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
-    const int32_t *const r = t->block_of + 3 * (size_t)c[2];
-    int32_t from[3], to[3];
-
-    /* The box of the three corners' blocks. */
-    for (int a = 0; a < 3; a++) {
-        int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
-
-        from[a] = r[a] < low ? r[a] : low;
-        to[a] = r[a] > high ? r[a] : high;
-    }
-    /* Very large triangles count without a look. */
-    if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > WALL_MANY_BLOCKS)
-        return 1;
-    for (int32_t z = from[2]; z <= to[2]; z++)
-        for (int32_t y = from[1]; y <= to[1]; y++)
-            for (int32_t x = from[0]; x <= to[0]; x++)
-                if (block_row(t, y, z)[x]) return 1;
-    return 0;
-}
-
-static void take_triangles_nearby(bvxi_walls *t)
-{
-    const bvx_mesh_view *const body = t->mesh;
-    uint64_t count = 0;
-
-    for (uint64_t n = 0; n < body->triangle_count; n++) {
-        double p[3][3], normal[3];
-        uint32_t c[3];
-
-        bvxi_view_triangle(body, n, c);
-        /* Far from all places. */
-        if (!is_in_marked_block(t, c)) continue;
-        for (int k = 0; k < 3; k++) bvxi_view_position(body, c[k], p[k]);
-        /* Without area there is no side that it could face. */
-        if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
-        memcpy(t->corner + 3 * count++, c, sizeof c);
-    }
-    view_triangles(t->mesh, t->corner, count, &t->near);
-}
-
-/* Corners in the order of their places. Returns 1 when that turns the triangle round. */
-static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
-{
-    uint8_t turned = 0;
-
-    /* Three swaps sort three corners; each turns the triangle round. */
-    for (int step = 0; step < 3; step++) {
-        int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
-        double p[2][3];
-        uint32_t const first = c[k];
-
-        for (int i = 0; i < 2; i++) bvxi_view_position(mesh, c[k + i], p[i]);
-        if (!bvxi_corner_before(p[1], p[0])) continue;
-        c[k] = c[k + 1];
-        c[k + 1] = first;
-        turned ^= 1;
-    }
-    return turned;
-}
-
-/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
- * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order;
- * before, sorted[n] says whether triangle n was turned round. */
-static bvx_status sort_triangles_nearby(bvxi_walls *t, uint64_t *keys, uint32_t *numbers, uint32_t *sorted)
-{
-    uint64_t const count = t->near.triangle_count;
-
-    /* Corners in their order, so that the hash does not depend on how they were given. */
-    for (uint64_t n = 0; n < count; n++) {
-        uint32_t *const c = t->corner + 3 * n;
-
-        sorted[n] = order_corners(&t->near, c);
-        keys[n] = bvxi_view_corners_hash(&t->near, c);
-        numbers[n] = (uint32_t)n;
-    }
-    BVXI_TRY(bvxi_radix_sort(t->ctx, keys, numbers, count));
-
-    /* Sides while the scratch still has them; then corners go to their new places. */
-    for (uint64_t n = 0; n < count; n++) t->against[n] = (uint8_t)sorted[numbers[n]];
-    for (uint64_t n = 0; n < count; n++) memcpy(sorted + 3 * n, t->corner + 3 * (uint64_t)numbers[n], 12);
-    return BVX_OK;
-}
-
-static bvx_status order_triangles_nearby(bvxi_walls *t)
-{
-    bvx_context *const ctx = t->ctx;
-    uint64_t const count = t->near.triangle_count;
-    uint32_t *sorted, *numbers = NULL;
-    uint64_t *keys = NULL;
-    bvx_status status;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &sorted));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &keys);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
-                            &numbers);
-    if (status == BVX_OK) status = sort_triangles_nearby(t, keys, numbers, sorted);
-    bvxi_drop(ctx, numbers);
-    bvxi_drop(ctx, keys);
-
-    /* Room for all triangles is needed no more. */
-    bvxi_drop(ctx, t->corner);
-    t->corner = sorted;
-    t->corner_bytes = count * 12;
-    view_triangles(t->mesh, sorted, count, &t->near);
-    return status;
-}
-
-/* Bounds of their corners; vertices that no triangle uses may be anything. */
-static void bound_triangles_nearby(const bvxi_walls *t, double low[3], double high[3])
-{
-    for (uint64_t n = 0; n < 3 * t->near.triangle_count; n++) {
-        double p[3];
-
-        bvxi_view_position(&t->near, t->corner[n], p);
-        for (int a = 0; a < 3; a++) {
-            p[a] += 0.0; /* -0 is 0 */
-            if (n == 0 || p[a] < low[a]) low[a] = p[a];
-            if (n == 0 || p[a] > high[a]) high[a] = p[a];
-        }
-    }
-}
-
-/* Blocks, so that a triangle is judged by few bytes. */
-static bvx_status open_blocks(bvxi_walls *t)
-{
-    uint64_t bytes = 1;
-
-    for (int a = 0; a < 3; a++) {
-        t->block_size[a] = t->places.size[a] / WALL_BLOCK + 1;
-        bytes *= (uint64_t)t->block_size[a];
-    }
-    return bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks);
-}
-
-static bvx_status choose_triangles(bvxi_walls *t)
-{
-    bvx_context *const ctx = t->ctx;
-    bvx_status status;
-
-    t->corner_bytes = t->mesh->triangle_count * 12;
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places",
-                            &t->against);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks",
-                            &t->block_of);
-    if (status == BVX_OK) {
-        mark_blocks(t);
-        place_vertices_in_blocks(t);
-        take_triangles_nearby(t);
-    }
-
-    /* Both tables served the choice only. */
-    bvxi_drop(ctx, t->block_of);
-    t->block_of = NULL;
-    bvxi_drop(ctx, t->blocks);
-    t->blocks = NULL;
-    return status;
-}
-
-static bvx_status build_search(bvxi_walls *t)
-{
-    double low[3], high[3];
-
-    BVXI_TRY(order_triangles_nearby(t));
-    bound_triangles_nearby(t, low, high);
-    return bvxi_closest_build(bvxi_call_of(t->ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
-                              bvxi_unit_scale(low, high), &t->closest.tree);
-}
-
-/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it),
- * and build a search among them. Enough: the nearest within one spacing, then the nearest to a point
- * WALL_DEPTH behind it, at most WALL_DEPTH further. */
-bvx_status bvxi_walls_near(bvxi_walls *t)
-{
-    BVXI_TRY(open_blocks(t));
-    BVXI_TRY(choose_triangles(t));
-    /* No triangle is near: nothing is searched. */
-    return t->near.triangle_count == 0 ? BVX_OK : build_search(t);
 }
 
 /* ---- What the mesh is like at a centre ---- */
@@ -454,11 +234,11 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     double behind[3], back_normal[3], facing, through, apart, square = 0, deep = 0;
     int is_wall;
 
-    for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * WALL_DEPTH * t->unit;
+    for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * BVXI_WALL_DEPTH * t->unit;
     /* a face seen from behind, through a hole */
     if (t->open == BVXI_WALLS_HOLES && wall_dot(out, front_normal) < 0) return;
 
-    /* What is nearest to a point WALL_DEPTH deep, seen from the front. */
+    /* What is nearest to a point BVXI_WALL_DEPTH deep, seen from the front. */
     bvxi_closest_ask(&t->closest, behind, hint, &back);
     unit_normal(t, back.triangle, back_normal);
     /* How far apart both lie, and how far along the way. */

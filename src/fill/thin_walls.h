@@ -9,6 +9,10 @@
 #define BVXI_THIN_WALL 1.5 /* what holds on any lattice [Units: largest spacings] */
 #define BVXI_NO_WALL   1e30f
 
+/* How deep behind the front the back is looked for: half of BVXI_THIN_WALL, as from there the back of a thin
+ * wall is at least as near as its front [Units: largest spacings] */
+#define BVXI_WALL_DEPTH 0.75
+
 /* Whether the body has holes. HOLES: faces may be seen from behind through them, and sheets are no walls;
  * NO_SHEETS: only the latter. */
 enum { BVXI_WALLS_CLOSED = 0, BVXI_WALLS_HOLES = 1, BVXI_WALLS_NO_SHEETS = 2 };

@@ -25,6 +25,26 @@ void tearDown(void)
     suite_close();
 }
 
+enum { MANY_WORKERS = 5 };
+
+/* Tasks from the last to the first, each by another worker than the one before; nobody runs beside anybody. */
+static inline void in_turns(void *user, int32_t count, bvx_task_fn *task, void *task_user)
+{
+    (void)user;
+    for (int32_t i = count - 1; i >= 0; i--) task(task_user, i, i % MANY_WORKERS);
+}
+
+static inline bvx_context *context_in_turns(void)
+{
+    bvx_context_options plain = suite_options(MANY_WORKERS, BVX_CPU_BEST), o;
+    bvx_context *made = NULL;
+
+    plain.parallel = in_turns;
+    o = fault_options(&plain, &suite_heap);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
+    return made;
+}
+
 static inline bvx_lattice lattice_of(int32_t x, int32_t y, int32_t z)
 {
     double const origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};

@@ -306,26 +306,16 @@ static inline void check_contexts(int32_t mode)
     }
 }
 
-enum { MANY_WORKERS = 5 };
-
-/* Tasks from the last to the first, each by another worker than the one before; nobody runs beside anybody. */
-static inline void in_turns(void *user, int32_t count, bvx_task_fn *task, void *task_user)
-{
-    (void)user;
-    for (int32_t i = count - 1; i >= 0; i--) task(task_user, i, i % MANY_WORKERS);
-}
-
 /* A mesh of many triangles for its grid goes to workers piece by piece, and a grid each is joined: the same as by
  * one, counts and sums too, in the memory that the header gives. */
 static inline void check_workers(int32_t mode)
 {
     bvx_lattice const l = lattice_of(150, 40, 30);
-    bvx_context_options o = suite_options(MANY_WORKERS, BVX_CPU_BEST);
     bvx_surface_report one = {0}, many = {0};
     bvx_surface_options how;
     bvx_grid first = {0}, other = {0};
     bvx_mesh_view view;
-    bvx_context *c = NULL;
+    bvx_context *c;
     uint64_t formula;
 
     make_scan(quick ? 15000 : 40000, l.dims, 16);
@@ -336,9 +326,7 @@ static inline void check_workers(int32_t mode)
     how.report = &one;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &l, &how, &first));
 
-    o.parallel = in_turns;
-    o = fault_options(&o, &suite_heap);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
+    c = context_in_turns();
     formula = bvx_memory_used(c) + 8 * bvx_grid_bound(&l, NULL) + 16 * view.vertex_count +
               8 * view.triangle_count + 65536;
     bvx_memory_reset_peak(c);

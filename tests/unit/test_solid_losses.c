@@ -234,6 +234,24 @@ static void test_crossings_know_the_volume_of_overlapping_bodies(void)
     TEST_ASSERT_TRUE(fabs(part_more(report.crossing_volume, report.mesh_volume)) < 0.004);
 }
 
+/* Enough triangles and words for several pieces of each step. */
+static void test_workers_in_turns_tell_the_same(void)
+{
+    bvx_context *const turns = context_in_turns();
+    bvx_solid_report first;
+
+    for (int holes = 0; holes < 2; holes++) {
+        make_shell(0.9, 160);
+        if (holes) mesh.triangles -= 40;
+        voxels_at(ctx, 160, 1);
+        TEST_ASSERT_TRUE(report.thin_voxels > 1000);
+        first = report;
+        voxels_at(turns, 160, 1);
+        TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
+    }
+    bvx_context_destroy(turns);
+}
+
 /* Also in a window, and whatever unused vertices are; threads, the fast
  * code and the order of triangles do not show. */
 static void test_what_is_told_depends_on_mesh_and_lattice(void)
@@ -338,6 +356,7 @@ int main(void)
     RUN_TEST(test_volumes_are_compared_where_they_can_be);
     RUN_TEST(test_volumes_are_right_where_lines_of_centres_cross);
     RUN_TEST(test_crossings_know_the_volume_of_overlapping_bodies);
+    RUN_TEST(test_workers_in_turns_tell_the_same);
     RUN_TEST(test_what_is_told_depends_on_mesh_and_lattice);
     RUN_TEST(test_walls_are_not_looked_for_below_a_terrain);
     RUN_TEST(test_a_limit_leaves_the_look_out_unless_asked_for);

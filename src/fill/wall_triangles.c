@@ -1,0 +1,374 @@
+/* wall_triangles.c - the triangles near to places where walls may be thin, and a search among them.
+ *
+ * Places mark blocks of voxels around them; a triangle is near when the box of its corners' blocks holds a
+ * mark. Those near are put in an order that no numbering of the mesh shows in, so that of two equally near
+ * ones always the same is found.
+ * Guarantee: the search has every triangle that matters to a place, and the same order for any order of the
+ * mesh's triangles and any threads. */
+#include "fill/thin_walls.h"
+
+#include "mesh/facet.h"
+#include "mesh/mesh.h"
+#include "mesh/view.h"
+
+/* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
+#define WALL_BESIDE 1.8
+
+enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_GRAIN = 4096 };
+
+/* What is done to vertices or triangles piece by piece. */
+typedef struct near_job {
+    bvxi_walls *walls;
+    int32_t pieces;
+    uint64_t *keys; /* of the triangles nearby, by which they are sorted */
+    uint32_t *numbers, *sorted;
+    uint64_t taken[BVXI_MOST_PIECES];                           /* triangles of a piece that are near */
+    double low[BVXI_MOST_PIECES][3], high[BVXI_MOST_PIECES][3]; /* bounds of those of a piece */
+} near_job;
+
+static bvx_status run_near_pieces(near_job *job, uint64_t count, bvx_task_fn *task)
+{
+    job->pieces = bvxi_piece_count(count, NEAR_GRAIN);
+    return bvxi_parallel(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, task, job);
+}
+
+/* ---- which are near ---- */
+
+/* A view of triangles that are listed, over the mesh's vertices. */
+static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, uint64_t count,
+                           bvx_mesh_view *view)
+{
+    *view = *mesh;
+    view->indices = corner;
+    view->index_type = BVX_U32;
+    view->index_stride = 0;
+    view->triangle_count = count;
+}
+
+/* Blocks of voxels that hold [low, high], cut to the window. */
+static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3],
+                        int32_t to[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double const last = (double)t->block_size[a] - 1;
+        double const l = low[a] / NEAR_BLOCK, h = high[a] / NEAR_BLOCK;
+
+        /* Cut to the window: what lies beyond is sorted into its border. */
+        from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
+        to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
+    }
+}
+
+static uint8_t *block_row(const bvxi_walls *t, int32_t y, int32_t z)
+{
+    return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
+}
+
+/* What blocks hold: a mark, or one in the next block along some of the axes. */
+enum { BESIDE_MARK = 1, MARK = 2 };
+
+/* The blocks around all places, or also those just before them. */
+static void mark_blocks(bvxi_walls *t, uint8_t mark)
+{
+    const bvx_grid *const g = &t->places;
+
+    for (uint64_t n = 0; n < t->count; n++) {
+        double low[3], high[3];
+        int32_t at[3], from[3], to[3];
+
+        bvxi_bit_centre(g, t->at[n], at);
+        for (int a = 0; a < 3; a++) {
+            /* How far from a place triangles may matter, a little more for rounding. */
+            double const far = 1.0 + 2 * BVXI_WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
+            double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
+
+            low[a] = (double)at[a] + 0.5 - reach;
+            high[a] = (double)at[a] + 0.5 + reach;
+        }
+        block_range(t, low, high, from, to);
+        for (int a = 0; a < 3; a++) from[a] -= mark == BESIDE_MARK && from[a] > 0;
+        /* Rows of blocks, so that each is set at once. */
+        for (int32_t z = from[2]; z <= to[2]; z++)
+            for (int32_t y = from[1]; y <= to[1]; y++)
+                memset(block_row(t, y, z) + from[0], mark, (size_t)(to[0] - from[0]) + 1);
+    }
+}
+
+/* The block of each vertex; of those that no triangle uses too, whatever they are. */
+static void place_piece_in_blocks(void *user, int32_t piece, int32_t worker)
+{
+    const near_job *const job = user;
+    const bvxi_walls *const t = job->walls;
+    const bvx_lattice *const l = &t->places.lattice;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(t->mesh->vertex_count, job->pieces, piece, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        double p[3];
+        int32_t to[3];
+
+        bvxi_view_position(t->mesh, v, p);
+        /* In voxels of the window. */
+        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        /* from and to are one block for a point: only from is kept. */
+        block_range(t, p, p, t->block_of + 3 * v, to);
+    }
+}
+
+static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
+{
+    const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
+    const int32_t *const r = t->block_of + 3 * (size_t)c[2];
+    int32_t from[3], to[3];
+
+    /* The box of the three corners' blocks. */
+    for (int a = 0; a < 3; a++) {
+        int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
+
+        from[a] = r[a] < low ? r[a] : low;
+        to[a] = r[a] > high ? r[a] : high;
+    }
+    /* Most triangles lie in a block or two along each axis: one look tells that there is no mark. */
+    if (((to[0] - from[0]) | (to[1] - from[1]) | (to[2] - from[2])) <= 1 &&
+        BVXI_LIKELY(block_row(t, from[1], from[2])[from[0]] == 0))
+        return 0;
+    /* Very large triangles count without a look. */
+    if ((int64_t)(to[0] - from[0] + 1) * (to[1] - from[1] + 1) * (to[2] - from[2] + 1) > NEAR_MANY_BLOCKS)
+        return 1;
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            for (int32_t x = from[0]; x <= to[0]; x++)
+                if (block_row(t, y, z)[x] == MARK) return 1;
+    return 0;
+}
+
+/* Each piece writes where its own triangles would stand if all were taken. */
+static void take_piece_nearby(void *user, int32_t piece, int32_t worker)
+{
+    near_job *const job = user;
+    const bvxi_walls *const t = job->walls;
+    uint64_t begin, end;
+    uint32_t *to;
+
+    (void)worker;
+    bvxi_piece(t->mesh->triangle_count, job->pieces, piece, &begin, &end);
+    to = t->corner + 3 * begin;
+    for (uint64_t n = begin; n < end; n++) {
+        double p[3][3], normal[3];
+        uint32_t c[3];
+
+        bvxi_view_triangle(t->mesh, n, c);
+        /* Far from all places. */
+        if (!is_in_marked_block(t, c)) continue;
+        for (int k = 0; k < 3; k++) bvxi_view_position(t->mesh, c[k], p[k]);
+        /* Without area there is no side that it could face. */
+        if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
+        memcpy(to, c, sizeof c);
+        to += 3;
+    }
+    job->taken[piece] = (uint64_t)(to - t->corner) / 3 - begin;
+}
+
+static bvx_status take_triangles_nearby(near_job *job)
+{
+    bvxi_walls *const t = job->walls;
+    uint64_t count = 0;
+
+    /* The second run writes over the first. */
+    mark_blocks(t, BESIDE_MARK);
+    mark_blocks(t, MARK);
+    BVXI_TRY(run_near_pieces(job, t->mesh->vertex_count, place_piece_in_blocks));
+    BVXI_TRY(run_near_pieces(job, t->mesh->triangle_count, take_piece_nearby));
+
+    /* Together, in the order of the pieces. */
+    for (int32_t i = 0; i < job->pieces; i++) {
+        uint64_t begin, end;
+
+        bvxi_piece(t->mesh->triangle_count, job->pieces, i, &begin, &end);
+        memmove(t->corner + 3 * count, t->corner + 3 * begin, (size_t)job->taken[i] * 12);
+        count += job->taken[i];
+    }
+    view_triangles(t->mesh, t->corner, count, &t->near);
+    return BVX_OK;
+}
+
+/* ---- their order ---- */
+
+/* Corners in the order of their places. Returns 1 when that turns the triangle round. */
+static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
+{
+    uint8_t turned = 0;
+
+    /* Three swaps sort three corners; each turns the triangle round. */
+    for (int step = 0; step < 3; step++) {
+        int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
+        double p[2][3];
+        uint32_t const first = c[k];
+
+        for (int i = 0; i < 2; i++) bvxi_view_position(mesh, c[k + i], p[i]);
+        if (!bvxi_corner_before(p[1], p[0])) continue;
+        c[k] = c[k + 1];
+        c[k + 1] = first;
+        turned ^= 1;
+    }
+    return turned;
+}
+
+/* Corners in their order, so that the hash does not depend on how they were given; and the bounds of the
+ * piece, from these, as vertices that no triangle uses may be anything. */
+static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
+{
+    near_job *const job = user;
+    const bvxi_walls *const t = job->walls;
+    double *const low = job->low[piece], *const high = job->high[piece];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) {
+        uint32_t *const c = t->corner + 3 * n;
+
+        job->sorted[n] = order_corners(&t->near, c);
+        job->keys[n] = bvxi_view_corners_hash(&t->near, c);
+        job->numbers[n] = (uint32_t)n;
+        for (int k = 0; k < 3; k++) {
+            double p[3];
+
+            bvxi_view_position(&t->near, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                int const first = n == begin && k == 0;
+
+                p[a] += 0.0; /* -0 is 0 */
+                if (first || p[a] < low[a]) low[a] = p[a];
+                if (first || p[a] > high[a]) high[a] = p[a];
+            }
+        }
+    }
+}
+
+/* Sides while sorted still has them. */
+static void side_piece_nearby(void *user, int32_t piece, int32_t worker)
+{
+    const near_job *const job = user;
+    const bvxi_walls *const t = job->walls;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
+    for (uint64_t n = begin; n < end; n++) t->against[n] = (uint8_t)job->sorted[job->numbers[n]];
+}
+
+static void move_piece_nearby(void *user, int32_t piece, int32_t worker)
+{
+    const near_job *const job = user;
+    const uint32_t *const corner = job->walls->corner;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(job->walls->near.triangle_count, job->pieces, piece, &begin, &end);
+    for (uint64_t n = begin; n < end; n++)
+        memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
+}
+
+/* Give the triangles nearby in an order that no numbering of the mesh shows in: that of a hash of their
+ * corners' places. keys, numbers [Size: count]: scratch. sorted [Size: count * 3]: the corners in that order;
+ * before, sorted[n] says whether triangle n was turned round. */
+static bvx_status sort_triangles_nearby(near_job *job, double low[3], double high[3])
+{
+    uint64_t const count = job->walls->near.triangle_count;
+
+    BVXI_TRY(run_near_pieces(job, count, order_piece_nearby));
+    for (int a = 0; a < 3; a++) {
+        low[a] = job->low[0][a];
+        high[a] = job->high[0][a];
+        for (int32_t i = 1; i < job->pieces; i++) {
+            low[a] = job->low[i][a] < low[a] ? job->low[i][a] : low[a];
+            high[a] = job->high[i][a] > high[a] ? job->high[i][a] : high[a];
+        }
+    }
+    BVXI_TRY(bvxi_radix_sort(job->walls->ctx, job->keys, job->numbers, count));
+    BVXI_TRY(run_near_pieces(job, count, side_piece_nearby));
+    return run_near_pieces(job, count, move_piece_nearby);
+}
+
+static bvx_status order_triangles_nearby(near_job *job, double low[3], double high[3])
+{
+    bvxi_walls *const t = job->walls;
+    bvx_context *const ctx = t->ctx;
+    uint64_t const count = t->near.triangle_count;
+    bvx_status status;
+
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job->sorted));
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
+                            &job->numbers);
+    if (status == BVX_OK) status = sort_triangles_nearby(job, low, high);
+    bvxi_drop(ctx, job->numbers);
+    bvxi_drop(ctx, job->keys);
+
+    /* Room for all triangles is needed no more. */
+    bvxi_drop(ctx, t->corner);
+    t->corner = job->sorted;
+    t->corner_bytes = count * 12;
+    view_triangles(t->mesh, t->corner, count, &t->near);
+    return status;
+}
+
+/* ---- the search ---- */
+
+/* Blocks, so that a triangle is judged by few bytes. */
+static bvx_status open_blocks(bvxi_walls *t)
+{
+    uint64_t bytes = 1;
+
+    for (int a = 0; a < 3; a++) {
+        t->block_size[a] = t->places.size[a] / NEAR_BLOCK + 1;
+        bytes *= (uint64_t)t->block_size[a];
+    }
+    return bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks);
+}
+
+static bvx_status choose_triangles(near_job *job)
+{
+    bvxi_walls *const t = job->walls;
+    bvx_context *const ctx = t->ctx;
+    bvx_status status;
+
+    t->corner_bytes = t->mesh->triangle_count * 12;
+    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places",
+                            &t->against);
+    if (status == BVX_OK)
+        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks",
+                            &t->block_of);
+    if (status == BVX_OK) status = take_triangles_nearby(job);
+
+    /* Both tables served the choice only. */
+    bvxi_drop(ctx, t->block_of);
+    t->block_of = NULL;
+    bvxi_drop(ctx, t->blocks);
+    t->blocks = NULL;
+    return status;
+}
+
+/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it),
+ * and build a search among them. Enough: the nearest within one spacing, then the nearest to a point
+ * BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
+bvx_status bvxi_walls_near(bvxi_walls *t)
+{
+    near_job job = {.walls = t};
+    double low[3], high[3];
+
+    BVXI_TRY(open_blocks(t));
+    BVXI_TRY(choose_triangles(&job));
+    /* No triangle is near: nothing is searched. */
+    if (t->near.triangle_count == 0) return BVX_OK;
+
+    BVXI_TRY(order_triangles_nearby(&job, low, high));
+    return bvxi_closest_build(bvxi_call_of(t->ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
+                              bvxi_unit_scale(low, high), &t->closest.tree);
+}
