@@ -36,7 +36,8 @@ const cli_argument cli_takes_output[] = {
 const cli_argument cli_takes_output_dir[] = {
     FILE_NAME("--output-dir", "DIR", SHARED(output_dir),
               "in place of -o: a folder, for any number of inputs; each goes to a\n"
-              "file of its name there, in --format [its own; voxelize: bvx]"),
+              "file of its name there, levels to NAME_0, NAME_1 ..., in --format [its\n"
+              "own; voxelize: bvx; lod of grids: ply]"),
     {0}};
 
 const cli_argument cli_takes_spacing[] = {

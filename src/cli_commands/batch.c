@@ -44,35 +44,70 @@ static const char *last_part(const char *path)
     return part;
 }
 
-/* The name in the folder: with the format's ending where one is said, else with the input's own. */
-static char *path_in_folder(const char *folder, const char *input, const char *ending)
+/* The name in the folder: with the format's ending where one is said, else with the input's own, .gz included;
+ * number stands before it. */
+static char *path_in_folder(const char *folder, const char *input, const char *number, const char *ending)
 {
     const char *const name = last_part(input), *dot;
-    size_t length = strlen(name);
-    size_t const room = strlen(folder) + length + 16;
+    size_t const whole = strlen(name);
+    size_t length = whole;
+    size_t const room = strlen(folder) + length + 32;
     char *const path = malloc(room);
 
     if (path == NULL) return NULL;
-    /* Its own format: the name stays as it is, .gz included. */
-    if (ending == NULL) {
-        snprintf(path, room, "%s/%s", folder, name);
-        return path;
-    }
-    /* a.stl.gz becomes a.ply: both endings go, as what is made is not packed. */
+    /* Both endings of a.stl.gz: number and a format stand before them, or in their place. */
     if (cli_is_packed(name)) length -= 3;
     dot = name + length;
     if (dot > name) dot--;
     while (dot > name && *dot != '.') dot--;
     if (dot > name) length = (size_t)(dot - name);
-    snprintf(path, room, "%s/%.*s.%s", folder, (int)length, name, ending);
+    if (ending != NULL) snprintf(path, room, "%s/%.*s%s.%s", folder, (int)length, name, number, ending);
+    else snprintf(path, room, "%s/%.*s%s%s", folder, (int)length, name, number, name + length);
     return path;
 }
 
-static const char *ending_of_outputs(const cli_run *run)
+static const char *ending_of_outputs(const cli_run *run, const char *input)
 {
-    /* Without --format each file keeps its own; voxels of a mesh need another. */
+    int32_t const bit = run->command->bit;
+
+    /* Without --format each file keeps its own; voxels of a mesh and levels of a grid need another. */
     if (run->options->format != 0) return cli_format_name(run->options->format);
-    return run->command->bit == CLI_VOXELIZE ? "bvx" : NULL;
+    if (bit == CLI_LOD && cli_kind_of_format(bvx_format_of_name(input)) != CLI_MESH) return "ply";
+    return bit == CLI_VOXELIZE ? "bvx" : NULL;
+}
+
+/* Levels have numbers, so that what a script finds does not depend on how many there are; .glb holds all. */
+static const char *number_of_outputs(const cli_run *run, const cli_options *asked)
+{
+    int const several = asked->triangles.count > 1 || asked->errors.count > 1 || asked->count > 1;
+
+    if (asked->format == BVX_FORMAT_GLB) return "";
+    return run->command->bit == CLI_LOD || (run->command->bit == CLI_SIMPLIFY && several) ? "_%d" : "";
+}
+
+/* No input is replaced, by none of the files that an output may have. */
+static int check_not_replaced(cli_run *run, const batch *b, int i)
+{
+    int const several = number_of_outputs(run, &b->asked)[0] != 0;
+    int const numbers = several ? CLI_MAX_LEVELS : 1;
+
+    for (int n = 0; n < numbers; n++) {
+        char *const numbered = several ? cli_numbered_path(b->path[i], n) : NULL;
+        const char *const path = several ? numbered : b->path[i];
+        int status = path == NULL ? cli_fail(run, "no memory for a file's name") : CLI_DONE;
+
+        /* What is not there, and so is not even itself, is no input. By the file and not by the name: a link or
+         * another spelling is the same file. */
+        int const others = path != NULL && cli_are_one_file(path, path) ? b->asked.inputs : 0;
+
+        for (int k = 0; status == CLI_DONE && k < others; k++)
+            if (cli_are_one_file(path, b->asked.input[k]))
+                status = cli_usage(run, "%s would replace the input %s; give another folder to --output-dir",
+                                   path, b->asked.input[k]);
+        free(numbered);
+        CLI_TRY(status);
+    }
+    return CLI_DONE;
 }
 
 /* Every output by its name, before any work: none twice, none an input. */
@@ -84,7 +119,8 @@ static int name_outputs(cli_run *run, batch *b)
     if (b->path == NULL) return cli_fail(run, "no memory for %d files' names", o->inputs);
 
     for (int i = 0; i < o->inputs && o->output_dir != NULL; i++) {
-        b->path[i] = path_in_folder(o->output_dir, o->input[i], ending_of_outputs(run));
+        b->path[i] = path_in_folder(o->output_dir, o->input[i], number_of_outputs(run, o),
+                                    ending_of_outputs(run, o->input[i]));
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         /* a/x.stl and b/x.stl would meet in one folder. */
         for (int k = 0; k < i; k++)
@@ -92,12 +128,7 @@ static int name_outputs(cli_run *run, batch *b)
                 return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
                                  o->input[i], b->path[i]);
     }
-    for (int i = 0; i < o->inputs && o->output_dir != NULL; i++)
-        for (int k = 0; k < o->inputs; k++)
-            /* By the file and not by the name: a link or another spelling is the same file. */
-            if (cli_are_one_file(b->path[i], o->input[k]))
-                return cli_usage(run, "%s would replace the input %s; give another folder to --output-dir",
-                                 b->path[i], o->input[k]);
+    for (int i = 0; i < o->inputs && o->output_dir != NULL; i++) CLI_TRY(check_not_replaced(run, b, i));
     return CLI_DONE;
 }
 

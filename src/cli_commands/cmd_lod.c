@@ -30,6 +30,7 @@ static const char *const open_names[] = {BVX_OPEN_LIST(CLI_NAME_OF) NULL};
 
 static const cli_argument lod_rows[] = {
     {.also = cli_takes_output},
+    {.also = cli_takes_output_dir},
     LIST("--resolution", "N", SHARED(resolution), 1, LARGEST_SIDE, 1, 1,
          "voxels along the longest axis: the mesh's surface is measured with so\n"
          "many, or a solid is made of them for --levels [collapse: as the finest\n"
@@ -421,6 +422,7 @@ const cli_command cli_lod = {
     .example = "bitvox lod fixtures/knot.ply -o knot_%d.ply --triangles 9600,2400,600\n"
                "bitvox lod fixtures/knot.ply -o knot.glb --error 0.02%,0.1%,0.5%\n"
                "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
+               "bitvox lod fixtures/knot.ply fixtures/terrain.ply --output-dir levels --count 2\n"
                "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
     .rows = lod_rows,
     .start = start_lod,

@@ -211,6 +211,23 @@ run voxelize "$root/fixtures/waves.nhdr" "$root/fixtures/labels.npy" --output-di
 holds 'volumes' sh -c "test $status = 0 && test -s volumes/waves.ply && test -s volumes/labels.ply"
 rm -rf some of_* volumes
 
+# Levels of several inputs: numbered after the name of each.
+run lod in/a_stl.stl in/a_obj.obj --output-dir of_lod --triangles 900,300 --samples 0
+holds 'lod of several' sh -c "test $status = 0 && test \"\$(ls of_lod | tr '\n' ' ')\" = 'a_obj_0.obj a_obj_1.obj a_stl_0.stl a_stl_1.stl '"
+run lod in/a_stl.stl -o alone_%d.stl --triangles 900,300 --samples 0
+holds 'lod of several: as of one' sh -c 'cmp alone_0.stl of_lod/a_stl_0.stl && cmp alone_1.stl of_lod/a_stl_1.stl'
+run lod in/a_stl.stl in/bad.stl in/a_obj.obj --output-dir of_lod --count 1 --samples 0 --format ply
+holds 'lod of several: one level is numbered, and a failure stops no other' sh -c "test $status = 1 && test -s of_lod/a_stl_0.ply && test -s of_lod/a_obj_0.ply"
+run lod in/a_stl.stl in/a_off.off --output-dir of_lod --triangles 900,300 --samples 0 --format glb
+holds 'lod of several: all levels of each in one .glb' sh -c "test $status = 0 && test -s of_lod/a_off.glb && grep -a -q level_1 of_lod/a_stl.glb"
+run lod "$root/fixtures/waves.nhdr" --output-dir of_lod --level 120 --levels 24,12 --samples 0
+holds 'lod of a volume: .ply' sh -c "test $status = 0 && test -s of_lod/waves_0.ply && test -s of_lod/waves_1.ply"
+run simplify in/a_stl.stl in/a_off.off --output-dir of_simplify --triangles 900,300 --samples 0
+holds 'several levels of several' sh -c "test $status = 0 && cmp alone_1.stl of_simplify/a_stl_1.stl && test -s of_simplify/a_off_1.off"
+cp in/a_stl.stl of_lod/k.stl && cp in/a_stl.stl of_lod/k_1.stl
+refuses 2 'of_lod/k_1.stl would replace the input of_lod/k_1.stl' lod of_lod/k.stl of_lod/k_1.stl --output-dir of_lod --count 2
+rm -rf of_* alone_*
+
 refuses 2 'would both become some/a_stl.ply' convert in/a_stl.stl in/sub/a_stl.stl --output-dir some --format ply
 refuses 2 'would replace the input in/a_stl.stl' convert in/a_obj.obj in/a_stl.stl --format stl --output-dir in
 refuses 2 'lacks the format' convert in/a_stl.stl --output-dir some
@@ -218,7 +235,8 @@ refuses 2 'exclude each other' repair in/a_stl.stl --output-dir some -o x.ply
 refuses 2 'is not written by repair' repair in/a_stl.stl --output-dir some --format npy
 refuses 2 'standard input has no name' repair - --output-dir some
 refuses 2 'several with --output-dir' repair in/a_stl.stl in/a_obj.obj -o x.ply
-refuses 2 'lod has no use for --output-dir' lod in/a_stl.stl --output-dir some
+refuses 2 'is not written by lod' lod in/a_stl.stl --output-dir some --format npy
+refuses 2 'refine has no use for --output-dir' refine in/a_stl.stl --output-dir some
 refuses 1 'the folder cannot be made' repair in/a_stl.stl --output-dir in/bad.stl
 refuses 2 'lacks its input' repair --output-dir some
 
