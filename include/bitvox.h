@@ -27,7 +27,7 @@
  *               limit); BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays that
  *               the caller owns. Comments list the others, or a special meaning of these.
  *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty, and the caller's arrays
- *               hold unspecified values. So does a result of an earlier call that was passed again: free it
+ *               hold unspecified values, as does a result of an earlier call that was passed again: free it
  *               or pass it again, do not read it. bvx_last_message(context) says what was wrong, where and
  *               why.
  *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it
@@ -912,11 +912,12 @@ enum { BVX_OPEN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
-    uint64_t target;              /**< target of this level, or 0 */
+    uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
     double target_error;          /**< error target of this level, or 0 [Units: world] */
     int32_t met;                  /**< 1: both are kept */
     int32_t measured;             /**< 1: distance is filled */
-    bvx_distance_report distance; /**< a is the input, b the level */
+    bvx_distance_report distance; /**< a is the input, b the level; measured for target_errors, or where
+                                       measure_samples is not 0 */
     bvx_certificate certificate;  /**< of the level */
     uint64_t crossings; /**< pairs of triangles that cross: 0, or some that bvx_mesh_simplify was given */
     double least_angle; /**< smallest angle of a triangle [Units: degrees] */
@@ -1909,15 +1910,16 @@ BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, co
 typedef struct bvx_ray_hit {
     double t;           /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
-    int32_t voxel[3];   /**< of the grid's window */
+    int32_t voxel[3];   /**< counted from the low corner of the grid's window */
     int32_t axis;       /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the voxel */
-    int32_t hit;        /**< 0: the ray meets none, and the other fields are zero */
+    int32_t hit;        /**< 1; or 0: the ray meets none, and the other fields are zero */
     int32_t reserved;
 } bvx_ray_hit;
 
 /** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t
  *  <= t_max. Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches, by one
- *  stated evaluation in doubles. A ray that starts on a face has t 0 and axis -1.
+ *  stated evaluation in doubles. A ray that starts in a set voxel, or on its face, has t
+ *  0 and axis -1.
  *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
  *  finite, with its index).
  *  [Memory: for many rays 1/512 of the grid]
@@ -2036,9 +2038,9 @@ typedef struct bvx_volume_report {
     uint64_t reserved[3];
 } bvx_volume_report;
 
-/** Set the voxels whose sample lies in a range: low <= sample <= high. The grid's window is the volume's.
- *  low, high  not NaN; -infinity and infinity leave a side open; low above high sets nothing. NaN and
- *             infinite samples are never set
+/** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never
+ *  set. The grid's window is the volume's.
+ *  low, high  not NaN; -infinity and infinity leave a side open; low above high sets nothing
  *  report     may be NULL
  *  Returns BVX_ERR_ARGUMENT (also a view with an invalid type, stride or reserved field), BVX_ERR_RANGE
  *  (window outside the lattice).
@@ -2405,11 +2407,11 @@ BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
  *  that of bvx_voxelize_surface (conservative), and inside is what the flood around it cannot reach, bit for
  *  bit. What a window and a tolerance change: docs/rules.md.
  *  base  the lattice of level 0, as from bvx_lattice_fit(context, mesh, 8, &base); fraction_bits are ignored
- *  tree  out: *tree is NULL, or a tree that is freed when the new one is made
+ *  tree  out: *tree is NULL, or a tree that is freed when the new one is made; a failure leaves it as it was
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (as bvx_voxelize_surface; a base of 2^31 voxels and
  *  more; dims * 2^levels beyond 2^25, with the largest number of levels that fits; 2^28 split voxels of a
- *  level), BVX_ERR_ARGUMENT (also levels beyond 25), BVX_ERR_BUDGET (names
- *  the number of levels that fits).
+ *  level), BVX_ERR_ARGUMENT (also levels beyond 25), BVX_ERR_BUDGET (the
+ *  message ends with the number of levels that fits, the last value of bvx_last_error).
  *  [Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split
  *  voxel; for the two finest split levels 20 a voxel and 5 for each triangle that touches it; a grid of up to
  *  128 MiB]
@@ -2596,9 +2598,9 @@ BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint
 /** Write a mesh; its frame is added. PLY, OBJ (without alpha) and OFF keep colours, PLY and OBJ texture
  *  coordinates too. GLB has both, smooth normals, and positions about the middle of the bounds. What each
  *  format holds: docs/formats.md. A mesh that rounding to 32-bit floats would spoil, like one in metres of a
- *  map projection as STL, is refused with BVX_ERR_RANGE (see BVX_ROUNDING_REFUSE): take another format, or
- *  set mesh.frame to less than it is, by an origin that the file's user knows. bvx_check_written reports what
- *  a file would hold.
+ *  map projection as STL, is refused with BVX_ERR_RANGE (BVX_ROUNDING_REFUSE says from where on; below that a
+ *  few vertices may become one): take another format, or subtract from mesh.frame an origin that the file's
+ *  user knows. bvx_check_written reports what a file would hold.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED.
  *  [Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex, and 84 a triangle while
  *  texture coordinates are split] */
