@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import warnings
 from typing import Any, BinaryIO, Iterable
 
 from ._bytes import format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
-from ._errors import ArgumentError, UnsupportedError
+from ._errors import ArgumentError, Error, UnsupportedError
 from ._field import Field
 from ._grid import Grid, new_grid
 from ._image import Image
 from ._lattice import WindowLike, set_window
 from ._mended import mended
 from ._mesh import Mesh, new_mesh, subtract
-from ._nrrd import without_gzip
+from ._nrrd import unpacked
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
 from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
@@ -27,6 +28,7 @@ MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
 MESHES_BY_LIBRARIES = ("3mf", "vtp")  # trimesh, PyVista
 _TREE_MAGIC = b"\x89BVO"
+OF_OTHERS = ("amf", "3mf", "glb", "gltf", "vtp", "dxf", "nii", "mha", "dcm")  # trimesh, PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
@@ -40,8 +42,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     path
         a name, or an open binary file. .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
         each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
-        with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii that was written of a grid, which is known by
-        its head (other masks: `bitvox.formats.read_nifti`). Beside .npy and .vox, FILE.json
+        with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii or .mha that was written of a grid, which is known
+        by its head (other masks: `bitvox.formats.read_nifti`, `bitvox.read_volume`). Beside .npy and .vox, FILE.json
         gives the lattice.
     format
         one of these endings, in place of the name's own.
@@ -91,7 +93,7 @@ def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
     """The bytes of a file as the library reads them, which has nothing to unpack."""
     if kind == "vti":
         return without_blocks(data, memory_limit)
-    return without_gzip(data, memory_limit) if kind == "nrrd" else mended(data, kind)
+    return unpacked(data, memory_limit) if kind == "nrrd" else mended(data, kind)
 
 
 def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: float | None, drop_nonfinite: bool, threads: int | None,
@@ -113,14 +115,14 @@ def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: flo
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
           memory_limit: int | None = None, progress: Progress = None) -> Any:
-    """Read a mesh, a grid, an octree or sections from the bytes of a file.
+    """Read a mesh, a grid, an octree or sections from the bytes of a file: all that `read` reads of one file, in memory.
 
     Parameters
     ----------
     data
         the bytes.
     format
-        an ending, such as "ply".
+        an ending, such as "ply". Bytes of .nii, .glb, .3mf and others that other libraries read are laid into a file of their own first.
     window, close_gap, drop_nonfinite
         as for `read`.
     lattice
@@ -139,6 +141,12 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     True
     """
     kind = format.lower().lstrip(".")
+    if kind in OF_OTHERS:
+        for name, given in (("window and lattice are for grids of the library's own formats", window is not None or lattice is not None),
+                            ("close_gap is for sections", close_gap is not None), ("drop_nonfinite is for meshes", drop_nonfinite)):
+            if given:
+                raise ArgumentError(name)
+        return _by_others(data, kind)
     held = ffi.from_buffer(_plain(data, kind, memory_limit))
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
@@ -178,7 +186,20 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
                 beside = ffi.from_buffer(lattice)
                 run.check(lib.bvx_read_lattice(run.context, beside, len(beside), grid))
             return Grid._made(grid)
-    raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}")
+    raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}; " +
+                           f"by other libraries: {', '.join(OF_OTHERS)}")
+
+
+def _by_others(data: Any, kind: str) -> Any:
+    """What `read` makes of these bytes, by libraries of which some read files only."""
+    with tempfile.TemporaryDirectory(prefix="bitvox-") as folder:
+        path = os.path.join(folder, f"bytes.{kind}" + (".gz" if bytes(data[:2]) == b"\x1f\x8b" else ""))
+        with open(path, "wb") as file:
+            file.write(data)
+        try:
+            return call("read_other", path, kind)
+        except Error as why:
+            raise type(why)(str(why).replace(path, f"the bytes of a .{kind}")) from None
 
 
 @entered

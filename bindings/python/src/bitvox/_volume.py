@@ -15,6 +15,7 @@ from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
+from ._nrrd import unpacked
 from ._records import record
 from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
 from ._stages import collapsed, level_target
@@ -684,6 +685,8 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     data = read_bytes(path)
     if kind == "vti":
         data = without_blocks(data, memory_limit)
+    if kind == "nrrd":
+        data = unpacked(data, memory_limit, kept=b"g")  # gzip the library unpacks as it reads
     held = ffi.from_buffer(data)
     volume = ffi.gc(ffi.new("bvx_volume *"), lib.bvxpy_free_volume)
     beside: bytes | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import os
+import re
 from typing import Any, Mapping, Sequence
 
 from .. import _arrays as arrays
@@ -149,12 +150,12 @@ def _save(made: Any, path: str | os.PathLike[str], pydicom: Any) -> None:
 
 
 def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
-    """The segments of a DICOM segmentation (SEG), in its place and directions, in the patient's millimeters ("lps").
+    """The segments of a DICOM segmentation (SEG) or of Slicer's .seg.nrrd, in its place and directions, in the patient's millimeters ("lps").
 
     Parameters
     ----------
     path
-        the file.
+        the file. A .seg.nrrd may have its segments in one layer, as labels, or overlapping in several.
 
     Returns
     -------
@@ -174,8 +175,10 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
     >>> bitvox.formats.read_segmentation('seg.dcm')['segment'].threshold(0.5).count == solid.count
     True
     """
-    np, hd, pydicom = arrays.numpy("DICOM"), need("highdicom", "medical"), need("pydicom", "medical")
     name = os.fspath(path)
+    if name.lower().endswith(".nrrd"):
+        return _segments_of_nrrd(name)
+    np, hd, pydicom = arrays.numpy("DICOM"), need("highdicom", "medical"), need("pydicom", "medical")
     try:
         found = pydicom.dcmread(name)
     except pydicom.errors.InvalidDicomError as why:
@@ -193,6 +196,33 @@ def read_segmentation(path: str | os.PathLike[str]) -> dict[str, Volume]:
         called = str(segment.SegmentLabel)
         called = called if called not in made else f"{called} {segment.SegmentNumber}"
         made[called] = Volume(np.ascontiguousarray(whole.array[..., i]).astype(kind), order="zyx", frame="lps", **place)
+    return made
+
+
+def _segments_of_nrrd(name: str) -> dict[str, Volume]:
+    """Slicer's segments: each is one label of one layer."""
+    np, sitk = arrays.numpy("NRRD"), need("SimpleITK", "medical")
+    if not os.path.isfile(name):
+        raise FileNotFoundError(name)
+    try:
+        image = sitk.ReadImage(name)
+    except RuntimeError as why:
+        raise FormatError(f"{name}: SimpleITK cannot read it: {str(why).strip().splitlines()[-1]}") from why
+    told = {key: image.GetMetaData(key) for key in image.GetMetaDataKeys()}
+    numbers = sorted(int(key[7:-3]) for key in told if re.fullmatch(r"Segment\d+_ID", key))
+    if image.GetDimension() != 3 or not numbers:
+        raise FormatError(f"{name} is not a segmentation: it names no segments")
+    values = sitk.GetArrayFromImage(image)
+    layers = values if values.ndim == 4 else values[..., None]
+    place = {"spacing": image.GetSpacing(), "center0": image.GetOrigin(), "direction": np.reshape(image.GetDirection(), (3, 3))}
+    made: dict[str, Volume] = {}
+    for number in numbers:
+        layer, label = (int(told.get(f"Segment{number}_{field}", default)) for field, default in (("Layer", 0), ("LabelValue", 1)))
+        if not 0 <= layer < layers.shape[3]:
+            raise FormatError(f"{name}: segment {number} is in layer {layer} of {layers.shape[3]}")
+        called = told.get(f"Segment{number}_Name", f"Segment_{number}")
+        called = called if called not in made else f"{called} {number}"
+        made[called] = Volume((layers[..., layer] == label).astype(np.uint8), order="zyx", frame="lps", **place)
     return made
 
 

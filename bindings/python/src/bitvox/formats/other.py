@@ -15,6 +15,7 @@ from .amf import read_amf
 from .dicom import is_picture, read_rtstruct
 from .dxf import read_dxf
 from .nifti import grid_of_nifti
+from .volumes import grid_of_meta
 
 _OTHERS = ("3mf", "glb", "gltf", "dae", "zae", "ctm", "xaml", "3dxml")
 
@@ -39,6 +40,8 @@ def read_other(path: str, kind: str) -> Any:
     """
     if kind == "nii":
         return grid_of_nifti(path)
+    if kind == "mha":
+        return grid_of_meta(path)
     if kind == "dxf":
         return read_dxf(path)
     if kind == "dcm":

@@ -6,14 +6,17 @@ import gzip
 import os
 import re
 import struct
+import tempfile
 import zipfile
 import zlib
 from typing import Any
 
 from .. import _arrays as arrays
-from .._bytes import read_bytes
+from .._bytes import read_bytes, write_bytes
 from .._errors import FormatError, UnsupportedError, need
 from .._foreign import affine_of
+from .._grid import Grid
+from .._nrrd import unpacked
 from .._volume import Volume
 from .nifti import GRID_MARK
 
@@ -28,7 +31,7 @@ _SPACES = {"lps": "left-posterior-superior", "ras": "right-anterior-superior"}
 
 
 def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
-    """The bytes of a file that holds a ``volume``: ``kind`` is nrrd, mha, nii or vti; ``of_grid``: its samples are those of a grid, which NIfTI says.
+    """The bytes of a file that holds a ``volume``: ``kind`` is nrrd, mha, nii or vti; ``of_grid``: its samples are those of a grid, which NIfTI and MetaImage say.
 
     What a volume's frame is stands in the file. NIfTI is always in "ras" and MetaImage in "lps": positions of the other one are turned;
     where the frame is not said they are written as they are.
@@ -43,6 +46,7 @@ def volume_bytes(volume: Volume, kind: str, of_grid: bool = False) -> bytes:
     code, steps = packed.dtype.str[1:], affine_of(volume)
     if kind == "mha":
         head = {"ObjectType": "Image", "NDims": 3, "BinaryData": True, "BinaryDataByteOrderMSB": False, "CompressedData": True}
+        head |= {"Comment": GRID_MARK.decode()} if of_grid else {}
         data = zlib.compress(packed.tobytes(), 6)
         head |= {"CompressedDataSize": len(data), "TransformMatrix": _words(volume.direction.T.ravel()), "Offset": _words(volume.center0),
                  "CenterOfRotation": "0 0 0", "ElementSpacing": _words(volume.spacing), "DimSize": _words(volume.shape),
@@ -111,13 +115,42 @@ def read_by_library(path: str, kind: str) -> Volume:
             named = re.findall(rb"^(?:data ?file:|ElementDataFile *=) *(.*)$", file.read(1 << 16), flags=re.M)
         if any(os.path.isabs(name) or b".." in name.replace(b"\\", b"/").split(b"/") for name in named):
             raise FormatError(f"{path}: its samples are said to be in another folder; only files in its own folder or below are read")
+    if kind == "nrrd" or (kind in BY_SIMPLEITK and path.lower().endswith(".gz")):
+        data = read_bytes(path)
+        plain = unpacked(data) if kind == "nrrd" else data
+        if plain is not data or path.lower().endswith(".gz"):  # SimpleITK has no bzip2, takes .gz of few formats, and reads files only
+            with tempfile.TemporaryDirectory(prefix="bitvox-") as folder:
+                write_bytes(beside := os.path.join(folder, f"volume.{kind}"), plain)
+                return _by_simpleitk(beside, path)
     if kind in BY_SIMPLEITK:
-        sitk = need("SimpleITK", "medical")
-        try:
-            return Volume.of(sitk.ReadImage(path))
-        except RuntimeError as why:
-            raise FormatError(f"{path}: SimpleITK cannot read it: {str(why).strip().splitlines()[-1]}") from why
+        return _by_simpleitk(path, path)
     return Volume.of(need("pyvista", "view").read(path))
+
+
+def _by_simpleitk(path: str, name: str) -> Volume:
+    """The volume of a file, which messages call ``name``."""
+    sitk = need("SimpleITK", "medical")
+    try:
+        image = sitk.ReadImage(path)
+    except RuntimeError as why:
+        raise FormatError(f"{name}: SimpleITK cannot read it: {str(why).strip().splitlines()[-1]}") from why
+    if image.GetDimension() == 3 and image.GetNumberOfComponentsPerPixel() > 1 and any(key.startswith("Segment0_") for key in image.GetMetaDataKeys()):
+        raise UnsupportedError(f"{name}: a segmentation in {image.GetNumberOfComponentsPerPixel()} layers; bitvox.formats.read_segmentation gives a "
+                               "volume of each segment")
+    return Volume.of(image)
+
+
+def grid_of_meta(path: str) -> Grid:
+    """The grid of a MetaImage that was written of one, which its comment says; others are refused as `read` of a NIfTI mask is."""
+    np = arrays.numpy("MetaImage")
+    with open(path, "rb") as file:
+        begin = file.read(1 << 12)
+    head = zlib.decompressobj(31).decompress(begin) if begin[:2] == b"\x1f\x8b" else begin
+    volume = read_by_library(path, "mha")
+    if b"Comment = " + GRID_MARK not in head or volume.array.dtype != np.uint8 or volume.array.max(initial=0) > 1 or (volume.direction != np.eye(3)).any():
+        raise UnsupportedError(f"{path}: was not written of a Grid, so which values are inside is not said; bitvox.read_volume(path) gives a Volume, whose "
+                               "threshold makes a Grid")
+    return Grid.from_numpy(volume.array, spacing=volume.spacing, center0=volume.center0)
 
 
 def array_of_npz(path: str) -> Any:
