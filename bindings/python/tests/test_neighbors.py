@@ -48,6 +48,10 @@ def test_open3d_meshes(ball):
     theirs = ball.to_open3d()
     back = bitvox.Mesh.of(theirs)
     assert theirs.is_watertight() and np.array_equal(back.vertices, ball.in_world()) and np.array_equal(back.faces, ball.faces)
+    colored = bitvox.Mesh(ball.vertices, ball.faces, colors=np.random.default_rng(1).integers(0, 256, (ball.n_vertices, 3)))
+    assert np.array_equal(bitvox.Mesh.of(colored.to_open3d()).colors, colored.colors)
+    tensor = pytest.importorskip("open3d").t.geometry.TriangleMesh.from_legacy(colored.to_open3d())
+    assert np.abs(bitvox.Mesh.of(tensor).colors.astype(int) - colored.colors).max() <= 1  # float32 there
 
 
 def test_napari_layers(solid, ball, tmp_path):
