@@ -145,7 +145,6 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
     start_parts(w, 0, vertex_start);
-    memset(whole, 0, sizeof *whole);
     BVXI_TRY(bvxi_mesh_open(ctx, merge_name, w->parts[0].position_type, 1,
                             count_different(w->keys, w->vertices), w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
@@ -167,7 +166,8 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
 {
     merge_work w = {0};
     uint64_t *start = NULL;
-    bvx_mesh made;
+    bvx_mesh made = {0};
+    int brought;
     bvx_status status;
 
     /* Parts that contradict each other are refused before memory is taken. */
@@ -175,9 +175,9 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
-    if (whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL))
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
-                             "%s: whole must be empty or the library's own", merge_name);
+    /* Arrays of the caller's are filled; the library's own are replaced once the new ones are whole. */
+    brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
+    if (brought) made = *whole;
     w.parts = parts;
     w.part_count = part_count;
     BVXI_TRY(check_parts(context, &w));
@@ -194,7 +194,7 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     bvxi_drop(context, w.keys);
     if (status != BVX_OK) return status;
 
-    bvx_mesh_free(context, whole);
+    if (!brought) bvx_mesh_free(context, whole);
     *whole = made;
     return BVX_OK;
 }

@@ -1,6 +1,8 @@
 /* test_reuse.c - results passed again: every function that makes one gives into a
  * used result, small after large and large after small, what it gives into an empty
- * one; when memory fails meanwhile, nothing leaks and the result can be used on. */
+ * one; when memory fails meanwhile, nothing leaks and the result can be used on.
+ * Arrays of the caller's are filled in place, refused with BVX_ERR_CAPACITY where
+ * they are too small, or with BVX_ERR_ARGUMENT where a result takes none. */
 #include "suite.h"
 
 #include "bitvox.h"
@@ -481,6 +483,118 @@ static void test_failures_leave_results_that_can_be_used(void)
     }
 }
 
+/* ---- arrays of the caller's ---- */
+
+/* Calls that refuse them, as the header says of each, or that make one result out of another. */
+static const char *const takes_none[] = {"bvx_read_mesh",   "bvx_read_mesh_finite", "bvx_mesh_drop_nonfinite",
+                                         "bvx_read_points", "bvx_mesh_carry",       "bvx_extract_octree"};
+
+static int refuses_arrays(const char *name)
+{
+    for (size_t i = 0; i < sizeof takes_none / sizeof takes_none[0]; i++)
+        if (strcmp(name, takes_none[i]) == 0) return 1;
+    return 0;
+}
+
+/* A result of exactly the size of made, whose arrays are the caller's: reads and writes beyond them are seen by
+ * sanitizers. */
+static void bring_grid(const bvx_grid *made, bvx_grid *own)
+{
+    memset(own, 0, sizeof *own);
+    own->word_capacity = (uint64_t)made->words_per_row * (uint64_t)made->size[1] * (uint64_t)made->size[2];
+    own->words = malloc((size_t)own->word_capacity * sizeof *own->words);
+}
+
+static void bring_mesh(const bvx_mesh *made, bvx_mesh *own)
+{
+    size_t const scalar = made->position_type == BVX_F64 ? sizeof(double) : sizeof(float);
+
+    memset(own, 0, sizeof *own);
+    own->position_type = made->position_type;
+    own->vertex_capacity = made->vertex_count;
+    own->triangle_capacity = made->triangle_count;
+    own->positions = malloc((size_t)made->vertex_count * 3 * scalar);
+    own->triangles = malloc((size_t)made->triangle_count * 3 * sizeof *own->triangles);
+    if (made->vertex_keys == NULL) return;
+    own->vertex_keys = malloc((size_t)made->vertex_count * sizeof *own->vertex_keys);
+    own->triangle_keys = malloc((size_t)made->triangle_count * sizeof *own->triangle_keys);
+}
+
+static void bring(const results *made, results *own)
+{
+    memset(own, 0, sizeof *own);
+    if (made->grid.words != NULL) bring_grid(&made->grid, &own->grid);
+    for (int i = 0; i < 2; i++)
+        if (made->mesh[i].positions != NULL) bring_mesh(&made->mesh[i], &own->mesh[i]);
+}
+
+static void drop_brought(results *own)
+{
+    free(own->grid.words);
+    own->grid.words = NULL;
+    for (int i = 0; i < 2; i++) {
+        free(own->mesh[i].positions);
+        free(own->mesh[i].triangles);
+        free(own->mesh[i].vertex_keys);
+        free(own->mesh[i].triangle_keys);
+        memset(&own->mesh[i], 0, sizeof own->mesh[i]);
+    }
+    /* What the library made beside them. */
+    memset(&own->grid, 0, sizeof own->grid);
+    free_results(ctx, own);
+}
+
+/* Whole, then one word, vertex or triangle too small. */
+static void check_brought(const struct row *row, const results *made)
+{
+    for (int way = 0; way < 3; way++) {
+        int const grid = made->grid.words != NULL;
+        results own, before;
+        bvx_status status;
+
+        bring(made, &own);
+        if (way == 1 && grid) own.grid.word_capacity--;
+        if (way == 1 && !grid) own.mesh[0].vertex_capacity--;
+        if (way == 2 && grid) own.grid.word_capacity = 1;
+        if (way == 2 && !grid) own.mesh[0].triangle_capacity--;
+        before = own;
+        status = row->run(ctx, &models[1], &own);
+
+        if (refuses_arrays(row->name)) {
+            /* Too small is found by the call that makes what is carried to. */
+            if (way == 0 || status != BVX_ERR_CAPACITY)
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_ARGUMENT, status, row->name);
+        } else if (way != 0) {
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_CAPACITY, status, row->name);
+        } else {
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(ctx));
+            TEST_ASSERT_EQUAL_HEX64_MESSAGE(signature(ctx, made), signature(ctx, &own), row->name);
+        }
+        /* The caller's they are before and after, whatever became of the call. */
+        TEST_ASSERT_EQUAL_PTR_MESSAGE(before.grid.words, own.grid.words, row->name);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(0, own.grid.owned, row->name);
+        for (int i = 0; i < 2; i++) {
+            TEST_ASSERT_EQUAL_PTR_MESSAGE(before.mesh[i].positions, own.mesh[i].positions, row->name);
+            TEST_ASSERT_EQUAL_PTR_MESSAGE(before.mesh[i].triangles, own.mesh[i].triangles, row->name);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(0, own.mesh[i].owned, row->name);
+        }
+        drop_brought(&own);
+    }
+}
+
+static void test_arrays_of_the_callers_are_filled_or_too_small(void)
+{
+    for (int i = 0; i < ROWS; i++) {
+        uint64_t const held = bvx_memory_used(ctx);
+        results made = {0};
+
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, rows[i].run(ctx, &models[1], &made), bvx_last_message(ctx));
+        if (made.grid.words != NULL || made.mesh[0].positions != NULL) check_brought(&rows[i], &made);
+        free_results(ctx, &made);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(held, bvx_memory_used(ctx), rows[i].name);
+    }
+}
+
 /* ---- models ---- */
 
 static void make_model(model *m, int32_t size)
@@ -576,5 +690,6 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_results_are_passed_again);
     RUN_TEST(test_failures_leave_results_that_can_be_used);
+    RUN_TEST(test_arrays_of_the_callers_are_filled_or_too_small);
     return UNITY_END();
 }
