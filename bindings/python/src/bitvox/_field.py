@@ -322,10 +322,17 @@ def _field_from(mesh: Mesh, band: Grid, inside: Grid | None, rows: Any, distance
     return Field(ffi.gc(made, lambda _, kept=kept: None), mesh)
 
 
+def _touches_side(grid: Grid) -> bool:
+    """A voxel at a side of the window is set."""
+    inner = tuple(n - 2 for n in grid.shape)
+    return min(inner) < 1 or grid.crop(((1, 1, 1), inner)).count != grid.count
+
+
 def surface_of_mesh(grid: Grid, mesh: Any, offset: float, **options: Any) -> Mesh:
     """The surface of voxels that were made from a mesh: `Field.surface` of a field measured as far as the offset."""
-    if (grid.low, grid.shape) == ((0, 0, 0), grid.lattice.shape):
-        grid = grid.pad(1)  # an edge of the lattice that leaves it has no value at its other end
+    # An edge of the lattice that leaves it has no value at its other end. Where no voxel lies at a side there is none.
+    if (grid.low, grid.shape) == ((0, 0, 0), grid.lattice.shape) and _touches_side(grid):
+        grid = grid.pad(1)
     far = 2.0 + abs(float(offset)) / max(grid.lattice.spacing)
     limits: dict[str, Any] = {name: options.get(name) for name in ("threads", "memory_limit", "progress")}
     window = (grid.low, grid.shape)

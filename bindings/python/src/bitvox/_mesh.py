@@ -701,6 +701,14 @@ def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
     return Mesh._made(made)
 
 
+def used_bounds(mesh: Mesh) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Low and high corner of the vertices that triangles use, which lattices are fitted to."""
+    np = arrays.numpy_or_none()
+    if mesh._faces is None or np is None:
+        return mesh.bounds
+    return Mesh(mesh._vertices[np.unique(mesh._faces)], np.zeros((1, 3), np.uint32), frame=mesh.frame).bounds
+
+
 def subtract(mesh: Any, origin: Any) -> None:
     """Positions in the file are less by the origin."""
     if origin is not None:

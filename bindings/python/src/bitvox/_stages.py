@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
@@ -13,7 +14,7 @@ from ._field import EDGES, surface_of_mesh
 from ._grid import Attached, Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
-from ._mesh import Mesh, new_mesh, with_positions
+from ._mesh import Mesh, new_mesh, used_bounds, with_positions
 from ._records import record
 from ._run import FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
 from ._words import Array, Axis, BooleanFill, ErrorKind, FaceRule, Fill, Interpolation, Mode, Operation, RepairSign, Thin, ThinCheck
@@ -89,7 +90,7 @@ def voxelize(
         ``volume_resolution`` is the resolution that is within it, else 0.
     base, up, second
         with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
-        second terrain: what lies between the two.
+        second terrain: what lies between the two. Where no lattice is given it holds both terrains, down to the base.
     attached
         surface modes: keep the triangles that touch each voxel in ``grid.attached``.
 
@@ -119,6 +120,9 @@ def voxelize(
     """
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice, corner)
+    if lattice is None and fill == "below" and (second is not None or base is not None):
+        second = None if second is None else Mesh.of(second)
+        where = Lattice.fit_box(*_terrain_box(source, second, base, up), resolution=resolution, spacing=spacing, padding=padding, corner=corner)
     if corner is not None and source.n_vertices and any(a < b for a, b in zip(source.bounds[0], where.corner)):
         warnings.warn(f"the mesh begins at {source.bounds[0]}, below the corner {where.corner}: what lies below it is left out", stacklevel=2)
     made = new_grid()
@@ -164,6 +168,20 @@ def voxelize(
         warnings.warn("the result is empty: the mesh contains no voxel's center; a finer resolution, or mode='conservative', which sets the "
                       "voxels of its surface, may have more", stacklevel=2)
     return solid
+
+
+def _terrain_box(source: Mesh, second: Mesh | None, base: float | None, up: str | None) -> tuple[list[float], list[float]]:
+    """What holds the triangles of both terrains, and reaches down to the base."""
+    boxes = [used_bounds(source)]
+    if second is not None:
+        Lattice.fit(second, resolution=1)  # refuses what has no box
+        boxes.append(used_bounds(second))
+    low, high = [min(box[0][a] for box in boxes) for a in range(3)], [max(box[1][a] for box in boxes) for a in range(3)]
+    axis = {"x": 0, "y": 1}.get(up or "z", 2)
+    # Columns go down to the base, which may lie below the terrain. What is no height is refused by the library.
+    if base is not None and math.isfinite(base):
+        low[axis] = min(low[axis], float(base))
+    return low, high
 
 
 def choice_of_mode(mode: str) -> str:
