@@ -43,7 +43,9 @@
  *               BVX_ERR_EMPTY; nothing inside is an empty result and BVX_OK. A target that cannot be met is
  *               BVX_OK with met 0 in the report, unless strict is set.
  *   Options     Structs begin with their size and are filled by their _init function. NULL means all
- *               defaults. A report is filled where the options point to one.
+ *               defaults. A shorter struct, of an older header: what it lacks has its default; a longer one:
+ *               bytes that the library does not know must be zero (BVX_ERR_VERSION). A report is filled
+ *               where the options point to one.
  *   Reserved    Fields named reserved must be zero.
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
  *   Memory      All memory comes from the context's allocator and counts against its limit. [Memory:] is
@@ -378,7 +380,7 @@ typedef struct bvx_certificate {
 /** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). All vertices must be finite,
  *  used or not. A mesh without triangles is no error: its certificate is zero, but for unused_vertices.
  *  [Limit: (2^32 - 1) / 3 triangles]
- *  Returns BVX_ERR_RANGE (index or coordinate).
+ *  Returns BVX_ERR_RANGE (the first triangle with an index out of range, or vertex that is not finite).
  *  [Memory: about 60 bytes a triangle]
  *  [Cost: O(triangles), radix sorts]
  *  [Exact: all but volume and area, which are sums of doubles in triangle order and the same everywhere] */
@@ -751,7 +753,7 @@ BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size)
 
 /** Set the voxels that a mesh's surface touches, by one of three exact definitions. Vertices are snapped to
  *  the lattice's fixed point. Closed sets touch when they share a point; triangles without area count as the
- *  segments or points that they are (thin: they have no crossing).
+ *  segments or points that they are (thin: they have no crossing). What lies beyond the window sets nothing.
  *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (vertex or index, as in bvx_voxelize_solid).
  *  [Memory: the grid, 16 bytes a vertex, and with several threads up to 8 a triangle, or 4 for each triangle
  *  and tile of rows that it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel]
@@ -852,7 +854,8 @@ BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
                                      const bvx_faces_options *options, bvx_mesh *mesh);
 
 /** Join meshes with keys (windows of one lattice): the result has the bytes of the whole extracted at once,
- *  keys included.
+ *  keys included. For that windows overlap by one layer of voxels, with open sides there, as
+ *  bvx_extract_surface says; whether they do is not checked.
  *  Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ), BVX_ERR_RANGE.
  *  [Memory: the result, and 24 bytes a vertex or triangle of the parts]
  *  [Cost: O(n), radix sorts] */
@@ -1700,8 +1703,8 @@ BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
 /** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the
  *  drain hole. The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to
  *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
- *  the result is the grid itself, without a hole.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis meets no hollow), BVX_ERR_RANGE (a thickness below a
+ *  the result is the grid itself, without a hole, wherever drain_at is.
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a
  *  voxel, which would leave no shell), and as bvx_grid_erode with a ball, whose memory and cost it has.
  *  [Exact: yes] */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid,
@@ -2718,7 +2721,7 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
                                    int32_t format, bvx_buffer *file);
 
 /** Read a grid from the bytes of a file: values other than 0 are set. Its lattice is the file's box (BVX: the
- *  lattice and window that were written). Without one in the file, origin is 0 and spacing 1; where the file
+ *  lattice that was written; the window's low is that of the file and of window, added). Without one in the file, origin is 0 and spacing 1; where the file
  *  has the centre of the first voxel, the origin is half a voxel below it. Types and encodings:
  *  docs/formats.md.
  *  format  as for bvx_write_grid
