@@ -52,6 +52,7 @@ struct bvx_context {
     bvxi_share share[BVXI_SHARES]; /* the first is the call's */
     const char *stage;             /* reported last; the function's name before */
     double reached;                /* reported last */
+    double bar_cost;               /* of all of the bar, as planned (costs.h); 0: nobody has said */
     int32_t calls, shares;         /* public calls in each other; shares in the call's */
     const char *function;          /* the outermost public one */
     bvx_error error;               /* the last failure; its text points into message */

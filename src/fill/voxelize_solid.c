@@ -3,6 +3,7 @@
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
  * regions.c, below.c), the shell is added, the edges are counted where requested, and a report says what was
  * lost. */
+#include "core/costs.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"
 #include "winding/holes.h"
@@ -157,12 +158,19 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     return BVX_OK;
 }
 
+static double cost_of_rows(const bvx_mesh_view *mesh, const bvx_grid *solid)
+{
+    return BVXI_COST_ROWS * (double)mesh->triangle_count + BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size);
+}
+
 static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
                                const bvxi_holes *holes, bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job job;
     bvx_status status;
 
+    /* Rows; what else the rule needs says so itself. */
+    bvxi_share_cost(ctx, 0.0, 1.0, cost_of_rows(mesh, solid));
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
     /* Rules of rows need no look at anything else. */
@@ -184,17 +192,12 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
     return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
 }
 
-/* Winding numbers take about so many times as long as rows: of real meshes with holes 4 to 150 times. */
-#define WINDING_COSTS 16.0
-
 /* A bvxi_fill_by_name_fn. */
 static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid,
                               bvx_solid_report *report)
 {
     bvx_voxelize_options o = voxelize_defaults;
     o.fill = fill;
-    /* Callers plan for rows; that winding numbers are needed is known only now. */
-    if (fill == BVX_FILL_WINDING) bvxi_share_costs(ctx, 0.0, 1.0, WINDING_COSTS);
     return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
 }
 

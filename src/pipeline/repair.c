@@ -6,6 +6,7 @@
  * lid over holes, so no hole is too wide, and only the centres next to the surface are measured. What
  * encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
+#include "core/costs.h"
 #include "pipeline/repair.h"
 #include "mesh/view.h"
 
@@ -115,16 +116,35 @@ static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
+enum { TARGET_TRY, TARGET_MORE, TARGET_STEPS };
+
+#define TRIES_LEFT 2.0 /* tries that may still be needed: their number is not known */
+
+static double cost_of_try(const bvxi_repair_job *job, double resolution)
+{
+    bvxi_repair_size const size = bvxi_repair_expect(job, resolution);
+
+    return bvxi_repair_inside_cost(job, &size) + BVXI_COST_MARCH * size.ends;
+}
+
+static double cost_of_search(const bvxi_repair_job *job)
+{
+    return cost_of_try(job, (double)job->options->resolution) +
+           TRIES_LEFT * cost_of_try(job, bvxi_repair_expected_resolution(job));
+}
+
 /* The largest resolution that a bisection finds to keep the target; job is then left at another one. */
 static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
 {
     uint64_t const target = job->options->target_triangles;
     int32_t low = 0, high = job->options->resolution;
     uint64_t high_count, low_count = 0;
-    double rest = 0.5; /* of the progress, for tries whose number is not known */
+    double cost[TARGET_STEPS] = {cost_of_try(job, (double)high)};
+    bvxi_steps steps = {job->ctx, cost, TARGET_STEPS, 0.0};
 
     /* The largest resolution first: most targets allow it, and then the search is over. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, count_at(job, high, &high_count)));
+    cost[TARGET_MORE] = TRIES_LEFT * cost_of_try(job, bvxi_repair_expected_resolution(job));
+    BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
         return BVX_OK;
@@ -132,8 +152,10 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     for (uint64_t tries = 0; high - low > 1; tries++) {
         int32_t const guess = next_guess(low, high, high_count, target, tries);
         uint64_t count;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 1.0 - rest, 1.0 - rest * 0.8, count_at(job, guess, &count)));
-        rest *= 0.8;
+
+        cost[TARGET_TRY] = cost_of_try(job, (double)guess);
+        cost[TARGET_MORE] = TRIES_LEFT * cost[TARGET_TRY];
+        BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, guess, &count)));
         if (count <= target) {
             low = guess;
             low_count = count;
@@ -162,37 +184,41 @@ enum {
     REPAIR_STEPS
 };
 
-/* Where each step ends in the call, by the time that each takes, in thousandths of a
- * millisecond for a triangle of the input or a cell that the surface crosses, about.
- * What is known of the mesh after the first step, and of thin walls after the fill, counts for those that
- * follow. */
-static void plan_repair(const bvxi_repair_job *job, int first, double end[REPAIR_STEPS])
+/* What the steps cost, about: planned before the first one, and anew when more is known. Steps that have been
+ * taken are not looked at. */
+static void plan_repair(const bvxi_repair_job *job, double cost[REPAIR_STEPS])
 {
     const bvx_repair_options *const o = job->options;
     const bvx_certificate *const c = &job->report.before;
-    double const n = (double)job->given->triangle_count;
-    double const side = o->resolution > 0 ? o->resolution : 128;
-    double const cells = 1.2 * side * side;
-    int const taken = first > REPAIR_TAKE;
-    int const sound = !taken ||
-                      (c->boundary_edges == 0 && c->nonmanifold_edges == 0 && c->flipped_edges == 0);
-    double weight[REPAIR_STEPS] = {0}, all = 0.0, sum = 0.0;
+    bvxi_repair_size const size = bvxi_repair_expect(job, bvxi_repair_expected_resolution(job));
+    double const n = size.triangles;
+    /* Looked for crossings, and copied where there are none: before the mesh is looked at both are as likely
+     * as not. */
+    int const taken = c->triangles != 0, sound = taken && bvxi_repair_need(c) == BVX_NEEDS_NOTHING;
+    double const looked = sound ? 1.0 : taken ? 0.0 : 0.5;
+    double const maybe = o->if_needed && job->report.needs == BVX_NEEDS_NOTHING ? 1.0 - 0.5 * looked : 1.0;
 
-    /* Weights in one unit of time, so that shares follow. */
-    double const begin = first > 0 ? end[first - 1] : 0.0;
+    cost[REPAIR_TAKE] = (job->known != NULL ? BVXI_COST_WELD : BVXI_COST_WELD + BVXI_COST_CHECK) * n;
+    cost[REPAIR_NEEDS] = o->report != NULL || o->if_needed
+                             ? looked * (c->components > 1 ? 0.5 : 1.0) * BVXI_COST_CROSSINGS * n
+                             : 0.0;
+    cost[REPAIR_SEARCH] = o->target_triangles != 0 ? maybe * cost_of_search(job) : 0.0;
+    cost[REPAIR_INSIDE] = maybe * bvxi_repair_inside_cost(job, &size);
+    cost[REPAIR_SURFACE] = maybe * bvxi_repair_surface_cost(job, &size);
+    cost[REPAIR_FLATTEN] = maybe * bvxi_repair_flatten_cost(job, &size);
+    cost[REPAIR_MEASURE] = o->report != NULL ? maybe * bvxi_repair_measure_cost(job, &size) : 0.0;
+}
 
-    weight[REPAIR_TAKE] = 0.5 * n;
-    weight[REPAIR_NEEDS] = (o->report != NULL || o->if_needed) && sound ? n : 0.0;
-    weight[REPAIR_INSIDE] = n + 0.2 * cells + (sound ? 0.0 : n + 2.0 * cells);
-    weight[REPAIR_SURFACE] = 0.1 * n + (o->sharp != 0 ? 1.6 : 0.7) * cells;
-    weight[REPAIR_FLATTEN] = 0.1 * n + 0.05 * cells + 4.0 * (double)job->thin.near.count;
-    if (o->target_triangles != 0) weight[REPAIR_SEARCH] = 5.0 * weight[REPAIR_INSIDE];
-    if (o->report != NULL) weight[REPAIR_MEASURE] = 0.25 * cells + (o->measure ? 300e3 + 5.0 * n : 0.0);
+double bvxi_repair_cost(const bvx_mesh_view *mesh, const bvx_certificate *known,
+                        const bvx_repair_options *options, double *triangles)
+{
+    bvxi_repair_job const job = {.options = options, .given = mesh, .report = {.before = *known}};
+    double cost[REPAIR_STEPS], sum = 0.0;
 
-    /* Only steps that are still to come share what remains of the bar, so it never falls when more is
-     * known. */
-    for (int i = first; i < REPAIR_STEPS; i++) all += weight[i];
-    for (int i = first; i < REPAIR_STEPS; i++) end[i] = begin + (1.0 - begin) * ((sum += weight[i]) / all);
+    plan_repair(&job, cost);
+    for (int i = 0; i < REPAIR_STEPS; i++) sum += cost[i];
+    *triangles = BVXI_TRIANGLES_OF_END * bvxi_repair_expect(&job, bvxi_repair_expected_resolution(&job)).ends;
+    return sum;
 }
 
 static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
@@ -210,24 +236,24 @@ static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaire
 
 static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 {
-    bvx_context *const ctx = job->ctx;
     int32_t resolution = job->options->resolution;
+    double cost[REPAIR_STEPS];
+    bvxi_steps steps = {job->ctx, cost, REPAIR_STEPS, 0.0};
     uint64_t voxels;
-    double end[REPAIR_STEPS];
 
-    /* Planned anew whenever more is known. */
-    plan_repair(job, REPAIR_TAKE, end);
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, end[REPAIR_TAKE], bvxi_repair_take(job)));
-    plan_repair(job, REPAIR_NEEDS, end);
-    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_TAKE], end[REPAIR_NEEDS], bvxi_repair_needs(job)));
+    plan_repair(job, cost);
+    BVXI_TRY(BVXI_STEP(&steps, REPAIR_TAKE, bvxi_repair_take(job)));
+    plan_repair(job, cost);
+    BVXI_TRY(BVXI_STEP(&steps, REPAIR_NEEDS, bvxi_repair_needs(job)));
 
     /* A mesh that is sound is copied before anything is measured: nothing of it may move. */
     if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
-        return BVXI_SHARE(ctx, end[REPAIR_NEEDS], 1.0, bvxi_repair_copy(job, repaired));
+        return BVXI_SHARE(job->ctx, steps.at, 1.0, bvxi_repair_copy(job, repaired));
 
+    plan_repair(job, cost);
     if (job->options->target_triangles != 0)
-        BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_NEEDS], end[REPAIR_SEARCH], search_repair(job, &resolution)));
-    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SEARCH], end[REPAIR_INSIDE], fill_at(job, resolution)));
+        BVXI_TRY(BVXI_STEP(&steps, REPAIR_SEARCH, search_repair(job, &resolution)));
+    BVXI_TRY(BVXI_STEP(&steps, REPAIR_INSIDE, fill_at(job, resolution)));
 
     /* An empty result would look like success. */
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
@@ -239,11 +265,11 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
                              ? "every part is below least_part"
                              : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
-    plan_repair(job, REPAIR_SURFACE, end);
-    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_INSIDE], end[REPAIR_SURFACE], bvxi_repair_surface(job, repaired)));
-    BVXI_TRY(BVXI_SHARE(ctx, end[REPAIR_SURFACE], end[REPAIR_FLATTEN], flatten_repaired(job, repaired)));
+    plan_repair(job, cost);
+    BVXI_TRY(BVXI_STEP(&steps, REPAIR_SURFACE, bvxi_repair_surface(job, repaired)));
+    BVXI_TRY(BVXI_STEP(&steps, REPAIR_FLATTEN, flatten_repaired(job, repaired)));
     if (job->options->report == NULL) return BVX_OK;
-    return BVXI_SHARE(ctx, end[REPAIR_FLATTEN], 1.0, bvxi_repair_measure(job, repaired));
+    return BVXI_STEP(&steps, REPAIR_MEASURE, bvxi_repair_measure(job, repaired));
 }
 
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,

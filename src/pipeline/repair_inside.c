@@ -1,5 +1,6 @@
 /* repair_inside.c - which centres lie inside the repaired body: the solid of the sign rule, joined with
  * shells around sheets, where it has nothing. */
+#include "core/costs.h"
 #include "pipeline/repair.h"
 #include "fill/fills.h"
 
@@ -38,27 +39,41 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
     return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
 }
 
-/* Closed shells are filled in no time beside the search for thin walls; the winding numbers of holes are not.
- * */
-static double share_of_fill(const bvxi_repair_job *job)
+enum { INSIDE_FILL, INSIDE_PART, INSIDE_REFILL, INSIDE_SHELLS, INSIDE_WALLS, INSIDE_CLEAN, INSIDE_STEPS };
+
+static void plan_inside(const bvxi_repair_job *job, double cost[INSIDE_STEPS])
 {
-    return job->report.before.boundary_edges + job->report.before.nonmanifold_edges == 0 ? 0.15 : 0.5;
+    bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->resolution);
+    double const sheets = (double)job->sheets.triangle_count;
+
+    cost[INSIDE_FILL] = bvxi_repair_fill_cost(job, &size);
+    cost[INSIDE_PART] = BVXI_COST_PART * size.triangles;
+    cost[INSIDE_REFILL] = sheets > 0.0 ? cost[INSIDE_FILL] : 0.0;
+    cost[INSIDE_SHELLS] = sheets > 0.0 ? BVXI_COST_MEASURE_MESH * sheets + BVXI_COST_CLEAN * size.sides : 0.0;
+    cost[INSIDE_WALLS] = bvxi_repair_looks_for_walls(job)
+                             ? BVXI_COST_WALLS * size.triangles + BVXI_COST_WALLS_SIDE * size.sides
+                             : 0.0;
+    cost[INSIDE_CLEAN] = BVXI_COST_CLEAN * size.ends;
 }
 
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
-    double const filled = share_of_fill(job);
+    double cost[INSIDE_STEPS];
+    bvxi_steps steps = {job->ctx, cost, INSIDE_STEPS, 0.0};
 
+    /* Whether there are sheets is not known; those of an earlier resolution speak for this one. */
+    plan_inside(job, cost);
     BVXI_TRY(open_grids(job));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, filled, fill_solid(job, &job->mesh)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, filled, filled + 0.04, bvxi_repair_part(job)));
+    BVXI_TRY(BVXI_STEP(&steps, INSIDE_FILL, fill_solid(job, &job->mesh)));
+    BVXI_TRY(BVXI_STEP(&steps, INSIDE_PART, bvxi_repair_part(job)));
+    plan_inside(job, cost);
     if (job->sheets.triangle_count != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, filled + 0.04, filled + 0.1, fill_solid(job, &job->body)));
+        BVXI_TRY(BVXI_STEP(&steps, INSIDE_REFILL, fill_solid(job, &job->body)));
     /* The body's solid stays, as shells are joined to a copy of it. */
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
     if (job->sheets.triangle_count != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, filled + 0.1, filled + 0.15, bvxi_repair_lay_shells(job)));
-    BVXI_TRY(BVXI_SHARE(job->ctx, filled + 0.15, 0.94, bvxi_repair_thicken(job)));
-    return BVXI_SHARE(job->ctx, 0.94, 1.0, bvxi_repair_clean(job));
+        BVXI_TRY(BVXI_STEP(&steps, INSIDE_SHELLS, bvxi_repair_lay_shells(job)));
+    BVXI_TRY(BVXI_STEP(&steps, INSIDE_WALLS, bvxi_repair_thicken(job)));
+    return BVXI_STEP(&steps, INSIDE_CLEAN, bvxi_repair_clean(job));
 }

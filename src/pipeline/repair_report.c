@@ -2,6 +2,7 @@
  *
  * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
  * crossing that the input's surface makes lies nearer. */
+#include "core/costs.h"
 #include "nearest/closest.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
@@ -103,7 +104,7 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
 
     BVXI_TRY(
         bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.45, 0.6, find_far_vertices(job, result, far)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.48, 0.53, find_far_vertices(job, result, far)));
     near.triangle_count = 0;
     for (uint64_t t = 0; t < result->triangle_count; t++) {
         uint32_t *const c = corner + 3 * near.triangle_count;
@@ -115,7 +116,7 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
     near.index_stride = 0;
     if (near.triangle_count != 0) {
         BVXI_TRY(BVXI_SHARE(
-            job->ctx, 0.6, 1.0,
+            job->ctx, 0.53, 1.0,
             bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report)));
         job->report.mean_off_caps = report.mean_a_to_b;
         job->report.max_off_caps = report.max_a_to_b;
@@ -139,7 +140,7 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
     result->positions = world;
     result->position_type = BVX_F64;
     result->position_stride = 0;
-    return BVXI_SHARE(job->ctx, 0.0, 0.45,
+    return BVXI_SHARE(job->ctx, 0.0, 0.48,
                       bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
                                         &job->report.distance));
 }
@@ -164,20 +165,39 @@ static int has_other_size(const bvx_repair_report *r)
            bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
 }
 
+enum { MEASURE_CHECK, MEASURE_HOLES, MEASURE_OVERLAPS, MEASURE_DISTANCES, MEASURE_STEPS };
+
+static double cost_of_distances(const bvxi_repair_job *job)
+{
+    return job->options->measure ? BVXI_COST_SAMPLE * (double)job->options->measure_samples : 0.0;
+}
+
+double bvxi_repair_measure_cost(const bvxi_repair_job *job, const bvxi_repair_size *size)
+{
+    return BVXI_COST_CHECK * BVXI_TRIANGLES_OF_END * size->ends + cost_of_distances(job) +
+           (job->options->measure ? 2.0 * bvxi_repair_fill_cost(job, size) : 0.0);
+}
+
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
-    double const check = job->options->measure ? 0.05 : 0.8, holes = job->options->measure ? 0.07 : 0.9;
-    double const overlaps = job->options->measure ? 0.1 : 1.0;
+    bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->resolution);
+    double cost[MEASURE_STEPS] = {BVXI_COST_CHECK * (double)repaired->triangle_count};
+    bvxi_steps steps = {job->ctx, cost, MEASURE_STEPS, 0.0};
     bvx_mesh_view result;
 
     /* What is made is looked at as any mesh is. */
     bvx_mesh_view_of(repaired, &result);
     job->report.lattice = job->lattice;
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, check, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
+    cost[MEASURE_OVERLAPS] = job->options->measure ? 2.0 * bvxi_repair_fill_cost(job, &size) : 0.0;
+    cost[MEASURE_DISTANCES] = cost_of_distances(job);
+    BVXI_TRY(BVXI_STEP(&steps, MEASURE_CHECK, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, check, holes, find_holes(job)));
-    if (job->options->measure || has_other_size(&job->report))
-        BVXI_TRY(BVXI_SHARE(job->ctx, holes, overlaps, count_overlaps(job)));
+        BVXI_TRY(BVXI_STEP(&steps, MEASURE_HOLES, find_holes(job)));
+
+    if (job->options->measure || has_other_size(&job->report)) {
+        cost[MEASURE_OVERLAPS] = 2.0 * bvxi_repair_fill_cost(job, &size);
+        BVXI_TRY(BVXI_STEP(&steps, MEASURE_OVERLAPS, count_overlaps(job)));
+    }
     if (!job->options->measure) return BVX_OK;
-    return BVXI_SHARE(job->ctx, overlaps, 1.0, measure_distances(job, repaired, &result));
+    return BVXI_STEP(&steps, MEASURE_DISTANCES, measure_distances(job, repaired, &result));
 }

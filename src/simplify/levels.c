@@ -2,6 +2,7 @@
  *
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
+#include "core/costs.h"
 #include "simplify/room.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
@@ -267,16 +268,38 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 
+/* What the levels from i on cost, of a mesh of so many triangles: each what it takes away and what is
+ * reported of it. How far an error lies is not known: half of the triangles. */
+static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end, double triangles)
+{
+    double const samples = BVXI_COST_SAMPLE * (double)c->measure_samples;
+    double const report = c->reports != NULL ? BVXI_COST_CROSSINGS + BVXI_COST_CHECK : 0.0;
+    double sum = 0.0;
+
+    for (; i < end; i++) {
+        double const target = c->target_errors != NULL ? 0.5 * triangles : (double)target_of(c, i);
+        double const left = target < triangles ? target : triangles;
+
+        sum += BVXI_COST_COLLAPSE * (triangles - left) + report * left + samples;
+        triangles = left;
+    }
+    return sum;
+}
+
 bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
 {
     bvxi_collapse *collapse = NULL;
     bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
+    double from = 0.1;
 
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
-        double const share = 0.9 / (double)c->count;
+        double const triangles = (double)bvxi_collapse_triangles(collapse);
+        double const left = cost_of_chain(c, i, c->count, triangles);
+        double const part = left > 0.0 ? cost_of_chain(c, i, i + 1, triangles) / left : 1.0;
+        double const to = i + 1 == c->count ? 1.0 : from + (1.0 - from) * part;
 
-        status = BVXI_SHARE(ctx, 0.1 + share * (double)i, 0.1 + share * (double)(i + 1),
-                            make_level(ctx, c, i, collapse));
+        status = BVXI_SHARE(ctx, from, to, make_level(ctx, c, i, collapse));
+        from = to;
     }
     bvxi_distance_forget(ctx, &c->kept);
     bvxi_collapse_close(collapse);

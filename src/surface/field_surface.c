@@ -7,6 +7,7 @@
  * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the
  * edges, so the result is closed, manifold and free of crossings whatever the field holds; sharp.c adds
  * vertices inside cells and keeps that. */
+#include "core/costs.h"
 #include "surface/field_surface.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
@@ -189,15 +190,37 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     return BVX_OK;
 }
 
-static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
-                             bvx_field_surface_report *report)
+enum { CUT_SURFACE_OPEN, CUT_SURFACE_FILL, CUT_SURFACE_CUTS, CUT_SURFACE_SHARPEN, CUT_SURFACE_STEPS };
+
+/* vertices: 0 where they are not counted yet; they are about as many as ends. */
+static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int sharp,
+                               double cost[CUT_SURFACE_STEPS])
+{
+    double triangles = 0.0, ends = 0.0;
+
+    /* Of all meshes that cut the surface. */
+    for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
+        triangles += v->mesh != NULL ? (double)v->mesh->triangle_count : 0.0;
+        ends += v->values != NULL ? (double)v->values->count : 0.0;
+    }
+    if (vertices == 0.0) vertices = ends;
+    cost[CUT_SURFACE_OPEN] = cost[CUT_SURFACE_FILL] = 0.5 * BVXI_COST_MARCH * vertices;
+    cost[CUT_SURFACE_CUTS] = (sharp ? BVXI_COST_SHARP_CUTS : BVXI_COST_CUTS) * vertices +
+                             (sharp ? BVXI_COST_SHARP_MESH * triangles : 0.0);
+    cost[CUT_SURFACE_SHARPEN] = sharp ? (BVXI_COST_SHARPEN + BVXI_COST_SHARP_CELL * BVXI_SHARP_OF_END) *
+                                            vertices
+                                      : 0.0;
+}
+
+static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi_steps *steps,
+                             bvx_mesh *surface, bvx_field_surface_report *report)
 {
     /* On failure the caller's own mesh is emptied, the library's freed. */
     int const mine = surface->positions == NULL;
     bvx_status status;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.4, bvxi_march_fill(ctx, m, surface)));
-    status = BVXI_SHARE(ctx, 0.4, 1.0, place_cuts(ctx, c, report));
+    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_FILL, bvxi_march_fill(ctx, m, surface)));
+    status = BVXI_STEP(steps, CUT_SURFACE_CUTS, place_cuts(ctx, c, report));
     if (status == BVX_OK) return BVX_OK;
     if (mine) bvx_mesh_free(ctx, surface);
     else surface->vertex_count = surface->triangle_count = 0;
@@ -205,8 +228,8 @@ static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_
 }
 
 /* The surface by cuts becomes scratch. */
-static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine,
-                             bvx_mesh *surface, bvx_field_surface_report *report)
+static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi_steps *steps,
+                             double least_cosine, bvx_mesh *surface, bvx_field_surface_report *report)
 {
     uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes;
     uint64_t const triangle_bytes = m->triangle_count * 12;
@@ -223,9 +246,9 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
         bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions));
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
+    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_FILL, bvxi_march_fill(ctx, m, &plain)));
+    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_CUTS, place_cuts(ctx, c, report)));
+    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_SHARPEN, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
     bvxi_drop(ctx, plain.triangles);
     bvxi_drop(ctx, plain.positions);
     bvxi_drop(ctx, c->planes);
@@ -238,6 +261,8 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
 {
     bvx_field_surface_report report;
     bvx_extract_options extract;
+    double cost[CUT_SURFACE_STEPS];
+    bvxi_steps steps = {ctx, cost, CUT_SURFACE_STEPS, 0.0};
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
 
@@ -248,14 +273,16 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, options->sharp ? 0.1 : 0.4, bvxi_march_open(ctx, &m, inside, &extract)));
+    plan_field_surface(0.0, values, options->sharp, cost);
+    BVXI_TRY(BVXI_STEP(&steps, CUT_SURFACE_OPEN, bvxi_march_open(ctx, &m, inside, &extract)));
+    plan_field_surface((double)m.vertex_count, values, options->sharp, cost);
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
     /* Both ways share the march; sharpening only adds to it. */
-    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
-                            : make_plain(ctx, &m, &cuts, surface, &report));
+    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, &steps, options->sharp_angle, surface, &report)
+                            : make_plain(ctx, &m, &cuts, &steps, surface, &report));
     bvxi_march_close(ctx, &m);
     report.sharp = options->sharp != 0;
     if (options->report != NULL) *options->report = report;

@@ -217,9 +217,66 @@ static void test_progress_is_planned_anew(void **state)
     assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
     assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
     assert_true(at == 1.0);
-#undef REPORTS
     bvx_context_destroy(ctx);
 }
+
+/* Steps by what they cost; some turn out dearer, and one is found when the bar was given away already. */
+static void test_steps_share_the_bar_by_their_costs(void **state)
+{
+    bvx_context_options o = default_options();
+    double cost[3] = {1.0, 3.0}, inner[2] = {2.0}, at = -1.0;
+    bvxi_steps steps = {NULL, cost, 3, 0.0}, within = {NULL, inner, 2, 0.0};
+    bvx_context *ctx;
+
+    (void)state;
+    o.progress = keep_fraction;
+    o.progress_user = &at;
+    ctx = steps.ctx = within.ctx = context_with(&o);
+
+    bvxi_call_begin(ctx, "call");
+    bvxi_step_begin(&steps, 0);
+    REPORTS(0.0, 0.0);
+    REPORTS(1.0, 0.25);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+
+    /* A third step costs as much as the second; then half of the second thrice what was planned. */
+    cost[2] = 3.0;
+    bvxi_step_begin(&steps, 1);
+    REPORTS(0.5, 0.4375);
+    bvxi_share_cost(ctx, 0.5, 1.0, 4.5);
+    REPORTS(0.5, 0.4375);
+    REPORTS(1.0, 0.775);
+    bvxi_share_cost(ctx, 0.5, 0.5, 4.5); /* of nothing */
+    bvxi_share_cost(ctx, 0.5, 1.0, 0.0);
+    REPORTS(1.0, 0.775);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    bvxi_step_begin(&steps, 2);
+    REPORTS(0.0, 0.775);
+    REPORTS(1.0, 1.0);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
+
+    /* The first step has all of the work's half; the second one gets as much, off what comes after it. */
+    bvxi_call_begin(ctx, "call");
+    bvxi_share_begin(ctx, 0.0, 0.5);
+    bvxi_step_begin(&within, 0);
+    REPORTS(1.0, 0.5);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    inner[1] = 2.0;
+    bvxi_step_begin(&within, 1);
+    REPORTS(0.0, 0.5);
+    REPORTS(1.0, 0.75);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    bvxi_share_begin(ctx, 0.5, 1.0);
+    REPORTS(0.0, 0.75);
+    REPORTS(0.5, 0.875);
+    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
+    assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
+    assert_true(at == 1.0);
+    bvx_context_destroy(ctx);
+}
+#undef REPORTS
 
 static void test_two_contexts_share_nothing(void **state)
 {
@@ -248,6 +305,7 @@ int main(void)
         cmocka_unit_test(test_a_parallel_for_without_threads_means_one),
         cmocka_unit_test(test_progress_grows_and_cancels_at_every_call),
         cmocka_unit_test(test_progress_is_planned_anew),
+        cmocka_unit_test(test_steps_share_the_bar_by_their_costs),
         cmocka_unit_test(test_two_contexts_share_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

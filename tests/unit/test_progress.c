@@ -315,7 +315,7 @@ static void test_steps_begin_where_their_time_does(void)
 {
     static const step steps[] = {
         {repair, "measure", 0.1, 0.4, TO_MESH},
-        {repair, "vertices", 0.5, 0.9, TO_MESH},
+        {repair, "vertices", 0.4, 0.9, TO_MESH},
         {measured_repair, "vertices", 0.01, 0.2, TO_MESH},
         {measured_repair, "distance", 0.02, 0.3, TO_MESH},
         {boolean, "measure", 0.1, 0.8, TO_MESH},
@@ -327,13 +327,13 @@ static void test_steps_begin_where_their_time_does(void)
         {extract_field_surface, "vertices", 0.2, 0.6, TO_MESH},
         {measure_field, "field", 0.05, 0.5, TO_FIELD}, /* after the solid, whose time depends on the mesh */
         {sharp_surface, "vertices", 0.01, 0.15, TO_MESH},
-        {sharp_surface, "sharp edges", 0.2, 0.6, TO_MESH},
+        {sharp_surface, "sharp edges", 0.2, 0.7, TO_MESH},
         {checked_solid, "surface", 0.1, 0.4, TO_GRID},
         {checked_solid, "check", 0.4, 0.7, TO_GRID},
         {regions_solid, "surface", 0.5, 0.75, TO_GRID},
         {regions_solid, "regions", 0.8, 0.98, TO_GRID},
         {repair, "solid", 0.02, 0.3, TO_MESH},
-        {if_needed_repair, "crossings", 0.03, 0.6, TO_MESH},
+        {if_needed_repair, "crossings", 0.02, 0.6, TO_MESH},
     };
 
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {

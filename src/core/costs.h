@@ -1,0 +1,85 @@
+/* costs.h - what works take, about: the table by which the bars of calls are planned. Not installed.
+ *
+ * Microseconds of one thread on the machine on which they were measured; only their ratios count, and nothing
+ * but the bar goes by them. Each is right within a factor of two or so on the shared meshes; bench_progress
+ * says how far a bar is off.
+ *
+ * Ends are the centres beside a surface: those with a neighbour across a face on the other side. Sides are
+ * the faces of the lattice's box, as many as it has in voxels. */
+#ifndef BVXI_COSTS_H
+#define BVXI_COSTS_H
+
+#include <stdint.h>
+
+/* ---- Meshes: for a triangle ---- */
+
+#define BVXI_COST_CHECK     0.09
+#define BVXI_COST_WELD      0.08 /* and what goes by welded vertices: pieces, sharp edges, patches */
+#define BVXI_COST_CROSSINGS 0.55 /* a search tree and the pairs in it */
+#define BVXI_COST_COLLAPSE  1.4  /* of levels: most of it goes to the first */
+
+/* ---- Solids ---- */
+
+#define BVXI_COST_ROWS      0.01  /* a triangle */
+#define BVXI_COST_ROWS_SIDE 0.012 /* a side: the rows themselves */
+#define BVXI_COST_HOLES     0.03  /* a triangle: looking for open edges */
+#define BVXI_COST_PART      0.03  /* a triangle: pieces that are sheets are told from bodies */
+
+/* Winding numbers: a hole is asked in all the voxels that it is seen from as large, and each of them asks of
+ * all others that are there. */
+#define BVXI_COST_HOLE      1.0 /* the square of a hole's diagonal in voxels */
+#define BVXI_COST_HOLE_PAIR 0.3 /* a hole's diagonal in voxels, for each hole */
+
+/* ---- Walls too thin for the lattice ---- */
+
+#define BVXI_COST_WALLS      0.12 /* a triangle: where they may be */
+#define BVXI_COST_WALLS_SIDE 0.03 /* a side */
+#define BVXI_COST_ASK        3.0  /* a place that may lie in one */
+#define BVXI_COST_WIDEN      12.0 /* a voxel that one has lost */
+#define BVXI_COST_FLATTEN    4.5  /* a centre beside one, in the surface; twice as much in a sharp one */
+#define BVXI_COST_FLAT_MESH  0.1  /* a triangle, where there is any such centre */
+#define BVXI_COST_MAYBE_THIN 0.3  /* an end, before walls have been looked for: of most bodies none is thin */
+
+/* Where few walls are thin, each costs what lies around it; where many are, they share that. */
+static inline double bvxi_cost_of_widening(double voxels)
+{
+    double const few = 200.0;
+
+    return BVXI_COST_WIDEN * voxels + 80.0 * (voxels < few ? voxels : few);
+}
+
+/* ---- Surfaces: for an end ---- */
+
+#define BVXI_COST_MEASURE      0.1  /* its closest point */
+#define BVXI_COST_MEASURE_MESH 0.12 /* a triangle: the search tree for these */
+#define BVXI_COST_MARCH        0.03
+#define BVXI_COST_CUTS         0.055
+#define BVXI_COST_SHARP_CUTS   0.11
+#define BVXI_COST_SHARP_MESH   0.06 /* a triangle, whose plane is asked */
+#define BVXI_COST_SHARPEN      0.03
+#define BVXI_COST_SHARP_CELL   2.0 /* a cell with a sharp edge or corner */
+#define BVXI_COST_CLEAN        0.02
+#define BVXI_COST_SAMPLE       3.0 /* a point, of all that a repair measures at */
+
+#define BVXI_TRIANGLES_OF_END 1.4  /* about so many triangles has the surface */
+#define BVXI_SHARP_OF_END     0.03 /* and so many sharp cells, where they are looked for */
+#define BVXI_ENDS_OF_AREA     1.7  /* of an area in voxels' faces there are so many ends */
+#define BVXI_ENDS_OF_SIDE     1.8  /* where the area is not known */
+
+/* The surface between ends, cut where the mesh of so many triangles says. */
+static inline double bvxi_cost_of_surface(double ends, double triangles, int sharp)
+{
+    double const plain = BVXI_COST_MARCH * ends;
+
+    if (!sharp) return plain + BVXI_COST_CUTS * ends;
+    return plain + BVXI_COST_SHARP_CUTS * ends + BVXI_COST_SHARP_MESH * triangles +
+           (BVXI_COST_SHARPEN + BVXI_COST_SHARP_CELL * BVXI_SHARP_OF_END) * ends;
+}
+
+/* The sides of a lattice's box. */
+static inline double bvxi_sides_of(const int32_t n[3])
+{
+    return (double)n[0] * n[1] + (double)n[1] * n[2] + (double)n[2] * n[0];
+}
+
+#endif
