@@ -30,6 +30,8 @@ WORDS = [
 ]
 # Python's users write American; the names of the C library's fields and of the program's options are what they are.
 AMERICAN = [
+    (r"\bunless told\b", "by default"),
+    (r"\bso many of\b", "this many of"),
     (r"(?<![.\w-])_?colour\w*", "color"),
     (r"(?<![.\w])_?centre\w*", "center, centered"),
     (r"(?<![.\w-])_?neighbour\w*", "neighbor"),

@@ -143,7 +143,7 @@ def test_wrong_kinds_of_numbers_name_the_argument():
     grid = bitvox.Grid.from_numpy(ball_grid(12))
     volume = bitvox.Volume(np.zeros((3, 3, 3)))
     for call, kind, words in ((lambda: grid.dilate(1.5), TypeError, "steps"), (lambda: grid.components(connectivity="6"), TypeError, "connectivity"),
-                              (lambda: grid.dilate(2**40), bitvox.RangeError, "steps"), (lambda: grid.downsample(2**31), bitvox.RangeError, "must be 0 to"),
+                              (lambda: grid.dilate(2**40), bitvox.RangeError, "steps"), (lambda: grid.downsample(2**31), bitvox.RangeError, "must be 1 to 33554432"), (lambda: grid.downsample(0), bitvox.RangeError, "must be 1 to"),
                               (lambda: grid.dilate(radius=-1), bitvox.ArgumentError, "radius is -1; it must be finite and not negative"),
                               (lambda: volume.surface("300"), TypeError, "level"), (lambda: volume.threshold("1"), TypeError, "low"),
                               (lambda: volume.threshold(10, 5), bitvox.ArgumentError, "low is 10 and high is 5"),

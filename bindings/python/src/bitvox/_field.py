@@ -23,7 +23,7 @@ EDGES = names_of("BVX_EDGE_")
 class Field:
     """Distances from the centers of voxels to a mesh; made by `bitvox.field`.
 
-    Value number n is that of set voxel number n of ``band``, in the order of its bits (z, y, x): that of ``band.voxels()``.
+    Value n belongs to set voxel n of ``band``, in the order of its bits (z, y, x), which is that of ``band.voxels()``.
 
     Examples
     --------
@@ -129,11 +129,11 @@ class Field:
 
     @property
     def row_values(self) -> Any:
-        """Number of each row's first value, row ``z * shape[1] + y``; read-only, no copy."""
+        """Index of each row's first value, row ``z * shape[1] + y``; read-only, no copy."""
         return arrays.array_at(self._c.row_values, "uint64", (self.shape[1] * self.shape[2] + 1,), self._c)
 
     def value(self, voxel: Any) -> int | None:
-        """Number of the value at voxel (x, y, z) of the window, or None where it has none.
+        """Index of the value at voxel (x, y, z) of the window, or None where it has none.
 
         Examples
         --------

@@ -216,7 +216,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         stl, obj, ply, off or glb, with ``bitvox[formats]`` 3mf, with ``bitvox[view]`` vtp; a `Grid`: npy, binvox, vox, nrrd, vti, bvx, mha
         or nii; a `Volume`: nrrd, mha, nii or vti; an `Octree`: vtu or bvx; a `Field`: npy, nrrd or vti; `Sections`: csl, csv or svg; an `Image`: png.
     states
-        of an octree's vtu: which leaves, ("surface", "inside") unless told.
+        of an octree's vtu: which leaves, by default ("surface", "inside").
     vectors
         of a field: vectors in place of signed distances.
     normals
@@ -348,7 +348,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
     format
         the format, in place of the name's ending.
     states
-        of an octree: which leaves, ("surface", "inside") unless told.
+        of an octree: which leaves, by default ("surface", "inside").
     vectors
         of a field: vectors in place of signed distances.
     normals, origin, allow_rounding

@@ -89,9 +89,9 @@ class Grid:
         order
             "xyz" (array[x, y, z]) or "zyx" (array[z, y, x]).
         spacing, corner
-            of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0), the origin if there is none [world].
+            of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0), by default (0, 0, 0) [world].
         center0
-            center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+            center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK's point data call the origin [world].
         lattice, low
             a lattice that the array is a window of, at voxel ``low``; in place of spacing, corner and center0.
 
@@ -379,7 +379,7 @@ class Grid:
         >>> bitvox.voxelize('knot.ply', resolution=32).downsample(2, 'majority')
         Grid(16 x 16 x 7, 221 set)
         """
-        blocks, number = triple_of(factor), choice("rule", rule, "BVX_REDUCE_", RULES)
+        blocks, number = triple_of(factor, least=1), choice("rule", rule, "BVX_REDUCE_", RULES)
         return self._through(lambda run, made: lib.bvx_grid_downsample(run.context, self._c, blocks, number, made))
 
     def coverage(self, factor: Any) -> Array:
@@ -396,7 +396,7 @@ class Grid:
         8
         """
         np = arrays.numpy("Grid.coverage")
-        blocks, count = triple_of(factor), ffi.new("uint64_t *")
+        blocks, count = triple_of(factor, least=1), ffi.new("uint64_t *")
         with Run() as run:
             run.check(lib.bvx_grid_coverage(run.context, self._c, blocks, ffi.NULL, 0, count))
             shape = [(low + size - 1) // n - low // n + 1 for low, size, n in zip(self.low, self.shape, blocks)]
@@ -688,7 +688,7 @@ class Grid:
 
     def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
               progress: Progress = None) -> Any:
-        """The number of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
+        """The label of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
 
         Parameters
         ----------
@@ -717,7 +717,7 @@ class Grid:
         seeds
             (n, 3) voxels of the window: parts that hold none of them are dropped.
         largest
-            of what is left then, so many of the largest are kept.
+            of what remains, this many of the largest are kept.
         connectivity
             6 (across faces), 18 (and edges) or 26 (and corners).
 
@@ -906,7 +906,8 @@ class Grid:
         Returns
         -------
         Grid
-            A grid (the body itself, with a warning, where the wall is thicker than the body) whose ``report`` has hollowed, drained (voxels) and drain (where the hole meets the hollow).
+            A grid (the body itself, with a warning, where the wall is thicker than the body) whose ``report`` has hollowed, drained
+            (voxels) and drain (where the hole meets the hollow).
 
         Examples
         --------
@@ -1091,9 +1092,9 @@ def _grid_from(lattice: Lattice, low: Any, shape: Any, data: bytes, kept: Any = 
     return grid
 
 
-def triple_of(values: Any, name: str = "factor") -> Any:
+def triple_of(values: Any, name: str = "factor", least: int = 0) -> Any:
     """Three integers as the library takes them."""
-    return arrays.triple(name, in_range(name, values, 0, 2**31 - 1) if isinstance(values, (int, float)) else values, int)
+    return arrays.triple(name, in_range(name, values, least, 2**25) if isinstance(values, (int, float)) else values, int)
 
 
 def axis_of(name: str, axis: Any) -> int:

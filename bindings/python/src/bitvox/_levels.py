@@ -37,7 +37,7 @@ class Levels(List[Mesh]):
     ----------
     report
         `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
-        (``source``), what the mesh was (``before``), and what was done to it (``repair``). None for the methods "edge-ratio"
+        (``source``), what the mesh was (``before``), and what was changed (``repair``). None for the methods "edge-ratio"
         and "coverage".
 
     Examples
@@ -401,7 +401,7 @@ def lod(
     sharp
         measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
     outer_hull
-        measured: inner shells and cavities go.
+        measured: inner shells and cavities are removed.
     shell
         measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
     least_part, least_cavity

@@ -191,7 +191,7 @@ class Octree:
         rays
             (n, 6) origin and direction, of any length but 0 [world].
         states
-            ("surface", "inside") unless told.
+            by default ("surface", "inside").
         t_max
             hits have ``0 <= t <= t_max``, position = origin + t * direction.
 
@@ -213,7 +213,7 @@ class Octree:
         return arrays.records_at(out, "bvx_octree_hit", given.count, out)
 
     def leaves(self, states: States = None) -> Any:
-        """The leaves in a set of states, ("surface", "inside") unless told.
+        """The leaves in a set of states, by default ("surface", "inside").
 
         Examples
         --------
@@ -237,7 +237,7 @@ class Octree:
         level
             None: the last.
         states
-            which leaves count, ("surface", "inside") unless told.
+            which leaves count, by default ("surface", "inside").
         window
             only this box of the level's lattice.
 
@@ -261,7 +261,7 @@ class Octree:
         Parameters
         ----------
         states
-            ("surface", "inside") unless told.
+            by default ("surface", "inside").
         dtype, face_rule, local_frame, keys
             as for `bitvox.surface`.
 
@@ -335,7 +335,7 @@ def refine(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Octree:
-    """Voxelize a mesh with small voxels at its surface alone.
+    """Voxelize a mesh with small voxels only at its surface.
 
     Parameters
     ----------

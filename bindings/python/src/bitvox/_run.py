@@ -81,7 +81,8 @@ def settings(*, threads: int | None = None, memory_limit: int | None = None, pro
     progress
         True for a bar (needs tqdm), or a callable ``progress(stage, fraction)``. Each call that is given one is one rise
         of the fraction: it never falls, and 1 is its last value, where the call succeeds. When it returns a false value that
-        is not None (False, 0, numpy's False) the call ends with `Cancelled` (but for the last value: the result is there), and what it raises comes out of the call.
+        is not None (False, 0, numpy's False) the call ends with `Cancelled` (except at the last value, when the result is there), and
+        what it raises comes out of the call.
         Set here, it is called for what takes a while, not for lengths and hashes.
 
     Examples

@@ -426,8 +426,8 @@ def from_sections(
     caps
         how the body ends: "flat" on the first and the last section, "taper" to a ridge half a spacing beyond, or "open".
     thickness
-        of a body with one section alone, which is refused without: half to either side of it, a slab with flat caps, with
-        tapered ones a lens [world]. Bodies with several sections take no notice of it.
+        of a body with a single section, which is refused without: half to either side of it, a slab with flat caps, with
+        tapered ones a lens [world]. Bodies with several sections ignore it.
     join
         parallel planes: parts of neighboring sections that share no area, as of slanted vessels, are joined by shifting
         where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
@@ -451,7 +451,7 @@ def from_sections(
         when the body has another number.
     triangles, error, error_kind
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
-        Contour points are then vertices no more; ``caps="open"`` cannot be collapsed.
+        Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
     dtype
         float64 keeps the contours' points; float32 rounds them.
 
@@ -465,7 +465,7 @@ def from_sections(
     FormatError
         loops that cross or touch, points off their plane: section, loop and point are named.
     EmptyError
-        no loop, or one section alone and no ``thickness``.
+        no loop, or a single section and no ``thickness``.
     ArgumentError
         several bodies and no ``label`` (`Sections.bodies` makes all of them); options that contradict each other.
     RangeError, MemoryLimitError

@@ -73,10 +73,10 @@ def voxelize(
         keep a flood through faces out. "sampled": those of points less than a voxel apart.
     fill
         what is inside: "auto" (the default: parity where closed shells do not cross, nonzero where they do, winding where
-        there are holes, flipped triangles turned before; ``grid.report.fill`` and ``fill_reason`` tell which and why), "parity"
+        there are holes, flipped triangles turned before; ``grid.report.fill`` and ``fill_reason`` say which and why), "parity"
         (nested shells are cavities), "nonzero" (overlapping and inverted shells are one solid), "vote" (majority of three axes:
-        whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (what the surface parts, as a
-        whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
+        whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (each region that the surface
+        separates, as a whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
     close_gaps
         with fill "flood": gaps of up to this many voxels stop the flood.
     add_shell
@@ -343,12 +343,12 @@ def surface(
         what the voxels were made from, as `Mesh.of` takes it: where the grid still ends where the mesh does, vertices are
         the mesh's, as those of `repair`; elsewhere in the middle, or at ``offset``.
     offset, sharp
-        with ``mesh``: as for `Field.surface`, ``sharp`` None unless told. A body hollowed to a thickness t has
+        with ``mesh``: as for `Field.surface`, ``sharp`` by default None. A body hollowed to a thickness t has
         ``offset=-t``, one that grew by r ``offset=r``.
     face_rule
         "separate" (set corners are kept apart across a face) or "join".
     dtype
-        of the vertices, float32 or float64; None: float32 where it can tell neighboring positions apart.
+        of the vertices, float32 or float64; None: float32 where it distinguishes neighboring positions.
     open_sides
         sides of the window that are left open for `merge`: "x-low", "x-high", "y-low" ...
     keys
@@ -542,7 +542,7 @@ def check(mesh: Any, *, weld: bool = False, threads: int | None = None, memory_l
     Raises
     ------
     RangeError
-        a coordinate that is not finite, a vertex index that is not there: the first one is named.
+        a coordinate that is not finite, a vertex index beyond the vertices: the first one is named.
 
     Examples
     --------
@@ -718,13 +718,12 @@ def repair(
         the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
-        pieces nowhere three voxels thick where the mesh has no part of its own; 0: none is.
+        pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.
     if_needed
         a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
         ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
     triangles
-        most triangles: edges of the result collapse as by `simplify`, which is nearer than the search for a
-        resolution that earlier versions made; 0 or None: no limit.
+        most triangles: edges of the result collapse as by `simplify`; 0 or None: no limit.
     error
         as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
         as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
@@ -847,7 +846,7 @@ def boolean(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Mesh:
-    """A closed, manifold mesh of what two bodies have together, alone or in common.
+    """The union, intersection, difference or symmetric difference of two bodies, as a closed, manifold mesh.
 
     Vertices lie on the surface of the mesh that bounds the result there; walls of a and b thinner than voxels are kept. Grids are
     combined by their operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``.

@@ -46,7 +46,7 @@ class Volume:
     spacing, corner
         of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
     center0
-        center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK call the origin [world].
+        center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK's point data call the origin [world].
     direction
         three by three numbers whose columns are the directions of the array's axes x, y and z in the world, as SimpleITK's
         GetDirection and VTK's direction_matrix give them; flipped, permuted and oblique ones too. None: along the world's.
@@ -149,10 +149,10 @@ class Volume:
         order
             of xarray and Zarr, "xyz" or "zyx": which axes the array has. Default: by their names, else "zyx".
         spacing, center0
-            of Zarr, which tells none.
+            of Zarr, which has none.
         frame
             the world to come out in, "lps" or "ras", by turning x and y. None: that of the source, "lps" of SimpleITK, "ras" of nibabel;
-            the others say none and cannot be turned.
+            the others do not say theirs and cannot be turned.
 
         Examples
         --------
@@ -413,7 +413,7 @@ class Volume:
         Returns
         -------
         Grid
-            A `Grid` of the volume's window; its ``report`` and that of the volume tell what was counted. Of a volume whose axes are
+            A `Grid` of the volume's window; its ``report`` and that of the volume say what was counted. Of a volume whose axes are
             flipped or permuted, the grid is that of `aligned`.
 
         Examples

@@ -26,7 +26,7 @@ def read_amf(path: str | os.PathLike[str]) -> Mesh:
     Raises
     ------
     FormatError
-        damaged XML, numbers that are none, vertex indices that are not there.
+        damaged XML, invalid numbers, vertex indices beyond the vertices.
 
     Examples
     --------
