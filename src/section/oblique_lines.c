@@ -6,7 +6,11 @@
  * a crossing of the one to a crossing of the other, these two become one place if the way is short enough;
  * crossings of one section alone that are so near together stay, and are counted. Anything else is refused
  * with both sections, the place and the way. Crossings that are one place by several planes through one line
- * all move to their mean. */
+ * all move to their mean.
+ *
+ * Where three planes have a corner between contours that are to agree, all three must agree of the corner
+ * too: it is on the side that two of them say, and the crossings move so that the third one's contour passes
+ * it there. It then meets the two other planes in the other order, which its crossings are given. */
 #include "section/oblique.h"
 
 #include <math.h>
@@ -89,7 +93,8 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
     return BVX_OK;
 }
 
-static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b)
+/* share: of the way from a to b, where the one place is when neither is part of another or fixed. */
+static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
 {
     uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
     bvxi_knot *keep, *gone;
@@ -114,7 +119,12 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b)
     }
 
     /* Sums and counts: of many that are joined each weighs the same in the mean. */
-    for (int k = 0; k < 3; k++) keep->sum[k] += gone->sum[k];
+    if (keep->count > 1.0 || gone->count > 1.0) share = 0.5;
+    for (int k = 0; k < 3; k++) {
+        keep->sum[k] += gone->sum[k];
+        if (share != 0.5)
+            keep->sum[k] = 2.0 * (o->knot[a].at[k] + share * (o->knot[b].at[k] - o->knot[a].at[k]));
+    }
     keep->count += gone->count;
 }
 
@@ -202,6 +212,28 @@ static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const lin
     return gap < least ? gap : least;
 }
 
+/* Where crossings of the contours of two planes become one place: the share of the way from a to b. A third
+ * plane that crosses the way has a corner with both there, and its contours say whose side it is on; the place
+ * lies beyond the corner for the one that is outvoted. */
+static double share_of_way(const bvxi_oblique *o, uint32_t plane_a, const double a[3], uint32_t plane_b,
+                           const double b[3])
+{
+    double least = 0.0, most = 1.0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        double const ha = bvxi_oblique_height(&o->plane[i], a), hb = bvxi_oblique_height(&o->plane[i], b);
+        double at[3], share;
+
+        if (i == plane_a || i == plane_b || (ha < 0.0) == (hb < 0.0)) continue;
+        share = ha / (ha - hb);
+        for (int k = 0; k < 3; k++) at[k] = a[k] + share * (b[k] - a[k]);
+        if ((bvxi_oblique_exact(o, i, at) > 0.0) == (bvxi_oblique_exact(o, plane_a, at) > 0.0))
+            most = share < most ? share : most;
+        else least = share > least ? share : least;
+    }
+    return 0.5 * (least + most);
+}
+
 static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a, uint32_t b)
 {
     int inside[2] = {0, 0};
@@ -227,7 +259,9 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
             continue;
         }
         if (gap > BVXI_OBLIQUE_NEAR) o->report.settled++;
-        join_knots(o, before->knot, e->knot);
+        join_knots(o, before->knot, e->knot,
+                   share_of_way(o, before->which == 0 ? a : b, o->knot[before->knot].at,
+                                e->which == 0 ? a : b, o->knot[e->knot].at));
     }
     return BVX_OK;
 }
@@ -251,6 +285,56 @@ static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
     return settle_pair(o, w, a, b);
 }
 
+/* ---- the order of crossings on a contour ---- */
+
+/* Whether the way of a knot to where it was moved crosses a plane. */
+static int moves_across(const bvxi_oblique *o, uint32_t knot, uint32_t plane)
+{
+    double at[3];
+
+    bvxi_knot_place(o, knot, at);
+    return (bvxi_oblique_height(&o->plane[plane], o->knot[knot].at) < 0.0) !=
+           (bvxi_oblique_height(&o->plane[plane], at) < 0.0);
+}
+
+/* A segment that passes the corner of two planes on its other side comes to these in the other order. */
+static void order_knots(const bvxi_oblique *o, line_event *e, uint64_t n)
+{
+    for (uint64_t i = 1; i < n; i++)
+        for (uint64_t j = i; j > 0; j--) {
+            line_event const first = e[j - 1], second = e[j];
+            bvxi_knot *const x = &o->knot[first.knot], *const y = &o->knot[second.knot];
+            double const share = x->share;
+
+            /* A contour's own point stays between those before and after it. */
+            if (first.which != second.which || x->share == 0.0 || x->other == y->other) break;
+            /* Each two change places once: those that came in the other order before are past it. */
+            if (!(first.along < second.along) || !moves_across(o, first.knot, y->other) ||
+                !moves_across(o, second.knot, x->other))
+                break;
+            x->share = y->share;
+            y->share = share;
+            e[j - 1] = second;
+            e[j] = first;
+        }
+}
+
+static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t plane)
+{
+    w->count = 0;
+    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next) {
+        BVXI_TRY(bvxi_oblique_grow(o, &w->event, w->count, &w->room, sizeof *w->event,
+                                   "the crossings of contours with planes"));
+        /* Along the contours: segment by segment, and by the share of each. */
+        w->event[w->count].which = o->knot[k].segment;
+        w->event[w->count].along = o->knot[k].segment + o->knot[k].share;
+        w->event[w->count++].knot = k;
+    }
+    sort_events(w->event, w->count);
+    order_knots(o, w->event, w->count);
+    return BVX_OK;
+}
+
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
     oblique_line_work w;
@@ -262,6 +346,8 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
         for (uint32_t b = a + 1; b < o->plane_count && status == BVX_OK; b++)
             status = settle_line(o, &w, a, b);
     }
+    /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
+    for (uint32_t a = 0; a < o->plane_count && status == BVX_OK; a++) status = order_plane(o, &w, a);
     bvxi_drop(o->ctx, w.event);
     return status;
 }

@@ -173,7 +173,7 @@ static void test_near_tangent_crossings_make_no_handle(void)
         uint64_t seed;
         double cavity;
         int32_t cells;
-    } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
+    } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {5001, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
 
     for (size_t i = 0; i < sizeof set / sizeof *set; i += quick ? 3 : 1) {
         int const shells = set[i].cavity > 0.0 ? 2 : 1;
@@ -184,6 +184,19 @@ static void test_near_tangent_crossings_make_no_handle(void)
         TEST_ASSERT_EQUAL_UINT64(shells, certificate.components);
         TEST_ASSERT_EQUAL_INT64(2 * shells, certificate.euler);
     }
+}
+
+/* Three planes that have a corner between their contours there: one is outvoted, and meets the others in the
+ * other order. Before, points were lost there, and planes had another side than their contours. */
+static void test_corners_of_three_planes_have_one_side(void)
+{
+    make_ball(7006, 60, 0.0);
+    o.cells = 32;
+    build_good();
+    assert_no_crossings();
+    TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points + report.unkept_edges);
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+    TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
 }
 
 /* A torus by half planes through its axis, all of which cross in one line, and one across it. */
@@ -802,6 +815,7 @@ int main(void)
     RUN_TEST(test_a_ball_through_planes_of_any_direction);
     RUN_TEST(test_a_shell_keeps_its_cavity);
     RUN_TEST(test_near_tangent_crossings_make_no_handle);
+    RUN_TEST(test_corners_of_three_planes_have_one_side);
     RUN_TEST(test_many_planes_in_one_line);
     RUN_TEST(test_planes_along_the_axes);
     RUN_TEST(test_two_balls_that_merge);
