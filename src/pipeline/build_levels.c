@@ -474,6 +474,7 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     const bvx_certificate *const c = &job->report.before;
     uint64_t const vertices = welded->vertex_count;
     uint32_t *same, *piece;
+    bvxi_piece_marks by = {0};
     bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
@@ -483,7 +484,8 @@ static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uin
     piece = same + vertices;
     for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
     bvxi_pieces(welded, same, piece);
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, welded, piece, c, &pieces, &count));
+    by.piece = piece;
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, welded, &by, c, &pieces, &count));
     turn_or_measure(job, welded, corner, pieces, count);
     bvxi_drop(job->ctx, pieces);
     bvxi_drop(job->ctx, same);

@@ -1,6 +1,6 @@
 /* piece_volumes.c - the pieces of a mesh by volume and box: which face inward, which lie within others.
  *
- * A piece is what hangs together by vertices. A closed one that faces inward has a negative volume: it is the
+ * A piece is what hangs together by vertices, or where bodies touch at vertices by edges. A closed one that faces inward has a negative volume: it is the
  * cavity of a piece around it, or it is inside out. The volumes of all, each taken as positive, are the most
  * that a solid of the mesh can have: where pieces overlap it has less. Boxes say quickly what cannot lie
  * within what; voxels, filled by two rules that differ in nothing else, say whether something does.
@@ -30,51 +30,56 @@ static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
     s->triangles++;
 }
 
-/* Number the lowest vertices of pieces that have triangles, from 1 on; returns how many. */
-static uint64_t number_pieces(const bvx_mesh_view *mesh, const uint32_t *piece, uint32_t *number)
+/* Number the marks of pieces that have triangles, from 1 on; returns how many. */
+static uint64_t number_pieces(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, uint32_t *number,
+                              uint64_t marks)
 {
     uint32_t count = 0;
 
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        uint32_t v[3];
-
-        bvxi_view_triangle(mesh, t, v);
-        number[piece[v[0]]] = 1;
-    }
-    for (uint64_t v = 0; v < mesh->vertex_count; v++)
-        if (number[v] != 0) number[v] = ++count;
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) number[bvxi_piece_mark(mesh, by, t)] = 1;
+    for (uint64_t n = 0; n < marks; n++)
+        if (number[n] != 0) number[n] = ++count;
     return count;
 }
 
-static void add_triangles(const bvx_mesh_view *mesh, const uint32_t *piece, const uint32_t *number,
+static void add_triangles(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, const uint32_t *number,
                           const bvx_certificate *of, bvxi_mesh_piece *pieces)
 {
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         double p[3][3];
         uint32_t v[3];
-        bvxi_mesh_piece *part;
+        uint32_t const mark = bvxi_piece_mark(mesh, by, t);
+        bvxi_mesh_piece *const part = &pieces[number[mark] - 1];
 
         bvxi_view_triangle(mesh, t, v);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(mesh, v[k], p[k]);
             for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * of->low[a] + 0.5 * of->high[a];
         }
-        part = &pieces[number[piece[v[0]]] - 1];
-        part->lowest = piece[v[0]];
+        part->mark = mark;
         add_to_piece(part, (const double(*)[3])p);
     }
 }
 
-bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+uint32_t bvxi_piece_mark(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, uint64_t t)
+{
+    uint32_t v[3];
+
+    if (by->part != NULL) return by->part[t];
+    bvxi_view_triangle(mesh, t, v);
+    return by->piece[v[0]];
+}
+
+bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvxi_piece_marks *by,
                                  const bvx_certificate *of, bvxi_mesh_piece **pieces, uint64_t *count)
 {
+    uint64_t const marks = by->part != NULL ? mesh->triangle_count : mesh->vertex_count;
     uint32_t *number;
 
-    BVXI_TRY(
-        bvxi_alloc_zero(ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the numbers of the pieces", &number));
-    *count = number_pieces(mesh, piece, number);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, marks * 4, "the numbers of the pieces", &number));
+    *count = number_pieces(mesh, by, number, marks);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, *count * sizeof **pieces, "the pieces' volumes", pieces));
-    add_triangles(mesh, piece, number, of, *pieces);
+    add_triangles(mesh, by, number, of, *pieces);
     bvxi_drop(ctx, number);
     return BVX_OK;
 }

@@ -104,14 +104,21 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy);
 /* piece_volumes.c: a piece of a mesh, six times its volume and its box around the middle of the mesh. */
 typedef struct bvxi_mesh_piece {
     double volume6, low[3], high[3];
-    uint64_t triangles, lowest; /* the lowest vertex */
-    uint64_t turned;            /* 1: bvxi_mark_inside_out found it so */
+    uint64_t triangles, mark;
+    uint64_t turned; /* 1: bvxi_mark_inside_out found it so */
 } bvxi_mesh_piece;
 
-/* All pieces with triangles, in the order of their lowest vertices. piece: of each vertex, as bvxi_pieces
- * says; of: the mesh's box. Scratch: 80 bytes a piece, until they are dropped, and
- * 4 a vertex. */
-bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const uint32_t *piece,
+/* What tells triangles of one piece: its lowest vertex or its lowest triangle. */
+typedef struct bvxi_piece_marks {
+    const uint32_t *piece; /* of each vertex, as bvxi_pieces says */
+    const uint32_t *part;  /* of each triangle, as bvxi_patches_open says, in place of piece; or NULL */
+} bvxi_piece_marks;
+
+uint32_t bvxi_piece_mark(const bvx_mesh_view *mesh, const bvxi_piece_marks *by, uint64_t t);
+
+/* All pieces with triangles, in the order of their marks; of: the mesh's box. Scratch: 80 bytes a piece, until
+ * they are dropped, and 4 a vertex, or a triangle where parts mark them. */
+bvx_status bvxi_mesh_pieces_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvxi_piece_marks *by,
                                  const bvx_certificate *of, bvxi_mesh_piece **pieces, uint64_t *count);
 /* The volumes of all, each as positive: of closed pieces no solid has more. */
 double bvxi_mesh_pieces_volume(const bvxi_mesh_piece *pieces, uint64_t count);

@@ -108,7 +108,9 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
                               uint32_t *representative)
 {
     bvx_certificate *const r = &job->report.before;
-    int const edges_alone = job->options->report == NULL && !job->options->if_needed;
+    /* Where bodies touch at vertices, pieces that are inside out are told apart by edges. */
+    int const edges_alone = job->options->report == NULL && !job->options->if_needed &&
+                            job->options->sign != BVX_SIGN_AUTO;
     bvxi_welded welded = {.view = job->given, .representative = representative};
 
     memcpy(welded.low, low, sizeof welded.low);
@@ -142,18 +144,20 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
 }
 
 /* Turn the pieces that face inward and are nobody's cavities, with all that lies in them. */
-static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_mesh_piece *pieces, uint64_t count)
+static bvx_status turn_inside_out(bvxi_repair_job *job, const bvxi_piece_marks *by, bvxi_mesh_piece *pieces,
+                                  uint64_t count)
 {
     uint64_t const triangles = job->mesh.triangle_count;
     bvx_mesh_view const mesh = job->mesh;
-    uint8_t *turn; /* by a piece's lowest vertex: 1 where it is turned */
+    uint64_t const marks = by->part != NULL ? triangles : job->given->vertex_count;
+    uint8_t *turn; /* by a piece's mark: 1 where it is turned */
 
     /* Where every piece is inside out the solid is the same as where none is: nothing to turn. */
     uint64_t const found = bvxi_mark_inside_out(pieces, count);
     if (found == 0 || found == count) return BVX_OK;
 
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->given->vertex_count, "the turned pieces", &turn));
-    for (uint64_t n = 0; n < count; n++) turn[pieces[n].lowest] = (uint8_t)pieces[n].turned;
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, marks, "the turned pieces", &turn));
+    for (uint64_t n = 0; n < count; n++) turn[pieces[n].mark] = (uint8_t)pieces[n].turned;
     /* Triangles may be listed there already: each is read before it is written. */
     if (job->corner == NULL)
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12, "the turned triangles",
@@ -164,7 +168,7 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_mesh_piece *pieces,
         int turned;
 
         bvxi_view_triangle(&mesh, t, v);
-        turned = turn[job->piece[v[0]]];
+        turned = turn[bvxi_piece_mark(&mesh, by, t)];
         job->corner[3 * t] = v[0];
         job->corner[3 * t + 1] = v[turned ? 2 : 1];
         job->corner[3 * t + 2] = v[turned ? 1 : 2];
@@ -175,24 +179,52 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, bvxi_mesh_piece *pieces,
     return BVX_OK;
 }
 
+/* Volumes of pieces by the marks given; those that are inside out are turned. */
+static bvx_status judge_marked(bvxi_repair_job *job, const bvxi_piece_marks *by)
+{
+    bvx_repair_report *const r = &job->report;
+    bvxi_mesh_piece *pieces = NULL;
+    uint64_t count;
+
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, by, &r->before, &pieces, &count));
+    r->parts_volume = bvxi_mesh_pieces_volume(pieces, count);
+    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, by, pieces, count));
+    bvxi_drop(job->ctx, pieces);
+    return BVX_OK;
+}
+
+/* Bodies that touch at vertices are one piece by them, whose volume says nothing of either. */
+static bvx_status judge_parts(bvxi_repair_job *job, const uint32_t *representative)
+{
+    const bvx_certificate *const c = &job->report.before;
+    bvxi_piece_marks by = {.piece = job->piece};
+    bvxi_patches patches;
+    double centre[3];
+
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
+    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
+    by.part = patches.part;
+    BVXI_TRY(judge_marked(job, &by));
+    bvxi_patches_close(job->ctx, &patches);
+    return BVX_OK;
+}
+
 /* The pieces of the mesh; where all is closed and has sides, those that are inside out are turned, and what
  * they would have together if none overlapped is known. */
 static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
 {
     bvx_repair_report *const r = &job->report;
-    bvxi_mesh_piece *pieces = NULL;
-    uint64_t count;
+    bvxi_piece_marks by = {0};
+    int touching;
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
                         &job->piece));
     bvxi_pieces(&job->mesh, representative, job->piece);
     if (!r->before.closed || r->before.duplicates != 0 || r->sign == BVX_SIGN_VOTE) return BVX_OK;
 
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, job->piece, &r->before, &pieces, &count));
-    r->parts_volume = bvxi_mesh_pieces_volume(pieces, count);
-    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, pieces, count));
-    bvxi_drop(job->ctx, pieces);
-    return BVX_OK;
+    by.piece = job->piece;
+    touching = r->before.nonmanifold_vertices != 0 && r->before.components > 1;
+    return touching ? judge_parts(job, representative) : judge_marked(job, &by);
 }
 
 bvx_status bvxi_repair_take(bvxi_repair_job *job)

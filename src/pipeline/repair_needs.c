@@ -22,10 +22,12 @@ int32_t bvxi_repair_need(const bvx_certificate *c)
 
 static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 {
+    bvxi_piece_marks by = {0};
     bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, job->piece, &job->report.before, &pieces, &count));
+    by.piece = job->piece;
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, &by, &job->report.before, &pieces, &count));
     *right = bvxi_cavities_lie_within(pieces, count);
     bvxi_drop(job->ctx, pieces);
     return BVX_OK;

@@ -205,6 +205,43 @@ static void test_a_part_inside_out_is_turned(void)
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
 }
 
+/* A lopsided octahedron and its mirror image, which share two corners; mirrored without turning, as modellers
+ * do, the image is inside out. */
+static void make_mirrored(int turned)
+{
+    static const double corner[6][3] = {{1, 0, 0},  {-3, 0, 0},   {0, 2, 0},
+                                        {0, -2, 0}, {-0.5, 0, 2}, {-0.5, 0, -2}};
+    static const uint32_t face[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                                        {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+
+    maker_clear(&mesh);
+    for (int side = 0; side < 2; side++)
+        for (int v = 0; v < 6; v++)
+            maker_vertex(&mesh, side ? -corner[v][0] : corner[v][0], corner[v][1], corner[v][2]);
+    for (uint32_t side = 0; side < 2; side++)
+        for (int t = 0; t < 8; t++) {
+            const uint32_t *const f = face[t];
+            int const second = side && turned ? 2 : 1;
+
+            maker_triangle(&mesh, 6 * side + f[0], 6 * side + f[second], 6 * side + f[3 - second]);
+        }
+}
+
+/* By the corners that both have they are one piece, whose volume is 0: what both cover was empty. */
+static void test_an_inside_out_part_that_touches_at_vertices_is_turned(void)
+{
+    double right;
+
+    make_mirrored(1);
+    right = repair_volume(64, BVX_SIGN_AUTO);
+    TEST_ASSERT_EQUAL_UINT64(0, report.turned);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 2 * 32.0 / 3, report.parts_volume);
+    make_mirrored(0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, right, repair_volume(64, BVX_SIGN_AUTO));
+    TEST_ASSERT_EQUAL_UINT64(8, report.turned);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 2 * 32.0 / 3, report.parts_volume);
+}
+
 /* A cavity faces inward, and is none of those. */
 static void test_cavities_are_not_turned(void)
 {
@@ -566,6 +603,7 @@ int main(void)
     RUN_TEST(test_duplicates_count_once);
     RUN_TEST(test_inside_out_mesh);
     RUN_TEST(test_a_part_inside_out_is_turned);
+    RUN_TEST(test_an_inside_out_part_that_touches_at_vertices_is_turned);
     RUN_TEST(test_cavities_are_not_turned);
     RUN_TEST(test_overlapping_parts_are_one);
     RUN_TEST(test_cavities_and_parts);
