@@ -14,7 +14,7 @@
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8
 
-enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_GRAIN = 4096 };
+enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_GRAIN = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
 typedef struct near_job {
@@ -22,13 +22,14 @@ typedef struct near_job {
     int32_t pieces;
     uint64_t *keys; /* of the triangles nearby, by which they are sorted */
     uint32_t *numbers, *sorted;
-    uint64_t taken[BVXI_MOST_PIECES];                           /* triangles of a piece that are near */
-    double low[BVXI_MOST_PIECES][3], high[BVXI_MOST_PIECES][3]; /* bounds of those of a piece */
+    uint64_t taken[NEAR_PIECES];                      /* triangles of a piece that are near */
+    double low[NEAR_PIECES][3], high[NEAR_PIECES][3]; /* bounds of those of a piece */
 } near_job;
 
 static bvx_status run_near_pieces(near_job *job, uint64_t count, bvx_task_fn *task)
 {
     job->pieces = bvxi_piece_count(count, NEAR_GRAIN);
+    if (job->pieces > NEAR_PIECES) job->pieces = NEAR_PIECES;
     return bvxi_parallel(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, task, job);
 }
 

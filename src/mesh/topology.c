@@ -3,7 +3,8 @@
  * Half-edges are put into buckets by their lower vertex and sorted by their higher vertex there (a radix sort
  * whose first digit is the vertex), so the half-edges of an edge lie side by side. Each gets a link to the
  * next half-edge of its edge, in a ring. Along the rings: pieces by union-find over triangles, fans by
- * walking round vertices.
+ * walking round vertices. Ranges of vertices are tasks: a bucket is of one range, and so is a triangle, by
+ * its least vertex; pairs of triangles of two ranges are joined at the end.
  * Guarantee: the counts are exact for any triangles, also for soups. Cost: O(triangles), the largest fan's
  * logarithm on top where fans are large.
  *
@@ -11,15 +12,30 @@
  * too. */
 #include "mesh/topology.h"
 
-enum { TOPOLOGY_ASKS = 1 << 20 }; /* vertices or corners between asking progress */
+enum {
+    TOPOLOGY_ASKS = 1 << 20, /* corners between asking progress */
+    TOPOLOGY_GRAIN = 8192,   /* vertices in a range, at least */
+    TOPOLOGY_RANGES = 64
+};
+#define TOPOLOGY_NONE UINT32_MAX /* no corner */
 /* larger buckets are heap-sorted: a fan of a million triangles is harmless */
 enum { TOPOLOGY_INSERTION_LIMIT = 32 };
+
+/* What a range of vertices has. */
+typedef struct topology_counts {
+    uint64_t edges, boundary, flipped, nonmanifold, duplicates;
+    uint64_t joined;            /* triangles of the range, to others of it */
+    uint64_t waiting;           /* entries, from the range's first on: pairs of triangles yet to be joined */
+    uint64_t vertices, corners; /* that triangles use; in their first fans */
+    int against;                /* 1: two half-edges run along an edge in the same direction */
+} topology_counts;
 
 typedef struct topology {
     bvx_context *ctx;
     const uint32_t *corners;
     uint64_t triangle_count, vertex_count;
     uint32_t *bucket_end; /* [Size: vertex_count] */
+    uint32_t *corner_of;  /* one of the vertex, or TOPOLOGY_NONE [Size: vertex_count] */
     /* half-edges in buckets: higher vertex << 32 | half-edge [Size: triangle_count * 3] */
     uint64_t *entries;
     uint32_t *ring;   /* next half-edge of the same edge [Size: triangle_count * 3] */
@@ -29,6 +45,8 @@ typedef struct topology {
     uint64_t *walked; /* bit h: the fan of this corner was walked */
     int edges_alone;  /* 1: no pieces, no fans */
     bvx_certificate *result;
+    int32_t ranges; /* of the vertices */
+    topology_counts counts[TOPOLOGY_RANGES];
 } topology;
 
 static uint64_t topology_bit_words(uint64_t bits)
@@ -119,6 +137,7 @@ static void fill_edge_buckets(topology *c)
             uint32_t const a = t[k], b = t[k == 2 ? 0 : k + 1];
             uint32_t const lower = a < b ? a : b, higher = a < b ? b : a;
             c->entries[c->bucket_end[lower]++] = (uint64_t)higher << 32 | (h + k);
+            if (!c->edges_alone) c->corner_of[a] = (uint32_t)h + k;
         }
     }
 }
@@ -132,12 +151,13 @@ static uint32_t root_of_triangle(uint32_t *parent, uint32_t t)
     return t;
 }
 
-static void join_triangles(topology *c, uint32_t s, uint32_t t)
+/* Returns 1 when they were not joined before. */
+static int join_triangles(uint32_t *parent, uint32_t s, uint32_t t)
 {
-    uint32_t const a = root_of_triangle(c->parent, s), b = root_of_triangle(c->parent, t);
-    if (a == b) return;
-    c->parent[a < b ? b : a] = a < b ? a : b;
-    c->result->components--;
+    uint32_t const a = root_of_triangle(parent, s), b = root_of_triangle(parent, t);
+    if (a == b) return 0;
+    parent[a < b ? b : a] = a < b ? a : b;
+    return 1;
 }
 
 /* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
@@ -159,16 +179,15 @@ static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, 
 }
 
 /* The n >= 1 half-edges of one edge, sorted. */
-static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
+static void check_edge(const topology *c, uint64_t *e, size_t n, uint32_t lower, topology_counts *counts)
 {
-    bvx_certificate *const r = c->result;
     uint32_t const higher = (uint32_t)(e[0] >> 32), first = (uint32_t)e[0];
     uint64_t upwards = 0;
 
-    r->edges++;
+    counts->edges++;
     if (n == 1) {
         c->ring[first] = first;
-        r->boundary_edges++;
+        counts->boundary++;
         return;
     }
 
@@ -177,50 +196,114 @@ static void check_edge(topology *c, uint64_t *e, size_t n, uint32_t lower)
         uint32_t const h = (uint32_t)e[i];
         c->ring[h] = (uint32_t)e[i + 1 == n ? 0 : i + 1];
         upwards += c->corners[h] == lower;
-        if (i > 0 && !c->edges_alone) join_triangles(c, first / 3, h / 3);
     }
 
     /* More than one half-edge in the same direction contradicts an orientation. */
-    if (upwards > 1 || n - upwards > 1) r->oriented = 0;
-    if (n == 2 && upwards != 1) r->flipped_edges++;
-    if (n > 2) {
-        r->nonmanifold_edges++;
-        topology_bit_set(c->broken, lower);
-        topology_bit_set(c->broken, higher);
+    if (upwards > 1 || n - upwards > 1) counts->against = 1;
+    if (n == 2 && upwards != 1) counts->flipped++;
+    if (n > 2) counts->nonmanifold++;
+    counts->duplicates += count_edge_duplicates(c, e, n, higher);
+}
+
+/* Is the least vertex of the triangle in the range from here on? The edge's own vertices are. */
+static int is_of_range(const topology *c, uint32_t h, uint64_t from)
+{
+    return c->corners[half_edge_before(h)] >= from;
+}
+
+/* The triangles of an edge, along its ring. Those of the range are nobody else's; pairs with others are kept
+ * where entries were that have been read. */
+static void join_around_edge(const topology *c, uint32_t first, uint64_t from, uint64_t *waiting,
+                             topology_counts *counts)
+{
+    int const own = is_of_range(c, first, from);
+
+    for (uint32_t h = c->ring[first]; h != first; h = c->ring[h]) {
+        if (BVXI_LIKELY(own && is_of_range(c, h, from)))
+            counts->joined += (uint64_t)join_triangles(c->parent, first / 3, h / 3);
+        else waiting[counts->waiting++] = (uint64_t)(first / 3) << 32 | h / 3;
     }
-    r->duplicates += count_edge_duplicates(c, e, n, higher);
+}
+
+static uint64_t first_entry(const topology *c, uint64_t vertex)
+{
+    return vertex == 0 ? 0 : c->bucket_end[vertex - 1];
+}
+
+static void check_range_of_edges(void *user, int32_t range, int32_t worker)
+{
+    topology *const c = user;
+    topology_counts counts = {0};
+    uint64_t from, to, begin;
+
+    (void)worker;
+    bvxi_piece(c->vertex_count, c->ranges, range, &from, &to);
+    begin = first_entry(c, from);
+    uint64_t *const waiting = c->entries + begin;
+    for (uint64_t v = from; v < to; v++) {
+        uint64_t const end = c->bucket_end[v];
+        /* In a bucket the lower vertex is the same, so sorting brings each edge's half-edges together. */
+        entries_sort(c->entries + begin, (size_t)(end - begin));
+        while (begin < end) {
+            uint32_t const first = (uint32_t)c->entries[begin];
+            uint64_t stop = begin + 1;
+
+            while (stop < end && c->entries[stop] >> 32 == c->entries[begin] >> 32) stop++;
+            check_edge(c, c->entries + begin, (size_t)(stop - begin), (uint32_t)v, &counts);
+            if (!c->edges_alone) join_around_edge(c, first, from, waiting, &counts);
+            begin = stop;
+        }
+    }
+    c->counts[range] = counts;
 }
 
 static bvx_status check_edges(topology *c)
 {
-    /* Every triangle is a component at first, and each join takes one away. */
-    uint64_t begin = 0;
+    bvx_certificate *const r = c->result;
 
-    for (uint64_t t = 0; t < c->triangle_count; t++) c->parent[t] = (uint32_t)t;
-    c->result->components = c->edges_alone ? 0 : c->triangle_count;
-    c->result->oriented = 1;
-    for (uint64_t v = 0; v < c->vertex_count; v++) {
-        uint64_t const end = c->bucket_end[v];
-        if (v % TOPOLOGY_ASKS == 0)
-            BVXI_TRY(bvxi_progress(c->ctx, "check", 0.4 + 0.4 * (double)v / (double)c->vertex_count));
-        /* In a bucket the lower vertex is the same, so sorting brings each edge's half-edges together. */
-        entries_sort(c->entries + begin, (size_t)(end - begin));
-        while (begin < end) {
-            uint64_t stop = begin + 1;
-            while (stop < end && c->entries[stop] >> 32 == c->entries[begin] >> 32) stop++;
-            check_edge(c, c->entries + begin, (size_t)(stop - begin), (uint32_t)v);
-            begin = stop;
-        }
+    c->ranges = bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN);
+    if (c->ranges > TOPOLOGY_RANGES) c->ranges = TOPOLOGY_RANGES;
+    /* Every triangle is a piece at first, and each join takes one away. */
+    for (uint64_t t = 0; t < c->triangle_count && !c->edges_alone; t++) c->parent[t] = (uint32_t)t;
+    BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.4, 0.7, c->ranges, check_range_of_edges, c));
+
+    r->components = c->edges_alone ? 0 : c->triangle_count;
+    r->oriented = 1;
+    for (int32_t i = 0; i < c->ranges; i++) {
+        const topology_counts *const counts = &c->counts[i];
+
+        r->edges += counts->edges;
+        r->boundary_edges += counts->boundary;
+        r->flipped_edges += counts->flipped;
+        r->nonmanifold_edges += counts->nonmanifold;
+        r->duplicates += counts->duplicates;
+        r->components -= counts->joined;
+        if (counts->against) r->oriented = 0;
     }
     return BVX_OK;
+}
+
+/* The pairs that waited, of two ranges each. */
+static void join_ranges(topology *c)
+{
+    for (int32_t i = 0; i < c->ranges; i++) {
+        const uint64_t *pair;
+        uint64_t from, to;
+
+        bvxi_piece(c->vertex_count, c->ranges, i, &from, &to);
+        pair = c->entries + first_entry(c, from);
+        for (uint64_t n = 0; n < c->counts[i].waiting; n++)
+            c->result->components -= (uint64_t)join_triangles(c->parent, (uint32_t)(pair[n] >> 32),
+                                                              (uint32_t)pair[n]);
+    }
 }
 
 /* ---- vertices ---- */
 
 /* Walk round vertex v away over half-edge h (one of the two at v in its
- * triangle), marking corners, until the fan ends or comes back to the corner
- * from. Edges at v have at most two triangles. Returns 1 when it came back. */
-static int walk_fan(topology *c, uint32_t v, uint32_t h, uint32_t from)
+ * triangle), counting corners, and marking them where walked is not NULL, until the fan ends or comes back to
+ * the corner from. Edges at v have at most two triangles. Returns 1 when it came back. */
+static int walk_fan(const topology *c, uint32_t v, uint32_t h, uint32_t from, uint64_t *corners)
 {
     for (;;) {
         uint32_t const over = c->ring[h];
@@ -235,16 +318,79 @@ static int walk_fan(topology *c, uint32_t v, uint32_t h, uint32_t from)
             h = corner;
         }
         if (corner == from) return 1;
-        topology_bit_set(c->walked, corner);
+        (*corners)++;
+        if (c->walked != NULL) topology_bit_set(c->walked, corner);
     }
 }
 
-/* A vertex of three broken edges is counted once, as is one of several fans. */
-static bvx_status check_vertices(topology *c)
+/* The fan that holds the corner; one with a border is walked from its middle to both ends. Returns its
+ * corners. */
+static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
+{
+    uint32_t const v = c->corners[corner];
+    uint64_t corners = 1;
+
+    if (!walk_fan(c, v, corner, corner, &corners)) walk_fan(c, v, half_edge_before(corner), corner, &corners);
+    return corners;
+}
+
+/* One fan of each vertex, where edges have at most two triangles. These have all corners of the mesh only if
+ * no vertex has a second one. corner_of becomes how many it has. */
+static void walk_range_of_fans(void *user, int32_t range, int32_t worker)
+{
+    topology *const c = user;
+    topology_counts *const counts = &c->counts[range];
+    uint64_t from, to;
+
+    (void)worker;
+    /* One more task than there are ranges: beside the fans, what waited for all edges. */
+    if (range == c->ranges) {
+        join_ranges(c);
+        return;
+    }
+    bvxi_piece(c->vertex_count, c->ranges, range, &from, &to);
+    for (uint64_t v = from; v < to; v++) {
+        if (c->corner_of[v] == TOPOLOGY_NONE) continue;
+        c->corner_of[v] = (uint32_t)walk_whole_fan(c, c->corner_of[v]);
+        counts->vertices++;
+        counts->corners += c->corner_of[v];
+    }
+}
+
+/* Both ends of edges with three or more triangles, whose rings take more than two steps. */
+static void mark_broken_vertices(const topology *c)
+{
+    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
+        if (c->ring[c->ring[h]] == h) continue;
+        topology_bit_set(c->broken, c->corners[h]);
+        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
+    }
+}
+
+/* Vertices with more corners than their first fan has; the buckets are needed no more. */
+static void count_second_fans(topology *c)
+{
+    uint32_t *const corners = c->bucket_end;
+
+    memset(corners, 0, (size_t)c->vertex_count * 4);
+    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) corners[c->corners[h]]++;
+    for (uint64_t v = 0; v < c->vertex_count; v++)
+        c->result->nonmanifold_vertices += corners[v] != 0 && corners[v] != c->corner_of[v];
+}
+
+/* Where edges have more triangles. A vertex of three broken edges is counted once, as is one of several
+ * fans. */
+static bvx_status search_broken_fans(topology *c)
 {
     bvx_certificate *const r = c->result;
     uint64_t const half_edges = 3 * c->triangle_count;
+    uint64_t const vertex_bits = topology_bit_words(c->vertex_count) * 8;
 
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->broken));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->seen));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, topology_bit_words(half_edges) * 8, "the check's marks",
+                             &c->walked));
+    mark_broken_vertices(c);
     for (uint64_t h = 0; h < half_edges; h++) {
         uint32_t const v = c->corners[h];
         if (h % TOPOLOGY_ASKS == 0)
@@ -252,7 +398,6 @@ static bvx_status check_vertices(topology *c)
         if (topology_bit_is_set(c->broken, v)) { /* known already, or counted now */
             if (!topology_bit_is_set(c->seen, v)) {
                 topology_bit_set(c->seen, v);
-                r->vertices++;
                 r->nonmanifold_vertices++;
             }
             continue;
@@ -264,13 +409,32 @@ static bvx_status check_vertices(topology *c)
             continue;
         }
         topology_bit_set(c->seen, v);
-        r->vertices++;
         topology_bit_set(c->walked, h);
-
-        /* A fan with a border is walked from its middle to both ends. */
-        if (!walk_fan(c, v, (uint32_t)h, (uint32_t)h))
-            walk_fan(c, v, half_edge_before((uint32_t)h), (uint32_t)h);
+        walk_whole_fan(c, (uint32_t)h);
     }
+    bvxi_drop(c->ctx, c->walked);
+    bvxi_drop(c->ctx, c->seen);
+    bvxi_drop(c->ctx, c->broken);
+    return BVX_OK;
+}
+
+static bvx_status check_vertices(topology *c)
+{
+    bvx_certificate *const r = c->result;
+    uint64_t corners = 0;
+
+    /* Round edges of three triangles a walk need not end: then all that is known is who has triangles. */
+    if (r->nonmanifold_edges != 0) {
+        join_ranges(c);
+        for (uint64_t v = 0; v < c->vertex_count; v++) r->vertices += c->corner_of[v] != TOPOLOGY_NONE;
+        return search_broken_fans(c);
+    }
+    BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
+    for (int32_t i = 0; i < c->ranges; i++) {
+        r->vertices += c->counts[i].vertices;
+        corners += c->counts[i].corners;
+    }
+    if (corners != 3 * c->triangle_count) count_second_fans(c);
     return BVX_OK;
 }
 
@@ -279,15 +443,12 @@ static bvx_status check_vertices(topology *c)
 static bvx_status allocate_topology(bvx_context *ctx, topology *c)
 {
     uint64_t const half_edges = 3 * c->triangle_count;
-    uint64_t const vertex_bits = topology_bit_words(c->vertex_count) * 8;
-    uint64_t const corner_bits = topology_bit_words(half_edges) * 8;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's corners", &c->corner_of));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->broken));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->seen));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, corner_bits, "the check's marks", &c->walked));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->triangle_count * 4, "the check's components", &c->parent));
+    memset(c->corner_of, 255, (size_t)c->vertex_count * 4); /* TOPOLOGY_NONE */
     return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
 }
 
@@ -295,10 +456,8 @@ static void free_topology(bvx_context *ctx, topology *c)
 {
     bvxi_drop(ctx, c->entries);
     bvxi_drop(ctx, c->parent);
-    bvxi_drop(ctx, c->walked);
-    bvxi_drop(ctx, c->seen);
-    bvxi_drop(ctx, c->broken);
     bvxi_drop(ctx, c->ring);
+    bvxi_drop(ctx, c->corner_of);
     bvxi_drop(ctx, c->bucket_end);
 }
 

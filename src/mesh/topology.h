@@ -29,8 +29,8 @@ typedef struct bvxi_welded {
  * collapsed, degenerate, area, volume and bounds, which stay as they are.
  * corners [Size: triangle_count * 3], numbers below vertex_count, three different ones a triangle,
  * triangle_count below 2^32 / 3. edges_alone: 1: vertices, pieces and what follows from them are left out.
- * Progress is reported every so many vertices and corners, from 0.4 of "check" on.
- * Scratch: 40.4 bytes a triangle and 4.3 a vertex. */
+ * Progress is reported from 0.4 of "check" on.
+ * Scratch: 40.4 bytes a triangle and 8.3 a vertex. */
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate);
 
