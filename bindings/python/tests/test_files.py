@@ -132,7 +132,7 @@ def test_what_goes_wrong(ball, tmp_path):
     with pytest.raises(bitvox.FormatError):
         bitvox.read(tmp_path / "cut.ply")
     (tmp_path / "cut.obj.gz").write_bytes(gzip.compress(b"v 0 0 0\n")[:-9])
-    with pytest.raises((bitvox.Error, EOFError, OSError)):
+    with pytest.raises(bitvox.FormatError, match="gzip is damaged or cut short"):
         bitvox.read(tmp_path / "cut.obj.gz")
     old = (tmp_path / "cut.ply").read_bytes()
     with pytest.raises(bitvox.Error):

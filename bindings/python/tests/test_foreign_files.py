@@ -184,3 +184,31 @@ def test_what_loads_does_not_know():
     for kind, word in itertools.product(("doc", "mhd"), ("nii", "glb", "stl")):
         with pytest.raises(bitvox.UnsupportedError, match=word):
             bitvox.loads(b"", kind)
+
+
+@pytest.mark.parametrize("ending, module", [("nrrd", "numpy"), ("nii", "nibabel"), ("nii.gz", "nibabel"), ("mha", "SimpleITK"), ("mha.gz", "SimpleITK"), ("vti", "numpy"),
+                                            ("nrrd.gz", "numpy"), ("npy", "numpy")])
+def test_volumes_of_open_files(ending, module, tmp_path):
+    pytest.importorskip(module)
+    path, kind = tmp_path / f"a.{ending}", ending.partition(".")[0]
+    volume = bitvox.Volume(VALUES, order="zyx", spacing=SPACING, center0=ORIGIN)
+    if kind == "npy":
+        np.save(path, VALUES)
+    else:
+        volume.save(path)
+    wanted = bitvox.read_volume(path)
+    with open(path, "rb") as file:
+        assert bitvox.read_volume(file) == wanted
+    assert bitvox.read_volume(io.BytesIO(path.read_bytes()), format=kind) == wanted
+    with pytest.raises(bitvox.Error, match=f"the bytes of a .{kind}|NRRD|VTI|NPY|npy"):
+        bitvox.read_volume(io.BytesIO(path.read_bytes()[:40]), format=kind)
+
+
+def test_volumes_that_an_open_file_does_not_hold(tmp_path):
+    for kind in ("nhdr", "mhd", "hdr", "img"):
+        with pytest.raises(bitvox.UnsupportedError, match="another file"):
+            bitvox.read_volume(io.BytesIO(b"NRRD0004"), format=kind)
+    with pytest.raises(bitvox.ArgumentError, match="format="):
+        bitvox.read_volume(io.BytesIO(b""))
+    with pytest.raises(TypeError, match="'rb'"):
+        bitvox.read_volume(io.StringIO(""), format="nrrd")

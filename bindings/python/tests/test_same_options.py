@@ -48,7 +48,7 @@ class Files(Folder):
         moved = bitvox.Mesh(self.small.vertices + np.array([0.5, 0.25, 0.125], np.float32), self.small.faces)
         moved.save(self / "moved.ply")
         colors = np.stack([(self.small.vertices[:, a] > 0) * 200 for a in range(3)], axis=1).astype(np.uint8)
-        bitvox.Mesh(self.small.vertices, self.small.faces, colors=colors).save(self / "coloured.ply")
+        bitvox.Mesh(self.small.vertices, self.small.faces, colors=colors).save(self / "colored.ply")
         bitvox.Mesh(self.small.vertices, self.small.faces[40:]).save(self / "torn.ply")
         bitvox.slice_mesh(self.small, spacing=0.25).save(self / "c.csl")
         bitvox.slice_mesh(self.small, positions=[0.1]).save(self / "one.csl")
@@ -131,8 +131,8 @@ ROWS = {
         ("small.ply --error 0.5%,2% --error-kind max --strict", "ply", lambda at: bitvox.lod(at.small, error=("0.5%", "2%"), error_kind="max", strict=True)),
         ("small.ply --count 2 --even 0.01 --normals --output-origin 1,2,3", "ply",
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.lod(at.small, count=2, even=0.01)]),
-        ("coloured.ply --triangles 400,100 --carry --colour-weight 0.05", "ply",
-         lambda at: bitvox.lod(at / "coloured.ply", triangles=(400, 100), carry=True, color_weight=0.05)),
+        ("colored.ply --triangles 400,100 --carry --colour-weight 0.05", "ply",
+         lambda at: bitvox.lod(at / "colored.ply", triangles=(400, 100), carry=True, color_weight=0.05)),
         ("small.ply --triangles 400 --source measured --resolution 30 --sign winding --shell 2 --least-part 9 --least-cavity 5 --sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, made_from="measured", resolution=30, sign="winding", shell=2, least_part=9, least_cavity=5, sharp=True)),
         ("small.ply --triangles 400 --source measured --resolution 30 --outer-hull --no-sharp", "ply",
@@ -151,15 +151,15 @@ ROWS = {
     "simplify": (
         ("small.ply --error 1% --error-kind max --strict --normals --output-origin 1,2,3", "ply",
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.simplify(at.small, error=("1%",), error_kind="max", strict=True)]),
-        ("coloured.ply --triangles 400 --carry --colour-weight 0.05 --even 0.01", "ply",
-         lambda at: bitvox.simplify(at / "coloured.ply", triangles=(400,), carry=True, color_weight=0.05, even=0.01)),
+        ("colored.ply --triangles 400 --carry --colour-weight 0.05 --even 0.01", "ply",
+         lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), carry=True, color_weight=0.05, even=0.01)),
         ("torn.ply --count 2 --open keep", "ply", lambda at: bitvox.simplify(at / "torn.ply", count=2, open="keep")),
     ),
     "repair": (
         ("torn.ply --resolution 30 --sign vote --interpolation scalar --sharp --thin shell --shell 2 --least-part 9 --least-cavity 5", "ply",
          lambda at: bitvox.repair(at / "torn.ply", resolution=30, sign="vote", interpolation="scalar", sharp=True, thin="shell", shell=2, least_part=9, least_cavity=5)),
         ("small.ply --if-needed --normals --output-origin 1,2,3", "ply", lambda at: only(bitvox.repair(at.small, if_needed=True), normals=True, origin=(1, 2, 3))),
-        ("coloured.ply --resolution 30 --no-sharp --carry", "ply", lambda at: bitvox.repair(at / "coloured.ply", resolution=30, sharp=False, carry=True)),
+        ("colored.ply --resolution 30 --no-sharp --carry", "ply", lambda at: bitvox.repair(at / "colored.ply", resolution=30, sharp=False, carry=True)),
         ("torn.ply --resolution 30 --triangles 500", "ply", lambda at: bitvox.repair(at / "torn.ply", resolution=30, triangles=500)),
         ("torn.ply --resolution 30 --error 0.5% --error-kind max", "ply",
          lambda at: bitvox.repair(at / "torn.ply", resolution=30, error="0.5%", error_kind="max")),

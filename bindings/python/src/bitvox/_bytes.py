@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+import tempfile
+from typing import Any, Callable
 
 from ._calls import call
-from ._errors import ArgumentError, MemoryLimitError
+from ._errors import ArgumentError, Error, MemoryLimitError
 
 
 def format_of(path: str, format: str | None) -> str:
@@ -32,7 +33,30 @@ def read_bytes(path: str | os.PathLike[str], limit: int | None = None) -> bytes:
     with open(path, "rb") as file:
         data = within(file)
     packed = data[:2] == b"\x1f\x8b" and os.fspath(path).lower().endswith(".gz")
-    return within(call("unpacking", data)) if packed else data
+    return within(call("unpacking", data, os.fspath(path))) if packed else data
+
+
+def by_file(data: Any, kind: str, read: Callable[[str], Any]) -> Any:
+    """What ``read`` makes of a file with these bytes, for libraries that read files only; messages do not name it."""
+    with tempfile.TemporaryDirectory(prefix="bitvox-", ignore_cleanup_errors=True) as folder:
+        path = os.path.join(folder, f"bytes.{kind}" + (".gz" if bytes(data[:2]) == b"\x1f\x8b" else ""))
+        with open(path, "wb") as file:
+            file.write(data)
+        try:
+            return read(path)
+        except Error as why:
+            raise type(why)(str(why).replace(path, f"the bytes of a .{kind}")) from None
+
+
+def bytes_of_open(file: Any, format: str | None) -> tuple[bytes, str]:
+    """What stands in an open file, from where it is to its end, and in which format."""
+    name = getattr(file, "name", None)
+    if format is None and not isinstance(name, (str, os.PathLike)):
+        raise ArgumentError("an open file without a name: give format=, such as 'stl'")
+    data = file.read()
+    if isinstance(data, str):
+        raise TypeError("the file is open as text; open it with mode 'rb'")
+    return data, format_of(os.fspath(name) if isinstance(name, (str, os.PathLike)) else "", format)
 
 
 def write_bytes(path: str | os.PathLike[str], data: Any) -> None:

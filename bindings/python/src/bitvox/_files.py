@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
 from typing import Any, BinaryIO, Iterable
 
-from ._bytes import format_of, new_beside, read_bytes, umask, write_bytes
+from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
-from ._errors import ArgumentError, Error, UnsupportedError
+from ._errors import ArgumentError, UnsupportedError
 from ._field import Field
 from ._grid import Grid, new_grid
 from ._image import Image
@@ -99,15 +98,10 @@ def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
 def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: float | None, drop_nonfinite: bool, threads: int | None,
                memory_limit: int | None, progress: Progress) -> Any:
     """What stands in an open file, from where it is to its end."""
-    name = getattr(file, "name", None)
-    if format is None and not isinstance(name, (str, os.PathLike)):
-        raise ArgumentError("an open file without a name: give format=, such as 'stl'")
-    data = file.read()
-    if isinstance(data, str):
-        raise TypeError("the file is open as text; open it with mode 'rb'")
+    data, kind = bytes_of_open(file, format)
     if data[:2] == b"\x1f\x8b":
         data = call("unpacking", data).read()
-    return loads(data, format_of(os.fspath(name) if isinstance(name, (str, os.PathLike)) else "", format), window=window, close_gap=close_gap,
+    return loads(data, kind, window=window, close_gap=close_gap,
                  drop_nonfinite=drop_nonfinite, threads=threads, memory_limit=memory_limit, progress=progress)
 
 
@@ -146,7 +140,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
                             ("close_gap is for sections", close_gap is not None), ("drop_nonfinite is for meshes", drop_nonfinite)):
             if given:
                 raise ArgumentError(name)
-        return _by_others(data, kind)
+        return by_file(data, kind, lambda path: call("read_other", path, kind))
     held = ffi.from_buffer(_plain(data, kind, memory_limit))
     if close_gap is not None and kind not in SECTION_FORMATS:
         raise ArgumentError("close_gap is for sections")
@@ -188,18 +182,6 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
             return Grid._made(grid)
     raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}; " +
                            f"by other libraries: {', '.join(OF_OTHERS)}")
-
-
-def _by_others(data: Any, kind: str) -> Any:
-    """What `read` makes of these bytes, by libraries of which some read files only."""
-    with tempfile.TemporaryDirectory(prefix="bitvox-") as folder:
-        path = os.path.join(folder, f"bytes.{kind}" + (".gz" if bytes(data[:2]) == b"\x1f\x8b" else ""))
-        with open(path, "wb") as file:
-            file.write(data)
-        try:
-            return call("read_other", path, kind)
-        except Error as why:
-            raise type(why)(str(why).replace(path, f"the bytes of a .{kind}")) from None
 
 
 @entered

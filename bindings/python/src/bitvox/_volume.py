@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import re
 import zlib
-from typing import Any, ClassVar, Iterable, Sequence
+from typing import Any, BinaryIO, ClassVar, Iterable, Sequence
 
 from . import _arrays as arrays
-from ._bytes import format_of, read_bytes
+from ._bytes import by_file, bytes_of_open, format_of, read_bytes
 from ._calls import call, entered
 from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError
 from ._grid import Grid, new_grid
@@ -25,6 +25,7 @@ from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
 BY_LIBRARIES = ("mha", "mhd", "gipl", "hdr", "img", "mgz", "mgh", "tif", "tiff", "vtk", "slc", "npz", "inr")  # SimpleITK, tifffile, PyVista, numpy
+_OF_SEVERAL_FILES = ("nhdr", "mhd", "hdr", "img")
 FRAMES: tuple[Frame, ...] = ("lps", "ras")
 VOLUME_FORMATS = (*formats_in(lib.BVX_VOLUMES_READ), "nhdr")
 
@@ -620,7 +621,7 @@ def _data_files(run: Run, held: Any, path: str) -> bytes | None:
     return b"".join(pieces) if pieces else None
 
 
-def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shape: Sequence[int] | None = None, dtype: Any = None,
+def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, shape: Sequence[int] | None = None, dtype: Any = None,
                 spacing: Any = None, corner: Sequence[float] | None = None, offset: int = 0, frame: Frame | None = None, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Volume:
     """Read a volume's samples from a file.
@@ -628,7 +629,7 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     Parameters
     ----------
     path
-        .nrrd, .nhdr (raw, ascii or gzip; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; .npz of one
+        a name, or an open binary file of one of these formats (but .nhdr, .mhd, .hdr and .img, which lie in several files). .nrrd, .nhdr (raw, ascii, gzip or, of .nrrd, bzip2; its data files are looked for beside it), .npy, .vti or .raw, each also as .gz; .npz of one
         array, .inr; with ``bitvox[medical]`` .nii, .nii.gz, .mha, .mhd, .gipl, .hdr, .img, .mgz, .nrrd of any kind (SimpleITK), .tif
         and OME-TIFF (tifffile), and the folder of a DICOM series, for which `bitvox.formats` has more choices; with ``bitvox[view]``
         .vtk, .slc and a .vti whose axes are turned.
@@ -655,6 +656,12 @@ def read_volume(path: str | os.PathLike[str], *, format: str | None = None, shap
     (1.0, 1.0, 2.0)
     """
     np = arrays.numpy("read_volume")
+    if hasattr(path, "read"):
+        data, kind = bytes_of_open(path, format)
+        if kind in _OF_SEVERAL_FILES:
+            raise UnsupportedError(f".{kind} has its samples in another file, so an open one is not enough: give its name")
+        return by_file(data, kind, lambda name: read_volume(name, shape=shape, dtype=dtype, spacing=spacing, corner=corner, offset=offset, frame=frame,
+                                                            threads=threads, memory_limit=memory_limit, progress=progress))
     path = os.fspath(path)
     kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
     if kind in ("nii", "dcm"):

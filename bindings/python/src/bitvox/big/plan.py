@@ -89,7 +89,7 @@ class Task:
 
 
 def voxelize_window(mesh: Mesh, lattice: Lattice, window: Window, options: dict[str, Any]) -> Grid:
-    """A window's voxels, by one thread by default: the engine runs many tasks beside one another."""
+    """A window's voxels, by one thread where the options do not say how many: the engine runs many tasks beside one another."""
     return voxelize(mesh, lattice=lattice, window=window, **{"threads": 1, **options})
 
 

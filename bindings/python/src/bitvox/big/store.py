@@ -105,7 +105,7 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
     Returns
     -------
     Volume
-        A `Volume` on the lattice that was written, or on the one that scale and translation tell.
+        A `Volume` on the lattice that was written, or on the one that scale and translation give.
 
     Examples
     --------

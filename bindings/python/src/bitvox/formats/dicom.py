@@ -189,7 +189,7 @@ def read_rtstruct(path: str | os.PathLike[str], *, names: Sequence[str] | None =
     Raises
     ------
     FormatError
-        no RTSTRUCT, or no structure of a name.
+        the file is not an RTSTRUCT, or has no structure of a name.
     EmptyError
         no closed contour of these structures.
     ArgumentError
