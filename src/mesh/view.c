@@ -191,12 +191,13 @@ static int bounds_of_block(const unsigned char *at, size_t n, float low[3], floa
     }
     /* Lanes become axes: every third one is of the same coordinate. */
     for (size_t a = 0; a < 3; a++) {
-        low[a] = lo[a];
-        high[a] = hi[a];
+        float least = lo[a], most = hi[a];
         for (size_t k = a + 3; k < lanes; k += 3) {
-            low[a] = lo[k] < low[a] ? lo[k] : low[a];
-            high[a] = hi[k] > high[a] ? hi[k] : high[a];
+            least = lo[k] < least ? lo[k] : least;
+            most = hi[k] > most ? hi[k] : most;
         }
+        low[a] = least;
+        high[a] = most;
     }
     for (size_t k = 0; k < lanes; k++) sum += zero[k];
     return sum == 0.0f;
