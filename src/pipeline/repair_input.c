@@ -108,7 +108,7 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
                               uint32_t *representative)
 {
     bvx_certificate *const r = &job->report.before;
-    /* Where bodies touch at vertices, pieces that are inside out are told apart by edges. */
+    /* Where bodies touch at vertices, pieces that are inside out are distinguished by edges. */
     int const edges_alone = job->options->report == NULL && !job->options->if_needed &&
                             job->options->sign != BVX_SIGN_AUTO;
     bvxi_welded welded = {.view = job->given, .representative = representative};
