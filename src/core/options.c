@@ -9,6 +9,8 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
 {
     size_t given_size;
 
+    /* What is taken may go on to another call, and so has the size of its own fields. */
+    memcpy(options, &size, sizeof size);
     if (given == NULL) return BVX_OK;
     memcpy(&given_size, given, sizeof given_size);
     /* A size that no version had: options were not initialized. */
@@ -16,7 +18,8 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS,
                              "%s: options carry the size %u; fill them with their _init function", function,
                              (uint64_t)given_size);
-    memcpy(options, given, given_size < size ? given_size : size);
+    memcpy((unsigned char *)options + sizeof size, (const unsigned char *)given + sizeof size,
+           (given_size < size ? given_size : size) - sizeof size);
 
     /* A caller newer than the library: what is not known must not be set. */
     for (size_t i = size; i < given_size; i++)

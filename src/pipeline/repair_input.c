@@ -194,7 +194,7 @@ static bvx_status judge_marked(bvxi_repair_job *job, const bvxi_piece_marks *by)
 }
 
 /* Bodies that touch at vertices are one piece by them, whose volume says nothing of either. */
-static bvx_status judge_parts(bvxi_repair_job *job, const uint32_t *representative)
+static bvx_status judge_touching(bvxi_repair_job *job, const uint32_t *representative)
 {
     const bvx_certificate *const c = &job->report.before;
     bvxi_piece_marks by = {.piece = job->piece};
@@ -224,7 +224,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
 
     by.piece = job->piece;
     touching = r->before.nonmanifold_vertices != 0 && r->before.components > 1;
-    return touching ? judge_parts(job, representative) : judge_marked(job, &by);
+    return touching ? judge_touching(job, representative) : judge_marked(job, &by);
 }
 
 bvx_status bvxi_repair_take(bvxi_repair_job *job)

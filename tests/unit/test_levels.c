@@ -43,6 +43,27 @@ static void check_levels(const char *name, const uint64_t *targets, uint64_t cou
     }
 }
 
+/* All defaults, of a mesh that has to be measured: as with options that were filled by their _init function. */
+static void test_no_options_are_the_defaults(void)
+{
+    bvx_levels_options o;
+    bvx_mesh plain[2] = {{0}};
+    bvx_mesh_view view;
+
+    make_shape(&level_shapes[0]);
+    maker_remove(&mesh, 7);
+    view = maker_view(&mesh);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, NULL, 2, plain),
+                                    bvx_last_message(ctx));
+    bvx_levels_options_init(&o, sizeof o);
+    drop_levels();
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &o, 2, level));
+    for (int i = 0; i < 2; i++) {
+        assert_same_bytes(&plain[i], &level[i]);
+        bvx_mesh_free(ctx, &plain[i]);
+    }
+}
+
 /* ---- Sound meshes ---- */
 
 static void test_a_sound_mesh_is_simplified_as_it_is(void)
@@ -741,6 +762,7 @@ static void test_thin_walls_do_not_make_handles(void)
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(test_no_options_are_the_defaults);
     RUN_TEST(test_a_sound_mesh_is_simplified_as_it_is);
     RUN_TEST(test_levels_face_outward);
     RUN_TEST(test_what_is_not_sound_is_measured);
