@@ -65,7 +65,7 @@ static void count_listed(void *user, int32_t piece, int32_t worker)
 }
 
 /* In the order of the grid, so the list has one order. */
-static void list_piece(void *user, int32_t piece, int32_t worker)
+static void list_wall_piece(void *user, int32_t piece, int32_t worker)
 {
     const list_job *const job = user;
     const uint64_t *const words = job->walls->places.words;
@@ -98,7 +98,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
     t->count = count;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
-    return bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, list_piece, &job);
+    return bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, list_wall_piece, &job);
 }
 
 /* ---- Where the lattice loses the surface ---- */

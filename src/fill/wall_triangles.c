@@ -14,7 +14,7 @@
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8
 
-enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_GRAIN = 4096, NEAR_PIECES = 64 };
+enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
 typedef struct near_job {
@@ -28,7 +28,7 @@ typedef struct near_job {
 
 static bvx_status run_near_pieces(near_job *job, uint64_t count, bvx_task_fn *task)
 {
-    job->pieces = bvxi_piece_count(count, NEAR_GRAIN);
+    job->pieces = bvxi_piece_count(count, NEAR_TRIANGLES);
     if (job->pieces > NEAR_PIECES) job->pieces = NEAR_PIECES;
     return bvxi_parallel(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, task, job);
 }
