@@ -50,7 +50,8 @@
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
  *   Memory      All memory comes from the context's allocator and counts against its limit. [Memory:] is
  *               what a call needs at most beside its inputs.
- *   Threads     One context is used by one thread at a time. Two contexts share nothing.
+ *   Threads     One context is used by one thread at a time. Two contexts share nothing but what the caller
+ *               gives to both; inputs are only read, so they may be one.
  *   Exactness   Same bits for any compiler, processor, thread count and window.
  *   Tags        [Size:] [Limit:] [Units:] [Default:] [Memory:] [Cost:] [Exact:] are fixed words, for people
  *               and for scripts. */
@@ -799,7 +800,8 @@ typedef struct bvx_extract_options {
 
 BVX_API void bvx_extract_options_init(bvx_extract_options *options, size_t size);
 
-/** The exact size of what bvx_extract_surface would make.
+/** The exact size of what bvx_extract_surface, or with samples bvx_extract_scalar, would make of the same:
+ *  for arrays of one's own.
  *  [Memory: 16 bytes a row]
  *  [Cost: O(words + crossings)] */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
@@ -1537,10 +1539,10 @@ BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, 
  *  of their cells.
  *  mesh  that the field was measured from. Only sharp uses it, with field->triangles, to know facets; without
  *        either sharp uses the vectors, which is nearly as good
- *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field without inside, without vectors where
- *  they are needed, or whose row_values are not those of its band; BVX_ERR_RANGE also for triangles that the
- *  mesh does not have, and for f64 whose steps exceed 1/512 of a voxel; BVX_ERR_LATTICE (band, inside or
- *  options.grid differ).
+ *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_SIGN_NONE (one with no voxel
+ *  inside gives an empty mesh), without vectors where they are needed, or whose row_values are not those of
+ *  its band; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed
+ *  1/512 of a voxel; BVX_ERR_LATTICE (band, inside or options.grid differ).
  *  [Memory: the mesh and 16 bytes a row; sharp: the mesh once more, 32 bytes a vertex, 40 a sharp cell]
  *  [Cost: O(words + crossings), one thread 20 ns a triangle; sharp 120 ns]
  *  Source: "Model repair by a vector distance field" 2.3, its formula corrected; for sharp Kobbelt, Botsch,
@@ -1592,7 +1594,8 @@ enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
  *  old one reaches into.
  *  factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block]
  *  rule    BVX_REDUCE_...
- *  Returns BVX_ERR_RANGE (too many voxels a block, spacing beyond doubles).
+ *  Returns BVX_ERR_ARGUMENT (a factor below 1 or above 2^25), BVX_ERR_RANGE (too many voxels a block, spacing
+ *  beyond doubles).
  *  [Memory: the result, 64 bytes for each word of a row, and 24 bytes times the binary digits of a block's
  *  voxels for each word of a row and worker]
  *  [Cost: O(words)]
@@ -1646,7 +1649,8 @@ typedef struct bvx_morph_options {
                                 or 6, or 18, or 26] [Default: 6] */
     int32_t steps;         /**< times that it is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
     double radius; /**< of the ball: it holds centres at most this far, with 2^-40 of it to spare, so that 0.3
-                        reaches three voxels of 0.1 [Units: world] [Limit: >= 0] [Default: 0] */
+                        reaches three voxels of 0.1; less than a voxel changes nothing [Units: world]
+                        [Limit: >= 0; 0 unless neighbourhood is 0] [Default: 0] */
     int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_morph_options;
@@ -1704,8 +1708,8 @@ BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
  *  drain hole. The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to
  *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
  *  the result is the grid itself, without a hole, wherever drain_at is.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a
- *  voxel, which would leave no shell), and as bvx_grid_erode with a ball, whose memory and cost it has.
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below
+ *  a voxel, which would leave no shell), and as bvx_grid_erode with a ball, whose memory and cost it has.
  *  [Exact: yes] */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid,
                                    const bvx_hollow_options *options, bvx_grid *result);
@@ -1819,7 +1823,7 @@ typedef struct bvx_keep_options {
 
 BVX_API void bvx_keep_options_init(bvx_keep_options *options, size_t size);
 
-/** Keep some of a grid's components. In place: the result may be the grid.
+/** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid.
  *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index), BVX_ERR_RANGE.
  *  [Memory: the result, that of bvx_grid_components, and 9 bytes a part]
  *  [Cost: O(words + runs)] */
@@ -2591,8 +2595,8 @@ BVX_API bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes,
  *                  commas or semicolons. Lines that begin with #, // or % are comments; a first line of
  *                  names, or of one number (a count), is skipped. Positions are f64
  *  BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are ignored
- *  Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite), BVX_ERR_EMPTY
- *  (no point).
+ *  Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite, with its
+ *  index: none is left out), BVX_ERR_EMPTY (no point).
  *  [Memory: the points, at most 16 times size and 32 KiB]
  *  [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
@@ -2721,9 +2725,9 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
                                    int32_t format, bvx_buffer *file);
 
 /** Read a grid from the bytes of a file: values other than 0 are set. Its lattice is the file's box (BVX: the
- *  lattice that was written; the window's low is that of the file and of window, added). Without one in the file, origin is 0 and spacing 1; where the file
- *  has the centre of the first voxel, the origin is half a voxel below it. Types and encodings:
- *  docs/formats.md.
+ *  lattice that was written; the window's low is that of the file and of window, added). Without one in the
+ *  file, origin is 0 and spacing 1; where the file has the centre of the first voxel, the origin is half a
+ *  voxel below it. Types and encodings: docs/formats.md.
  *  format  as for bvx_write_grid
  *  window  NULL: all of the file; else only these voxels, counted from the file's first one
  *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (window outside the file, dims beyond the
