@@ -2,12 +2,12 @@
  *
  * Vertices are welded where requested, triangles with three different vertices kept; topology.c counts what
  * can be told from their numbers, the sums over positions are taken here, in triangle order, so they are the
- * same everywhere. */
+ * same everywhere: what each triangle adds is computed by all threads, some ten thousand at a time. */
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "mesh/topology.h"
 
-enum { CHECK_ASKS = 1 << 20 }; /* triangles between asking progress */
+enum { CHECK_ROUND = 1 << 16, CHECK_GRAIN = 1 << 12, CHECK_TASKS = CHECK_ROUND / CHECK_GRAIN };
 
 typedef struct checker {
     const bvx_mesh_view *view;
@@ -36,57 +36,123 @@ static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
     return BVX_OK;
 }
 
-/* Keep the triangles with three different vertices, after welding; their
- * bounds, area, and volume about the centre of the bounds low and high. */
-static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progress, const double low[3],
-                                    const double high[3])
-{
-    bvx_certificate *const r = &c->result;
-    double const scale = bvxi_unit_scale(low, high), back = 1.0 / scale;
-    double centre[3], p[3][3], n[3], least[3], most[3], volume = 0.0, area = 0.0;
-    uint32_t raw[3], *to = c->corners;
+/* What a triangle adds: twice its area, or -1 where it does not count, and six times its volume. */
+typedef struct check_terms {
+    double twice, volume;
+} check_terms;
 
-    /* Scaled, sums of products neither overflow nor vanish; about the centre, less is lost in the volume. */
-    for (int a = 0; a < 3; a++) {
-        centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
-        least[a] = high[a];
-        most[a] = low[a];
-    }
-    r->degenerate = 0;
-    for (uint64_t t = 0; t < c->view->triangle_count; t++) {
-        if (t % CHECK_ASKS == 0)
-            BVXI_TRY(
-                bvxi_progress(ctx, "check", progress + 0.05 * (double)t / (double)c->view->triangle_count));
-        bvxi_view_triangle(c->view, t, raw);
-        for (int k = 0; k < 3; k++) to[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
+/* A round of collecting: triangles begin .. begin + count. */
+typedef struct collector {
+    checker *c;
+    double scale, centre[3];
+    double low[3], high[3]; /* of all triangles, from which those of the ones that count are sought */
+    uint64_t begin;
+    int32_t count, tasks;
+    check_terms *terms; /* [Size: CHECK_ROUND, or the triangles] */
+    double least[CHECK_TASKS][3], most[CHECK_TASKS][3];
+} collector;
+
+/* Corners go to the triangle's own place at first. */
+static void collect_task(void *user, int32_t task, int32_t worker)
+{
+    collector *const w = user;
+    const checker *const c = w->c;
+    double least[3], most[3];
+    uint64_t from, to;
+
+    (void)worker;
+    memcpy(least, w->high, sizeof least);
+    memcpy(most, w->low, sizeof most);
+    bvxi_piece((uint64_t)w->count, w->tasks, task, &from, &to);
+    for (uint64_t i = from; i < to; i++) {
+        uint32_t *const corner = c->corners + 3 * (w->begin + i);
+        double p[3][3], n[3];
+        uint32_t raw[3];
+
+        bvxi_view_triangle(c->view, w->begin + i, raw);
+        for (int k = 0; k < 3; k++) corner[k] = c->renumber != NULL ? c->renumber[raw[k]] : raw[k];
         /* Two corners at one place leave no triangle: it has no area and no side. */
-        if (to[0] == to[1] || to[1] == to[2] || to[2] == to[0]) continue;
-        to += 3;
+        w->terms[i].twice = -1.0;
+        if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) continue;
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(c->view, raw[k], p[k]);
             for (int a = 0; a < 3; a++) {
                 least[a] = p[k][a] < least[a] ? p[k][a] : least[a];
                 most[a] = p[k][a] > most[a] ? p[k][a] : most[a];
-                p[k][a] *= scale;
+                p[k][a] *= w->scale;
             }
         }
 
         /* Twice the area is the length of the normal, so one cross product serves area and volume. */
-        double const twice = bvxi_facet_normal((const double(*)[3])p, n);
-        r->degenerate += twice == 0.0;
-        area += twice;
-        volume += (p[0][0] - centre[0]) * n[0] + (p[0][1] - centre[1]) * n[1] + (p[0][2] - centre[2]) * n[2];
+        w->terms[i].twice = bvxi_facet_normal((const double(*)[3])p, n);
+        w->terms[i].volume = (p[0][0] - w->centre[0]) * n[0] + (p[0][1] - w->centre[1]) * n[1] +
+                             (p[0][2] - w->centre[2]) * n[2];
     }
-    c->triangle_count = (uint64_t)(to - c->corners) / 3;
+    memcpy(w->least[task], least, sizeof least);
+    memcpy(w->most[task], most, sizeof most);
+}
+
+/* In the order of the triangles, as sums of doubles follow it; those that count move together. */
+static void add_round(collector *w, double *area, double *volume)
+{
+    checker *const c = w->c;
+
+    for (int32_t i = 0; i < w->count; i++) {
+        uint64_t const own = w->begin + (uint64_t)i;
+
+        if (w->terms[i].twice < 0.0) continue;
+        if (c->triangle_count != own) memcpy(c->corners + 3 * c->triangle_count, c->corners + 3 * own, 12);
+        c->triangle_count++;
+        c->result.degenerate += w->terms[i].twice == 0.0;
+        *area += w->terms[i].twice;
+        *volume += w->terms[i].volume;
+    }
+    for (int32_t t = 0; t < w->tasks; t++)
+        for (int a = 0; a < 3; a++) {
+            double *const low = &c->result.low[a], *const high = &c->result.high[a];
+            *low = w->least[t][a] < *low ? w->least[t][a] : *low;
+            *high = w->most[t][a] > *high ? w->most[t][a] : *high;
+        }
+}
+
+/* Keep the triangles with three different vertices, after welding; their
+ * bounds, area, and volume about the centre of the bounds low and high. */
+static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progress, const double low[3],
+                                    const double high[3])
+{
+    uint64_t const all = c->view->triangle_count;
+    uint64_t const room = all < CHECK_ROUND ? all : CHECK_ROUND;
+    bvx_certificate *const r = &c->result;
+    double const scale = bvxi_unit_scale(low, high), back = 1.0 / scale;
+    double volume = 0.0, area = 0.0;
+    collector w = {.c = c, .scale = scale};
+
+    /* Scaled, sums of products neither overflow nor vanish; about the centre, less is lost in the volume. */
+    for (int a = 0; a < 3; a++) {
+        w.centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
+        w.low[a] = r->high[a] = low[a];
+        w.high[a] = r->low[a] = high[a];
+    }
+    r->degenerate = c->triangle_count = 0;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *w.terms, "what triangles add", &w.terms));
+    for (; w.begin < all; w.begin += (uint64_t)w.count) {
+        double const at = progress + 0.05 * (double)w.begin / (double)all;
+
+        w.count = (int32_t)(all - w.begin < CHECK_ROUND ? all - w.begin : CHECK_ROUND);
+        w.tasks = bvxi_piece_count((uint64_t)w.count, CHECK_GRAIN);
+        BVXI_TRY(bvxi_parallel(ctx, "check", at, at, w.tasks, collect_task, &w));
+        add_round(&w, &area, &volume);
+    }
+    bvxi_drop(ctx, w.terms);
     r->triangles = c->triangle_count;
-    r->collapsed = c->view->triangle_count - c->triangle_count;
+    r->collapsed = all - c->triangle_count;
 
     /* The scale is a power of two: taking it back is exact. */
     r->area = area * 0.5 * back * back;
     r->volume = volume / 6.0 * back * back * back + 0.0;
     for (int a = 0; a < 3; a++) {
-        r->low[a] = r->triangles != 0 ? least[a] + 0.0 : 0.0;
-        r->high[a] = r->triangles != 0 ? most[a] + 0.0 : 0.0;
+        r->low[a] = r->triangles != 0 ? r->low[a] + 0.0 : 0.0;
+        r->high[a] = r->triangles != 0 ? r->high[a] + 0.0 : 0.0;
     }
     return BVX_OK;
 }
