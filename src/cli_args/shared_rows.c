@@ -180,7 +180,7 @@ const cli_argument cli_takes_sign[] = {
 const cli_argument cli_takes_least_part[] = {
     LONG("--least-part", "N", SHARED(least_part), 0, 1e15,
          "parts of fewer voxels are dropped, 0: none is [crumbs: small, nowhere three\n"
-         "voxels thick, where the mesh has no part of its own]"),
+         "voxels thick, where the mesh has no part of its own; lod of grids: none]"),
     {0}};
 
 const cli_argument cli_takes_shells[] = {

@@ -91,7 +91,7 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
 #define OF_COLLAPSE                                                                                    \
     "--error --error-kind --count --strict --even --colour-weight --source --open --sharp --no-sharp " \
-    "--outer-hull --least-part --least-cavity --shell --sign"
+    "--outer-hull --least-cavity --shell --sign"
 
 /* Facts of the line: the method. */
 enum {
@@ -112,6 +112,14 @@ static const cli_rule method_rules[] = {
      .given = OF_COLLAPSE,
      .beside = OF_SOLID,
      .message = "%o is for --method collapse, and %b for edge-ratio and coverage; leave one of them out"},
+    /* Of a grid's parts it says which stay; of a mesh it is for the measured surface. */
+    {.unless = COLLAPSES | CLI_OF_GRID,
+     .given = "--least-part",
+     .beside = OF_SOLID,
+     .message = "%o is for --method collapse, and %b for edge-ratio and coverage; leave one of them out"},
+    {.unless = COLLAPSES | CLI_OF_GRID,
+     .given = "--least-part",
+     .message = "%o is for --method collapse, or for grids and volumes"},
     {.when = COVERS, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for coverage"},
     {.unless = COLLAPSES, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for edge-ratio"},
     {0}};

@@ -7,9 +7,12 @@
 
 uint64_t cli_least_part(const cli_run *run)
 {
-    /* --least-part of lod is of measured surfaces. */
-    return run->command->bit != CLI_LOD && run->options->least_part > 0 ? (uint64_t)run->options->least_part
-                                                                        : 0;
+    const cli_options *const o = run->options;
+
+    /* Of a mesh, lod takes it for the surface that it measures. */
+    if (run->command->bit == CLI_LOD && cli_kind_of_format(cli_input_format(run, o->input[0])) == CLI_MESH)
+        return 0;
+    return o->least_part > 0 ? (uint64_t)o->least_part : 0;
 }
 
 int cli_check_parts(cli_run *run)
