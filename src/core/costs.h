@@ -16,36 +16,44 @@
 #define BVXI_COST_CHECK     0.09
 #define BVXI_COST_WELD      0.08 /* and what goes by welded vertices: pieces, sharp edges, patches */
 #define BVXI_COST_CROSSINGS 0.55 /* a search tree and the pairs in it */
+#define BVXI_COST_CRUMBS    0.06 /* small parts of its solid are told from its own */
 #define BVXI_COST_COLLAPSE  1.4  /* of levels: most of it goes to the first */
 
 /* ---- Solids ---- */
 
-#define BVXI_COST_ROWS      0.01  /* a triangle */
-#define BVXI_COST_ROWS_SIDE 0.012 /* a side: the rows themselves */
-#define BVXI_COST_HOLES     0.03  /* a triangle: looking for open edges */
-#define BVXI_COST_PART      0.03  /* a triangle: pieces that are sheets are told from bodies */
+#define BVXI_COST_ROWS       0.01  /* a triangle */
+#define BVXI_COST_ROWS_SIDE  0.012 /* a side: the rows themselves */
+#define BVXI_COST_HOLES      0.03  /* a triangle: looking for open edges */
+#define BVXI_COST_HOLES_SIDE 0.3   /* a side, where there are holes, before these are known */
+#define BVXI_COST_PART       0.03  /* a triangle: pieces that are sheets are told from bodies */
 
 /* Winding numbers: a hole is asked in all the voxels that it is seen from as large, and each of them asks of
  * all others that are there. */
 #define BVXI_COST_HOLE      1.0 /* the square of a hole's diagonal in voxels */
 #define BVXI_COST_HOLE_PAIR 0.3 /* a hole's diagonal in voxels, for each hole */
 
+/* The voxels that a surface touches. */
+#define BVXI_COST_TOUCH      0.02 /* a triangle */
+#define BVXI_COST_TOUCH_SIDE 0.05 /* a side */
+
 /* ---- Walls too thin for the lattice ---- */
 
-#define BVXI_COST_WALLS      0.12 /* a triangle: where they may be */
+#define BVXI_COST_WALLS      0.15 /* a triangle: where they may be */
 #define BVXI_COST_WALLS_SIDE 0.03 /* a side */
 #define BVXI_COST_ASK        3.0  /* a place that may lie in one */
-#define BVXI_COST_WIDEN      12.0 /* a voxel that one has lost */
+#define BVXI_COST_WIDEN      6.0  /* a voxel that one has lost */
 #define BVXI_COST_FLATTEN    4.5  /* a centre beside one, in the surface; twice as much in a sharp one */
-#define BVXI_COST_FLAT_MESH  0.1  /* a triangle, where there is any such centre */
+#define BVXI_COST_FLAT_MESH  0.04 /* a triangle, where there is any such centre; twice as much too */
 #define BVXI_COST_MAYBE_THIN 0.3  /* an end, before walls have been looked for: of most bodies none is thin */
+
+#define BVXI_CENTRES_OF_WALL 4.0 /* so many are beside a voxel that is lost */
 
 /* Where few walls are thin, each costs what lies around it; where many are, they share that. */
 static inline double bvxi_cost_of_widening(double voxels)
 {
     double const few = 200.0;
 
-    return BVXI_COST_WIDEN * voxels + 80.0 * (voxels < few ? voxels : few);
+    return BVXI_COST_WIDEN * voxels + 60.0 * (voxels < few ? voxels : few);
 }
 
 /* ---- Surfaces: for an end ---- */
@@ -54,7 +62,7 @@ static inline double bvxi_cost_of_widening(double voxels)
 #define BVXI_COST_MEASURE_MESH 0.12 /* a triangle: the search tree for these */
 #define BVXI_COST_MARCH        0.03
 #define BVXI_COST_CUTS         0.055
-#define BVXI_COST_SHARP_CUTS   0.11
+#define BVXI_COST_SHARP_CUTS   0.12
 #define BVXI_COST_SHARP_MESH   0.06 /* a triangle, whose plane is asked */
 #define BVXI_COST_SHARPEN      0.03
 #define BVXI_COST_SHARP_CELL   2.0 /* a cell with a sharp edge or corner */

@@ -9,6 +9,7 @@
  *
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
  * bits. */
+#include "core/costs.h"
 #include "nearest/closest.h"
 #include "mesh/topology.h"
 #include "fill/fills.h"
@@ -204,6 +205,8 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     return status == BVX_OK ? turn_triangles(ctx, w) : status;
 }
 
+#define AUTO_DEPTHS 0.3 /* of the choice: rows have been looked at */
+
 static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
@@ -213,7 +216,9 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     bvx_status status;
 
     /* Counted first without a list: most meshes have none, and then no memory is needed for it. */
-    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &welded, &pairs, NULL, 0));
+    bvxi_share_cost(ctx, AUTO_DEPTHS, 1.0, BVXI_COST_CROSSINGS * (double)w->patches.triangles);
+    BVXI_TRY(BVXI_SHARE(ctx, AUTO_DEPTHS, 1.0,
+                        bvxi_mesh_crossings(ctx, w->job.function, &welded, &pairs, NULL, 0)));
     if (pairs == 0) {
         choose_auto(w, BVX_FILL_PARITY,
                     (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
@@ -255,11 +260,11 @@ static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_latt
     bvxi_solid_job job = {0};
     bvx_status status;
 
-    if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.1, 0.3, depths);
+    if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths);
 
     while (has_more_rows(&coarse)) double_voxels(&coarse);
     BVXI_TRY(bvxi_solid_open(ctx, w->job.function, &w->choice.view, &coarse, &job));
-    status = bvxi_row_depths(ctx, &job, &coarse, 0.1, 0.3, depths);
+    status = bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, depths);
     bvxi_solid_close(ctx, &job);
     return status;
 }
@@ -339,19 +344,14 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 
 /* ---- The whole ---- */
 
-/* Where the rule is chosen in the bar: looking for crossings takes long
- * beside filling rows, and little beside winding numbers. */
-#define AUTO_CHOSEN      0.9
-#define AUTO_OPEN_CHOSEN 0.15
+enum { AUTO_PARITY, AUTO_CHOOSE, AUTO_FILL, AUTO_STEPS };
 
-static int is_auto_quick(int32_t fill)
-{
-    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO;
-}
-
-static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
+static bvx_status choose_or_fill(bvxi_steps *steps, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
                                  int32_t *filled)
 {
+    double const n = (double)w->choice.view.triangle_count;
+    double const rows = BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size);
+    bvx_context *const ctx = steps->ctx;
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
@@ -359,36 +359,48 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
         BVXI_TRY(cover_each_other(ctx, w, &w->cracked));
         balanced = w->cracked;
     }
-    if (!balanced) return BVXI_SHARE(ctx, 0.1, AUTO_OPEN_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
+    if (!balanced) {
+        steps->cost[AUTO_CHOOSE] = BVXI_COST_WELD * n;
+        /* Mostly what does not balance is open. */
+        steps->cost[AUTO_FILL] = rows + BVXI_COST_HOLES * n +
+                                 BVXI_COST_HOLES_SIDE * bvxi_sides_of(solid->size);
+        return BVXI_STEP(steps, AUTO_CHOOSE, choose_unbalanced(ctx, w, &solid->lattice));
+    }
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+    steps->cost[AUTO_PARITY] = rows;
+    steps->cost[AUTO_CHOOSE] = rows; /* where that is not the answer */
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
-        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.4, try_parity(ctx, w, solid, report, filled)));
-    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
+        BVXI_TRY(BVXI_STEP(steps, AUTO_PARITY, try_parity(ctx, w, solid, report, filled)));
+    if (*filled) return BVX_OK;
+
+    steps->cost[AUTO_CHOOSE] = 2.0 * rows;
+    steps->cost[AUTO_FILL] = rows;
+    return BVXI_STEP(steps, AUTO_CHOOSE, choose_balanced(ctx, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                           bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report)
 {
+    double cost[AUTO_STEPS] = {0.0};
+    bvxi_steps steps = {ctx, cost, AUTO_STEPS, 0.1}; /* after snapping */
     int32_t filled = 0;
-    double chosen;
     auto_work w;
 
     /* The view may be replaced by a turned one. */
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
-    BVXI_TRY(choose_or_fill(ctx, &w, solid, report, &filled));
+    BVXI_TRY(choose_or_fill(&steps, &w, solid, report, &filled));
 
     /* All that the choice needed goes before the fill begins, whose memory is then that of the rule only. */
     bvxi_patches_close(ctx, &w.patches);
     bvxi_drop(ctx, w.representative);
     bvxi_solid_close(ctx, &w.job);
 
-    chosen = is_auto_quick(w.choice.fill) ? AUTO_CHOSEN : AUTO_OPEN_CHOSEN;
     if (!filled)
-        BVXI_TRY(BVXI_SHARE(ctx, chosen, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report)));
+        BVXI_TRY(BVXI_STEP(&steps, AUTO_FILL, by_name(ctx, &w.choice.view, w.choice.fill, solid, report)));
     bvxi_drop(ctx, w.choice.index);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;

@@ -11,6 +11,7 @@
  * from each other and lie no further apart than a voxel and a half, there is a thin wall.
  * Guarantee: what is found follows from the mesh and the lattice only. Cost: the surface, and closest points
  * at thin places. */
+#include "core/costs.h"
 #include "fill/thin_walls.h"
 
 #include "mesh/facet.h"
@@ -402,14 +403,22 @@ void bvxi_walls_close(bvxi_walls *t)
     bvxi_drop(t->ctx, t->places.words);
 }
 
+enum { GATHER_MARK, GATHER_NEAR, GATHER_STEPS };
+
 bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
+    double const n = (double)t->mesh->triangle_count;
+    double cost[GATHER_STEPS] = {0.4 * BVXI_COST_WALLS * n +
+                                     BVXI_COST_WALLS_SIDE * bvxi_sides_of(t->solid->size),
+                                 0.6 * BVXI_COST_WALLS * n};
+    bvxi_steps steps = {t->ctx, cost, GATHER_STEPS, 0.0};
+
     /* Places first; most bodies have none, and nothing is searched. */
-    BVXI_TRY(bvxi_walls_mark(t));
+    BVXI_TRY(BVXI_STEP(&steps, GATHER_MARK, bvxi_walls_mark(t)));
     BVXI_TRY(bvxi_walls_list(t));
     if (t->count == 0) return BVX_OK;
 
-    BVXI_TRY(bvxi_walls_near(t));
+    BVXI_TRY(BVXI_STEP(&steps, GATHER_NEAR, bvxi_walls_near(t)));
     if (t->near.triangle_count == 0) bvxi_walls_drop(t);
     return BVX_OK;
 }

@@ -232,13 +232,28 @@ static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_s
     return BVX_OK;
 }
 
+enum { SOLID_FILL, SOLID_SHELL, SOLID_CHECK, SOLID_LOSSES, SOLID_STEPS };
+
+static void plan_solid(const bvx_mesh_view *mesh, const bvx_grid *solid, const bvx_voxelize_options *o,
+                       double cost[SOLID_STEPS])
+{
+    double const n = (double)mesh->triangle_count, sides = bvxi_sides_of(solid->size);
+    double const walls = BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides;
+
+    cost[SOLID_FILL] = 2.0 * cost_of_rows(mesh, solid);
+    cost[SOLID_SHELL] = o->add_shell ? BVXI_COST_TOUCH * n + BVXI_COST_TOUCH_SIDE * sides : 0.0;
+    cost[SOLID_CHECK] = o->check_edges ? BVXI_COST_CHECK * n : 0.0;
+    cost[SOLID_LOSSES] = o->report == NULL ? 0.0 : o->check_thin ? walls : BVXI_COST_ROWS * n;
+}
+
 static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_lattice *lattice, const bvx_voxelize_options *options,
                                      bvx_grid *solid)
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report report = {0};
-    double filled, shelled, checked; /* progress by then */
+    double cost[SOLID_STEPS];
+    bvxi_steps steps = {context, cost, SOLID_STEPS, 0.0};
     bvx_window window;
     bvx_grid made;
     bvx_status status;
@@ -253,18 +268,15 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
 
-    /* Shares of progress follow from what is requested. */
-    checked = o.report != NULL ? 0.8 : 1.0;
-    shelled = o.check_edges ? 0.6 * checked : checked;
-    filled = o.add_shell ? 0.6 * shelled : shelled;
-    status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
+    plan_solid(mesh, &made, &o, cost);
+    status = BVXI_STEP(&steps, SOLID_FILL, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
-        status = BVXI_SHARE(context, filled, shelled, add_the_shell(context, mesh, &made, &report));
+        status = BVXI_STEP(&steps, SOLID_SHELL, add_the_shell(context, mesh, &made, &report));
     if (status == BVX_OK && o.check_edges)
-        status = BVXI_SHARE(context, shelled, checked, count_edges(context, mesh, &report));
+        status = BVXI_STEP(&steps, SOLID_CHECK, count_edges(context, mesh, &report));
     if (status == BVX_OK && o.report != NULL)
-        status = BVXI_SHARE(context, checked, 1.0,
-                            bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
+        status = BVXI_STEP(&steps, SOLID_LOSSES,
+                           bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     if (status != BVX_OK) {
         /* The caller's own array stays the caller's. */
         if (solid->words == NULL) bvx_grid_free(context, &made);

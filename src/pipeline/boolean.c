@@ -2,6 +2,7 @@
  * two solids, a word operation, and a surface whose vertices lie on the mesh that bounds the result there.
  *
  * Guarantee: closed, manifold and free of crossings, whatever the meshes are (surface/field_surface.c). */
+#include "core/costs.h"
 #include "nearest/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
@@ -140,13 +141,11 @@ typedef struct boolean_body {
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
 } boolean_body;
 
-/* The steps of it, two of which are one for each mesh. */
+/* The steps of it: those of one mesh, of the other, and of both. */
+enum { BODY_FILL, BODY_MARK, BODY_ASK, BODY_WIDEN, BODY_STEPS };
+
 enum {
-    BOOLEAN_FILL,
-    BOOLEAN_MARK = BOOLEAN_FILL + 2,
-    BOOLEAN_ASK = BOOLEAN_MARK + 2,
-    BOOLEAN_WIDEN = BOOLEAN_ASK + 2,
-    BOOLEAN_COMBINE = BOOLEAN_WIDEN + 2,
+    BOOLEAN_COMBINE = 2 * BODY_STEPS,
     BOOLEAN_JUDGE,
     BOOLEAN_CRUMBS,
     BOOLEAN_SHARP,
@@ -155,9 +154,6 @@ enum {
     BOOLEAN_FLATTEN,
     BOOLEAN_STEPS
 };
-
-#define BOOLEAN_SHARPER 3.0 /* times a plain surface's cost */
-#define BOOLEAN_ASKED   3.0 /* microseconds for a place of thin walls */
 
 typedef struct boolean_job {
     bvx_context *ctx;
@@ -169,9 +165,8 @@ typedef struct boolean_job {
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
-    double cost[BOOLEAN_STEPS]; /* of steps to come, in microseconds, about */
-    double plain;               /* of a surface without sharp edges */
-    double at;                  /* where the last step ends in the bar */
+    double cost[BOOLEAN_STEPS]; /* of steps to come (core/costs.h) */
+    bvxi_steps steps;           /* these */
 } boolean_job;
 
 /* ---- Checks ---- */
@@ -261,73 +256,88 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
 
 /* ---- The bar ---- */
 
-/* What each step takes by what is known before the first one, about; what is learnt later replaces it.
- * Triangles and the faces of the lattice stand for what is gone over. */
+/* What a surface of so many ends costs, of which each mesh has its own. */
+static void plan_boolean_surface(boolean_job *job, double ends)
+{
+    int const sharp = job->options->sharp < 0 ? job->report.sharp : job->options->sharp;
+    double triangles = 0.0;
+
+    for (int i = 0; i < 2; i++) {
+        double const n = (double)job->body[i].mesh->triangle_count;
+
+        job->cost[BOOLEAN_MEASURE + i] = BVXI_COST_MEASURE_MESH * n + BVXI_COST_MEASURE * 0.5 * ends;
+        triangles += n;
+    }
+    job->cost[BOOLEAN_EXTRACT] = bvxi_cost_of_surface(ends, triangles, sharp);
+}
+
+/* What each step takes by what is known before the first one, about; what is learnt later replaces it. */
 static void plan_boolean(boolean_job *job)
 {
-    const int32_t *const d = job->lattice.dims;
-    double const faces = (double)d[0] * d[1] + (double)d[1] * d[2] + (double)d[2] * d[0];
+    double const sides = bvxi_sides_of(job->lattice.dims), ends = BVXI_ENDS_OF_SIDE * sides;
     int const look = job->options->thin == BVX_THIN_KEEP || job->options->report != NULL;
     double *const cost = job->cost;
 
+    job->steps = (bvxi_steps){job->ctx, cost, BOOLEAN_STEPS, 0.0};
+    plan_boolean_surface(job, ends);
     /* Each mesh for itself, as one may have a thousand times the other's triangles. */
     for (int i = 0; i < 2; i++) {
         double const n = (double)job->body[i].mesh->triangle_count;
-        cost[BOOLEAN_FILL + i] = 0.035 * n + 0.015 * faces;
-        cost[BOOLEAN_MARK + i] = look ? 0.12 * n + 0.03 * faces : 0.0;
-        cost[BOOLEAN_MEASURE + i] = 0.05 * n + 0.12 * faces;
-        cost[BOOLEAN_CRUMBS] += 0.06 * n;
+        double *const of_body = cost + i * BODY_STEPS;
+
+        of_body[BODY_FILL] = 3.0 * BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides;
+        of_body[BODY_MARK] = look ? BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides : 0.0;
+        cost[BOOLEAN_CRUMBS] += BVXI_COST_CRUMBS * n;
     }
-    cost[BOOLEAN_COMBINE] = cost[BOOLEAN_JUDGE] = 0.001 * faces;
-    cost[BOOLEAN_SHARP] = job->options->sharp < 0 ? 0.003 * faces : 0.0;
-    job->plain = 0.12 * faces;
-    cost[BOOLEAN_EXTRACT] = job->options->sharp != 0 ? BOOLEAN_SHARPER * job->plain : job->plain;
+    cost[BOOLEAN_COMBINE] = cost[BOOLEAN_JUDGE] = 0.001 * sides;
+    cost[BOOLEAN_FLATTEN] = job->options->thin == BVX_THIN_KEEP ? BVXI_COST_MAYBE_THIN * ends : 0.0;
 }
 
-/* Winding numbers and the search for crossings take so many times what rows take, and the fill itself says of
- * winding numbers that they take longer than it planned. The second mesh is taken for one like the first. */
-static void plan_second_fill(boolean_job *job)
+/* The second mesh is taken for one like the first: the same rule, which is looked for as long, and as many
+ * thin walls. */
+static void plan_second_body(boolean_job *job)
 {
     int32_t const fill = job->report.solid_a.fill;
+    double const n = (double)job->body[1].mesh->triangle_count, sides = bvxi_sides_of(job->lattice.dims);
+    double const walls = (double)job->report.solid_a.thin_voxels;
+    double *const cost = job->cost + BODY_STEPS;
 
-    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE) job->cost[BOOLEAN_FILL + 1] *= 2.5;
-    else if (fill == BVX_FILL_NONZERO) job->cost[BOOLEAN_FILL + 1] *= 5.0;
+    /* Holes say what they cost when they are found. */
+    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE)
+        cost[BODY_FILL] += (BVXI_COST_HOLES + BVXI_COST_WELD) * n + BVXI_COST_HOLES_SIDE * sides;
+    else if (fill == BVX_FILL_NONZERO) cost[BODY_FILL] += BVXI_COST_CROSSINGS * n;
+    if (job->options->thin != BVX_THIN_KEEP) return;
+    cost[BODY_WIDEN] = bvxi_cost_of_widening(walls);
 }
 
-/* Where few walls are thin, each costs what lies around it; where many are, they share that. */
-static double cost_of_walls(double each, double voxels)
+/* By the centres beside the thin walls of both, those of the second for now as many as the first one's. */
+static void plan_boolean_flatten(boolean_job *job, double centres)
 {
-    double const few = 200.0;
+    int const sharp = job->options->sharp < 0 ? job->report.sharp : job->options->sharp;
+    double const triangles = (double)job->body[0].mesh->triangle_count +
+                             (double)job->body[1].mesh->triangle_count;
 
-    return each * voxels + 100.0 * (voxels < few ? voxels : few);
+    job->cost[BOOLEAN_FLATTEN] = centres > 0.0 ? (sharp ? 2.0 : 1.0) * (BVXI_COST_FLATTEN * centres +
+                                                                        BVXI_COST_FLAT_MESH * triangles)
+                                               : 0.0;
 }
 
-/* Walls were found in mesh i: the second is taken to have as many, until it has been looked at. */
-static void plan_thin_walls(boolean_job *job, int32_t i, double asked, double voxels)
+static double centres_of_walls(const boolean_job *job)
 {
-    double const of_first = i == 0 ? 0.0 : 0.5 * job->cost[BOOLEAN_FLATTEN];
-
-    /* The first mesh speaks for both; the second one's own numbers replace what was taken from it. */
-    for (int32_t k = i; k < 2; k++) job->cost[BOOLEAN_WIDEN + k] = cost_of_walls(15.0, voxels);
-    if (i == 0) job->cost[BOOLEAN_ASK + 1] = BOOLEAN_ASKED * asked;
-    job->cost[BOOLEAN_FLATTEN] = of_first + (2 - i) * cost_of_walls(20.0, voxels);
+    return (double)job->body[0].thin.near.count + (double)job->body[1].thin.near.count;
 }
 
-/* A step's share of what is left of the bar is that of its cost among all that are to come, so the bar never
- * falls when more is known. */
-static void begin_boolean_step(boolean_job *job, int step)
+/* So many voxels are lost in mesh i, or may be. */
+static void plan_lost_walls(boolean_job *job, int32_t i, double voxels)
 {
-    double const from = job->at;
-    double left = 0.0;
+    double const known = centres_of_walls(job);
 
-    /* A step that has been taken costs nothing any more. */
-    for (int i = step; i < BOOLEAN_STEPS; i++) left += job->cost[i];
-    if (left > 0.0) job->at += (1.0 - from) * (job->cost[step] / left);
-    job->cost[step] = 0.0;
-    bvxi_share_begin(job->ctx, from, job->at);
+    if (job->options->thin != BVX_THIN_KEEP) return;
+    job->cost[i * BODY_STEPS + BODY_WIDEN] = voxels > 0.0 ? bvxi_cost_of_widening(voxels) : 0.0;
+    plan_boolean_flatten(job, known + (2 - i) * BVXI_CENTRES_OF_WALL * voxels);
 }
 
-#define BOOLEAN_STEP(job, step, work) (begin_boolean_step(job, step), bvxi_share_end((job)->ctx, (work)))
+#define BOOLEAN_STEP(job, step, work) BVXI_STEP(&(job)->steps, step, work)
 
 /* ---- Thin walls ---- */
 
@@ -344,14 +354,16 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.beside = keep;
     status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = BOOLEAN_STEP(job, BOOLEAN_MARK + i, bvxi_walls_gather(&walls));
-    job->cost[BOOLEAN_ASK + i] = BOOLEAN_ASKED * (double)walls.count;
+    if (status == BVX_OK) status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_MARK, bvxi_walls_gather(&walls));
+    job->cost[i * BODY_STEPS + BODY_ASK] = BVXI_COST_ASK * (double)walls.count;
+    /* Of the places about half are walls. */
+    plan_lost_walls(job, i, 0.5 * (double)walls.count);
     if (status == BVX_OK && walls.count != 0)
-        status = BOOLEAN_STEP(job, BOOLEAN_ASK + i, bvxi_walls_ask(&walls, 1.0));
+        status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_ASK, bvxi_walls_ask(&walls, 1.0));
     if (status == BVX_OK) bvxi_tell_walls(&walls, r);
     if (status == BVX_OK && r->thin_voxels != 0 && keep) {
-        plan_thin_walls(job, i, (double)walls.count, (double)r->thin_voxels);
-        status = BOOLEAN_STEP(job, BOOLEAN_WIDEN + i, bvxi_thicken(&walls, &b->solid, &b->thin));
+        plan_lost_walls(job, i, (double)r->thin_voxels);
+        status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_WIDEN, bvxi_thicken(&walls, &b->solid, &b->thin));
         job->report.thin_kept |= i == 0 ? BVX_KEPT_A : BVX_KEPT_B;
     }
     bvxi_walls_close(&walls);
@@ -434,7 +446,7 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
 
     /* The exact solid first: walls are what it has lost. */
-    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_FILL + i,
+    BVXI_TRY(BOOLEAN_STEP(job, i * BODY_STEPS + BODY_FILL,
                           bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
 
     if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
@@ -449,8 +461,10 @@ static bvx_status fill_boolean(boolean_job *job)
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
 
     BVXI_TRY(fill_body(job, 0));
-    plan_second_fill(job);
+    plan_boolean_flatten(job, 2.0 * centres_of_walls(job));
+    plan_second_body(job);
     BVXI_TRY(fill_body(job, 1));
+    plan_boolean_flatten(job, centres_of_walls(job));
 
     /* Both solids are kept: the surface needs to know which body changes its side on each edge. */
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_COMBINE, combine[job->operation](job->ctx, a, b, &job->inside)));
@@ -547,6 +561,9 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
     /* A body that does not bound the result anywhere needs no search tree. */
     if (b->values.count == 0) return BVX_OK;
+    bvxi_share_cost(ctx, from, 1.0,
+                    BVXI_COST_MEASURE_MESH * (double)b->mesh->triangle_count +
+                        BVXI_COST_MEASURE * (double)b->values.count);
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
                                &nearest));
     bvxi_nearest_prefer_planes(nearest);
@@ -618,7 +635,8 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(fill_boolean(job));
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_CRUMBS, drop_boolean_parts(job)));
     BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_SHARP, choose_boolean_sharp(job)));
-    if (!job->report.sharp) job->cost[BOOLEAN_EXTRACT] = job->plain;
+    plan_boolean_surface(job, BVXI_ENDS_OF_SIDE * bvxi_sides_of(job->lattice.dims));
+    plan_boolean_flatten(job, centres_of_walls(job));
 
     /* Distances of each body to its own mesh, where the result keeps its surface. */
     for (int i = 0; i < 2; i++)

@@ -68,7 +68,7 @@ double bvxi_repair_fill_cost(const bvxi_repair_job *job, const bvxi_repair_size 
 
     /* How large the holes are is seen when they are joined to loops. */
     if (is_taken(job) && job->fill == BVX_FILL_PARITY && !has_open_edges(job)) return rows;
-    return has_open_edges(job) ? 2.0 * rows + look + 0.2 * size->sides : rows + look;
+    return has_open_edges(job) ? rows + look + BVXI_COST_HOLES_SIDE * size->sides : rows + look;
 }
 
 int bvxi_repair_looks_for_walls(const bvxi_repair_job *job)
@@ -92,8 +92,8 @@ double bvxi_repair_flatten_cost(const bvxi_repair_job *job, const bvxi_repair_si
 
     if (job->options->thin != BVX_THIN_KEEP) return 0.0;
     if (centres > 0.0)
-        return (job->report.sharp ? 2.0 : 1.0) * BVXI_COST_FLATTEN * centres +
-               BVXI_COST_FLAT_MESH * size->triangles;
+        return (job->report.sharp ? 2.0 : 1.0) *
+               (BVXI_COST_FLATTEN * centres + BVXI_COST_FLAT_MESH * size->triangles);
     return job->inside.words == NULL ? BVXI_COST_MAYBE_THIN * size->ends : 0.0;
 }
 
