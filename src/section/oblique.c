@@ -11,6 +11,7 @@
 static void close_oblique(bvxi_oblique *o)
 {
     bvxi_drop(o->ctx, o->output);
+    bvxi_drop(o->ctx, o->owner);
     bvxi_drop(o->ctx, o->triangle);
     bvxi_drop(o->ctx, o->kept);
     bvxi_drop(o->ctx, o->position);

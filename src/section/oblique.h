@@ -152,9 +152,10 @@ typedef struct bvxi_oblique {
     double *position;
     uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
     uint32_t *triangle;
-    uint32_t *output;                          /* [tetra vertex] of those on contours */
+    uint32_t *owner;  /* the tetrahedron of each triangle after those of plain cells */
+    uint32_t *output; /* [tetra vertex] of those on contours */
     uint64_t plain_positions, plain_triangles; /* of plain cells, which come first */
-    uint64_t position_count, position_room, kept_room, triangle_count, triangle_room, output_room;
+    uint64_t position_count, position_room, kept_room, triangle_count, triangle_room, owner_room, output_room;
 } bvxi_oblique;
 
 /* oblique.c: the closed surface through contours on planes that are not parallel. */
@@ -259,6 +260,10 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
+/* oblique_handles.c: *settled: handles that no contour needs and that are gone; the surface is made anew.
+ * owner: the tetrahedra of its triangles, from the first that is no plain cell's. */
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled);
+
 /* fans.c: how many of the vertices requested (asked) have triangles that are not one closed fan. */
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
                            const uint8_t *asked, uint64_t *broken);
@@ -306,6 +311,8 @@ int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
 /* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is
  * inside, *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
+/* The stretches of outside, contours included, and of inside in the link that was looked at. */
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex, uint32_t stretches[2]);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
 /* How often the sign changes round an edge; 0: there are too many tetrahedra. */

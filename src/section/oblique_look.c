@@ -103,6 +103,31 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return stretches[0] > 1 || stretches[1] > 1;
 }
 
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, uint32_t stretches[2])
+{
+    stretches[0] = stretches[1] = 0;
+    for (uint32_t i = 0; i < l->vertices; i++) stretches[l->sign[i] > 0]++;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const uint32_t *const v = o->tetra[l->tetra[i]].v;
+        uint32_t last[2] = {BVXI_NONE, BVXI_NONE};
+
+        /* Of a tetrahedron's three other corners those on one side hang together. */
+        for (int k = 0; k < 4; k++) {
+            uint32_t own, x, y;
+            int inside;
+            if (v[k] == vertex) continue;
+            own = look_vertex(l, v[k]);
+            inside = l->sign[own] > 0;
+            x = look_root(l, own);
+            y = last[inside] == BVXI_NONE ? x : look_root(l, last[inside]);
+            last[inside] = own;
+            if (x == y) continue;
+            l->joined[x > y ? x : y] = x > y ? y : x;
+            stretches[inside]--;
+        }
+    }
+}
+
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *l, uint32_t vertex, int *any, int *all)
 {
     int64_t corners = 0, edges = 0, faces = 0;

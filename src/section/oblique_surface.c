@@ -10,6 +10,8 @@
 
 #include "mesh/mesh.h"
 
+enum { HANDLE_ROUNDS = 3 };
+
 #define ONE_PLACE 1e-12 /* of the contours' longest side */
 
 /* ---- vertices ---- */
@@ -101,14 +103,21 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 }
 
 /* Corners may be one vertex of a contour: a triangle is left then, or nothing. */
-static bvx_status march_tetrahedron(bvxi_oblique *o, const uint32_t v[4], int inside)
+static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
 {
+    uint32_t v[4];
     uint8_t edge[4][2];
     uint32_t number[4];
     int const n = bvxi_oblique_case(inside, edge);
+    uint64_t t = o->triangle_count - o->plain_triangles;
 
+    memcpy(v, o->tetra[tetra].v, sizeof v);
     for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
     for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
+    for (; t < o->triangle_count - o->plain_triangles; t++) {
+        BVXI_TRY(bvxi_oblique_grow(o, &o->owner, t, &o->owner_room, 4, "the triangles of the surface"));
+        o->owner[t] = tetra;
+    }
     return BVX_OK;
 }
 
@@ -165,13 +174,11 @@ static bvx_status march_all(bvxi_oblique *o)
     o->crossing.near = 1;
     BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        uint32_t v[4];
         if (t % 262144 == 0)
             BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
         /* All corners on one side: most of them, and nothing else of them is looked at. */
         if (o->mark[t] == 0 || o->mark[t] == 15) continue;
-        memcpy(v, o->tetra[t].v, sizeof v);
-        BVXI_TRY(march_tetrahedron(o, v, o->mark[t]));
+        BVXI_TRY(march_tetrahedron(o, (uint32_t)t, o->mark[t]));
     }
     return BVX_OK;
 }
@@ -185,6 +192,65 @@ static uint32_t root_vertex(uint32_t *joined, uint32_t i)
         i = joined[i];
     }
     return i;
+}
+
+/* Handles of all bodies, of a closed surface: V - E + F = 2 (parts - handles), E = 3 F / 2. */
+static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
+{
+    int64_t parts = (int64_t)o->position_count;
+    uint32_t *joined;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->position_count * 4, "the parts of the surface", &joined));
+    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
+    for (uint64_t t = 0; t < o->triangle_count; t++)
+        for (int k = 1; k < 3; k++) {
+            uint32_t const a = root_vertex(joined, o->triangle[3 * t]);
+            uint32_t const b = root_vertex(joined, o->triangle[3 * t + (uint64_t)k]);
+            if (a == b) continue;
+            joined[a > b ? a : b] = a > b ? b : a;
+            parts--;
+        }
+    bvxi_drop(o->ctx, joined);
+    *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
+    return BVX_OK;
+}
+
+static bvx_status march_again(bvxi_oblique *o)
+{
+    bvx_context *const ctx = o->ctx;
+
+    bvxi_edge_free(o, &o->crossing);
+    bvxi_drop(ctx, o->position);
+    bvxi_drop(ctx, o->triangle);
+    bvxi_drop(ctx, o->kept);
+    bvxi_drop(ctx, o->crossed);
+    o->position = NULL;
+    o->triangle = NULL;
+    o->kept = NULL;
+    o->crossed = NULL;
+    o->position_count = o->position_room = o->triangle_count = o->triangle_room = o->kept_room = 0;
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &o->output, o->vertex_count, &o->output_room, 4, "the vertices on contours"));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    memset(o->output, 0xff, (size_t)o->output_room * 4);
+    return march_all(o);
+}
+
+/* Most bodies have no handle, and then nothing of this is done. */
+static bvx_status close_handles(bvxi_oblique *o)
+{
+    int64_t handles;
+    uint64_t settled = 1;
+
+    for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
+        BVXI_TRY(count_handles(o, &handles));
+        if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
+        BVXI_TRY(bvxi_oblique_handles(o, o->owner, &settled));
+        /* Vertices may have been added, which change nothing but must be marched over. */
+        BVXI_TRY(
+            BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
+    }
+    return BVX_OK;
 }
 
 /* Contours' points have the coordinates given. */
@@ -353,7 +419,8 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
     BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.7, march_all(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
     bytes = o->position_count * 4;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
     status = write_surface(o, joined, mesh);

@@ -173,7 +173,8 @@ static void test_near_tangent_crossings_make_no_handle(void)
         uint64_t seed;
         double cavity;
         int32_t cells;
-    } set[] = {{34, 0.0, 32}, {2, 0.5, 32}, {9, 0.5, 32}, {5001, 0.5, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
+    } set[] = {{34, 0.0, 32},   {2, 0.5, 32},  {9, 0.5, 32}, {5001, 0.5, 32},
+               {5006, 0.0, 32}, {14, 0.5, 32}, {3, 0.0, 64}};
 
     for (size_t i = 0; i < sizeof set / sizeof *set; i += quick ? 3 : 1) {
         int const shells = set[i].cavity > 0.0 ? 2 : 1;
