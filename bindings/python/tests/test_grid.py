@@ -115,7 +115,7 @@ def test_places():
     assert (grid.low, grid.shape, grid.count) == ((2, 3, 4), (5, 6, 7), 0)
     assert grid.corner == (7.0, 12.0, 9.0) and grid.center0 == (7.5, 13.0, 9.25)
     assert grid.lattice == lattice and hash(grid.lattice) == hash(lattice)
-    assert not hasattr(grid, "origin") and not hasattr(lattice, "origin")
+    assert grid.origin == grid.center0 and lattice.origin == lattice.center0  # and not the corner
     with pytest.raises(bitvox.RangeError):
         Grid(lattice, ((2, 3, 4), (9, 6, 7)))
     with pytest.raises(bitvox.Error):

@@ -344,7 +344,7 @@ def test_places_are_not_lost_by_the_way(tmp_path):
             call()
     with pytest.raises(bitvox.ArgumentError, match="itself"):
         bitvox.Volume.of(grid, frame="lps")
-    for name in ("a.mha", "a.npz", "a.tif", "a.vtk", "a.raw"):
+    for name in ("a.mhd", "a.npz", "a.tif", "a.vtk", "a.raw"):
         with pytest.raises(bitvox.UnsupportedError, match="bitvox.read_volume"):
             bitvox.read(tmp_path / name)
 
