@@ -2333,6 +2333,29 @@ BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t siz
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
                                       const bvx_sections_options *options, bvx_mesh *mesh);
 
+/** The closed surfaces of several bodies at once, such that two that touch have the same faces there: the same
+ *  vertices, and the same triangles the other way round. Each surface is oriented, edge- and vertex-manifold,
+ *  and passes through its contours as bvx_build_sections' does on planes of any direction; parallel planes are
+ *  taken the same way (cells and agree count; grid, layers, crossings, depth, nesting, blend, mend, thickness,
+ *  join and label do not). Together the bodies are what all their contours make as one body. Bodies touch where
+ *  their contours run along each other, to 1/1000 of a cell. Flat caps end all bodies on the first and the last
+ *  of parallel planes; with tapered ones, and on other planes, they end in domes beyond.
+ *  labels   [Size: count] the bodies, each once; loops with other labels are left out
+ *  count    [Limit: 1..63]
+ *  meshes   out [Size: count] in the order of the labels
+ *  report   filled with the counts of all bodies together
+ *  Returns BVX_ERR_EMPTY (a label without loops, a loop of fewer than three points, a body that no point of
+ *  the lattice lies in), BVX_ERR_FORMAT (as bvx_build_sections; also bodies that overlap by more than agree),
+ *  BVX_ERR_RANGE, BVX_ERR_ARGUMENT (also open caps, a label given twice). After a failure no mesh is made.
+ *  [Memory: about 10 MB + 20,000 cells^2 for bodies as large as their box; docs/rules.md]
+ *  [Cost: O(cells of the surfaces), and values there for each body]
+ *  [Exact: which faces are whose; on planes inside and outside are the contours']
+ *  Source: docs/papers.md; Doi, Koide. An efficient method of triangulating equi-valued surfaces by using
+ *  tetrahedral cells. 1991, with several kinds in place of inside and outside. */
+BVX_API bvx_status bvx_build_bodies(bvx_context *context, const bvx_sections *sections,
+                                    const bvx_sections_options *options, const int32_t *labels,
+                                    uint32_t count, bvx_mesh *meshes);
+
 typedef struct bvx_slice_options {
     size_t struct_size;
     double normal[3];        /**< of the planes, any length but 0 [Limit: any] [Default: 0, 0, 1] */

@@ -13,6 +13,7 @@ typedef struct sections_options {
     bvx_sections_options body;
     cli_list grid;           /* --grid; not given: none */
     int32_t parts, genus;    /* wishes */
+    int32_t touching;        /* of all labels: TOUCHING_... */
     const char *block_model; /* a file's name, or NULL */
     cli_triple block;
 } sections_options;
@@ -24,6 +25,8 @@ static void start_sections(void *options)
     bvx_sections_options_init(&o->body, sizeof o->body);
 }
 
+enum { TOUCHING_APART, TOUCHING_SHARED }; /* --touching */
+
 #define OWN(name) CLI_OWN(sections_options, name)
 
 static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
@@ -31,6 +34,7 @@ static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
 static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
 static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
 static const char *const label_names[] = {"all", NULL};
+static const char *const touching_names[] = {"apart", "shared", NULL};
 
 static const cli_argument sections_rows[] = {
     {.also = cli_takes_output},
@@ -77,6 +81,9 @@ static const cli_argument sections_rows[] = {
     WHOLE_OR("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0, label_names, BVX_LABEL_ONLY,
              "the body, where the file holds several; all: each in a file of its own,\n"
              "whose name has its label for %d"),
+    CHOICE("--touching", "HOW", OWN(touching), touching_names, TOUCHING_APART,
+           "with --label all: shared makes all bodies at once, with the same faces\n"
+           "where two touch; --cells counts, also on parallel planes [apart]"),
     WHOLE("--parts", "N", OWN(parts), 1, 2147483647.0,
           "a wish: surfaces in one piece each, those around cavities too; a warning\n"
           "says when the body has more or fewer"),
@@ -108,7 +115,9 @@ typedef struct sections_job {
     double volume;
     uint64_t parts;
     int64_t genus;
-    int n; /* its number among those that are written */
+    int n;         /* its number among those that are written */
+    bvx_mesh *all; /* [bodies] those that are made at once and not written yet, or NULL */
+    int bodies;
     cli_reduction reduction;
     cli_text text; /* of the block model */
 } sections_job;
@@ -117,12 +126,13 @@ typedef struct sections_job {
 enum {
     READS_CONTOURS = 1 << CLI_FIRST_FACT,
     READS_CSV = 2 << CLI_FIRST_FACT,
-    STAYS_OPEN = 4 << CLI_FIRST_FACT,   /* --caps open */
-    MODEL_IS_CSV = 8 << CLI_FIRST_FACT, /* --block-model */
-    HAS_BLOCKS = 16 << CLI_FIRST_FACT,  /* --block with sides above 0 */
-    ALL_LABELS = 32 << CLI_FIRST_FACT,  /* --label all */
-    HAS_NUMBER = 64 << CLI_FIRST_FACT,  /* %d in the output's name */
-    HAS_NUMBERS = 128 << CLI_FIRST_FACT /* two */
+    STAYS_OPEN = 4 << CLI_FIRST_FACT,    /* --caps open */
+    MODEL_IS_CSV = 8 << CLI_FIRST_FACT,  /* --block-model */
+    HAS_BLOCKS = 16 << CLI_FIRST_FACT,   /* --block with sides above 0 */
+    ALL_LABELS = 32 << CLI_FIRST_FACT,   /* --label all */
+    HAS_NUMBER = 64 << CLI_FIRST_FACT,   /* %d in the output's name */
+    HAS_NUMBERS = 128 << CLI_FIRST_FACT, /* two */
+    SHARED_FACES = 256 << CLI_FIRST_FACT /* --touching shared */
 };
 
 static int wants_all_labels(const cli_run *run)
@@ -142,6 +152,7 @@ static uint32_t facts_of_sections(const cli_run *run)
     if (cli_input_format(run, o->input[0]) == BVX_FORMAT_CSV) facts |= READS_CSV;
     if (own->body.caps == BVX_CAPS_OPEN) facts |= STAYS_OPEN;
     if (wants_all_labels(run)) facts |= ALL_LABELS;
+    if (own->touching == TOUCHING_SHARED) facts |= SHARED_FACES;
     if (cli_has_number(o->output)) facts |= HAS_NUMBER;
     if (cli_has_two_numbers(o->output)) facts |= HAS_NUMBERS;
     if (own->block_model != NULL && bvx_format_of_name(own->block_model) == BVX_FORMAT_CSV)
@@ -171,6 +182,14 @@ static const cli_rule sections_rules[] = {
     {.when = ALL_LABELS,
      .unless = HAS_NUMBER,
      .message = "--label all writes a mesh for each label: %f needs %d in its name"},
+    {.unless = ALL_LABELS, .given = "--touching", .message = "%o is for --label all"},
+    {.when = SHARED_FACES,
+     .given = "--grid --layers --blend --nesting --crossings --subdivide --mend --join --thickness",
+     .message = "%o is not used with --touching shared, which makes bodies by --cells"},
+    {.when = SHARED_FACES,
+     .given = "--triangles --error --error-kind",
+     .message = "%o would change faces that --touching shared makes the same"},
+    {.when = SHARED_FACES | STAYS_OPEN, .message = "--touching shared makes closed bodies, not --caps open"},
     {.when = HAS_NUMBERS, .message = "%f: the name has two %d"},
     {.when = HAS_NUMBER, .unless = ALL_LABELS, .message = "%f: %d is for --label all"},
     {.given = "--grid", .beside = "--spacing", .message = "%o and %b contradict each other"},
@@ -182,6 +201,17 @@ static const cli_rule sections_rules[] = {
     {.unless = HAS_BLOCKS, .given = "--block", .message = "%o: sides must be above 0"},
     {0}};
 
+/* Looked at as what goes to this file. */
+static int check_body(cli_run *run, sections_job *job, const char *path)
+{
+    int const result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
+
+    job->volume = run->report.mesh[job->n].certificate.volume;
+    job->parts = run->report.mesh[job->n].certificate.components;
+    job->genus = cli_count_handles(&run->report.mesh[job->n].certificate);
+    return result;
+}
+
 /* The body of this label, checked as what goes to this file. */
 static int build_body(cli_run *run, sections_job *job, int32_t label, const char *path)
 {
@@ -190,7 +220,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     bvx_sections_options s = own->body;
     bvx_status status;
     int32_t reason;
-    int result;
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
@@ -212,11 +241,7 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
                                 reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
                                                                 : "; --mend leaves such loops out");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
-    result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
-    job->volume = run->report.mesh[job->n].certificate.volume;
-    job->parts = run->report.mesh[job->n].certificate.components;
-    job->genus = cli_count_handles(&run->report.mesh[job->n].certificate);
-    return result;
+    return check_body(run, job, path);
 }
 
 /* Edges of the body collapse after its blocks are counted, which are those of the contours. */
@@ -575,17 +600,40 @@ static void tell_labelled(const cli_run *run, const sections_job *job, int32_t l
     cli_text_add(&made->members, "}}");
 }
 
+/* All bodies by one call, which takes what is the same faces from the same numbers. */
+static int build_all(cli_run *run, sections_job *job, const int32_t *label, int count)
+{
+    const sections_options *const own = run->own;
+    bvx_sections_options s = own->body;
+    bvx_status status;
+
+    job->all = calloc((size_t)count, sizeof *job->all);
+    if (job->all == NULL) return cli_fail(run, "no memory for %d bodies", count);
+    job->bodies = count;
+    s.label = BVX_LABEL_ONLY;
+    s.report = &job->report;
+    cli_stage_begin(run, "sections");
+    status = bvx_build_bodies(run->context, &job->sections, &s, label, (uint32_t)count, job->all);
+    job->seconds = cli_stage_end(run);
+    return cli_check_call(run, status, cli_input_name(run->options->input[0]));
+}
+
 static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_made *made)
 {
     char *const path = cli_numbered_path(run->options->output, label); /* the report keeps it */
 
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
-    /* One body after the other by the same job: nothing of the one before may stay. */
-    memset(&job->report, 0, sizeof job->report);
+    /* One body after the other by the same job: nothing of the one before may stay, but for a report of all. */
+    if (job->all == NULL) memset(&job->report, 0, sizeof job->report);
     memset(&job->reduction, 0, sizeof job->reduction);
     /* One output after the other: their names are known only from the file. */
     CLI_TRY(cli_open_output(run, path));
-    CLI_TRY(build_body(run, job, label, path));
+    if (job->all != NULL) {
+        bvx_mesh_free(run->context, &job->mesh);
+        job->mesh = job->all[job->n];
+        memset(&job->all[job->n], 0, sizeof job->mesh);
+        CLI_TRY(check_body(run, job, path));
+    } else CLI_TRY(build_body(run, job, label, path));
     CLI_TRY(reduce_body(run, job));
     CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
     tell_labelled(run, job, label, made);
@@ -601,6 +649,7 @@ static int keep_bodies(cli_run *run, void *work)
 
 static int make_all_labels(cli_run *run, void *work, cli_made *made)
 {
+    const sections_options *const own = run->own;
     sections_job *const job = work;
     int count, result = CLI_DONE;
     int32_t *label;
@@ -615,6 +664,7 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     if (count > CLI_MAX_OUTPUTS)
         result = cli_fail(run, "%s: more labels than the %d files of one run; take --label L",
                           cli_input_name(run->options->input[0]), CLI_MAX_OUTPUTS);
+    if (result == CLI_DONE && own->touching == TOUCHING_SHARED) result = build_all(run, job, label, count);
     /* Bodies are reported as they are made, each in its own braces. */
     cli_text_add(&made->members, ", \"bodies\": [");
     for (int i = 0; i < count && result == CLI_DONE; i++) {
@@ -663,6 +713,8 @@ static void free_sections(cli_run *run, void *work)
     sections_job *const job = work;
 
     cli_text_free(&job->text);
+    for (int i = 0; i < job->bodies; i++) bvx_mesh_free(run->context, &job->all[i]);
+    free(job->all);
     bvx_mesh_free(run->context, &job->mesh);
     bvx_sections_free(run->context, &job->sections);
 }

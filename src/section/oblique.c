@@ -43,7 +43,7 @@ static void close_oblique(bvxi_oblique *o)
     bvxi_drop(o->ctx, o->known);
     bvxi_drop(o->ctx, o->contour_cells);
     bvxi_drop(o->ctx, o->block_at);
-    bvxi_drop(o->ctx, o->block_sign);
+    bvxi_drop(o->ctx, o->block_kind);
     bvxi_drop(o->ctx, o->smooth.node);
     bvxi_drop(o->ctx, o->knot);
     bvxi_oblique_free_planes(o);

@@ -85,6 +85,15 @@ typedef struct bvxi_oblique {
     bvx_sections_options options;
     bvx_sections_report report;
 
+    /* Several bodies at once (joint.h): each by itself, on the same lattice; body_count is 0 for a body by
+     * itself. Kinds are 0 outside and 1 inside then, else which of the bodies, from 1. */
+    struct bvxi_oblique *body;
+    uint32_t body_count;
+    int of_all; /* 1: the lattice covers the contours of all labels */
+    uint32_t
+        end[2]; /* parallel planes: the first and the last, beyond which there is nothing; or BVXI_NONE */
+    double beyond[2]; /* 1, or -1 where that is against the plane's normal */
+
     bvxi_oblique_plane *plane;
     uint32_t plane_count;
     uint32_t plane_words;   /* of a set of planes */
@@ -104,7 +113,7 @@ typedef struct bvxi_oblique {
 
     /* the lattice: blocks of 4 x 4 x 4 vertices */
     int32_t blocks[3], side[3]; /* side: vertices */
-    uint8_t *block_sign;        /* of blocks whose vertices are not known */
+    uint8_t *block_kind;        /* of blocks whose vertices are not known */
     int32_t *block_at;          /* among the known ones, or -1 */
     uint64_t *contour_cells;    /* [blocks] a bit a cell that contours run through */
     uint32_t *known;            /* blocks whose vertices are known */
@@ -112,7 +121,7 @@ typedef struct bvxi_oblique {
     uint64_t known_room;
     float *value; /* [known * 64] */
     uint64_t value_room;
-    uint64_t *inside;             /* [known] a bit a vertex */
+    uint64_t *inside;             /* [kind_bits * known] a bit a vertex, one bit of kinds after the other */
     uint32_t *vertex_at;          /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
     bvxi_edge_map lattice_vertex; /* the same of other blocks: block, number in it */
     uint64_t *split, *active; /* [known] a bit a cell: those that are split; others whose corners differ */
@@ -163,8 +172,27 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
                              const bvx_sections_options *options, bvx_sections_report *report,
                              bvx_mesh *mesh);
 
+static inline int bvxi_oblique_kind_of(const bvxi_oblique *o, float value)
+{
+    return o->body_count != 0 ? (int)value : value > 0.0F;
+}
+
+/* Bits that tell all kinds apart. */
+static inline uint32_t bvxi_oblique_kind_bits(const bvxi_oblique *o)
+{
+    uint32_t bits = 1;
+
+    while (o->body_count >> bits != 0) bits++;
+    return bits;
+}
+
 /* oblique_planes.c */
 bvx_status bvxi_oblique_take_planes(bvxi_oblique *o);
+/* The first steps of that: the lattice, and the planes without their contours. */
+bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o);
+bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops);
+/* 1: a place on a plane, by its coordinates there, lies inside contours of it. */
+int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2]);
 void bvxi_oblique_free_planes(bvxi_oblique *o);
 /* Signed distance on a plane, exact in sign and value. */
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3]);
@@ -214,9 +242,11 @@ double bvxi_smooth_at(const bvxi_smooth *g, const double at[3]);
 /* oblique_lattice.c: the lattice's values wherever the surface may be. */
 bvx_status bvxi_oblique_lattice(bvxi_oblique *o);
 
-/* The value of a vertex, never 0; 1 when it is inside, by the lattice that is made. */
+/* The value of a vertex, never 0, of several bodies its kind; the kind by the lattice that is made. */
 float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3]);
-int bvxi_oblique_inside(const bvxi_oblique *o, const int32_t vertex[3]);
+int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3]);
+/* What a plane says of a point on it. */
+int bvxi_oblique_kind_on(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 /* A point that a plane has in a cube; 0: none. */
 int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], double side, double at[3]);
 void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t first[3]);

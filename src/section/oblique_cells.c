@@ -84,9 +84,10 @@ static void look_at_block(const bvxi_oblique *o, uint32_t known, oblique_block *
 }
 
 /* Cells of the block in which a plane says another thing than their corners, which agree. */
-static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b, uint64_t inside,
+static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b, uint64_t known,
                                    uint64_t cells)
 {
+    const float *const value = o->value + known * BVXI_BLOCK_SIZE;
     uint64_t found = 0;
 
     for (uint32_t i = 0; i < b->planes; i++)
@@ -97,7 +98,7 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
             /* Corners that agree may have a bit of the surface between them all the same, on the plane
              * alone. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
-                (bvxi_oblique_side(o, b->plane[i], place) > 0) != (int)(inside >> c & 1))
+                bvxi_oblique_kind_on(o, b->plane[i], place) != bvxi_oblique_kind_of(o, value[c]))
                 found |= UINT64_C(1) << c;
         }
     return found;
@@ -121,10 +122,10 @@ static void judge_piece(void *user, int32_t index, int32_t worker)
         look_at_block(o, (uint32_t)i, b);
         mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
         wanted = mixed | o->contour_cells[o->known[i]];
-        wanted |= contradicted_cells(o, b, o->inside[i], ~wanted);
+        wanted |= contradicted_cells(o, b, i, ~wanted);
         for (uint32_t p = 0; p < b->planes; p++) touched |= b->touched[p];
-        /* Mixed cells without a plane are plain: they need no tetrahedra of their own. */
-        o->split[i] = wanted & touched;
+        /* Mixed cells without a plane are plain: one body's need no tetrahedra of their own. */
+        o->split[i] = o->body_count != 0 ? wanted : wanted & touched;
         o->active[i] = mixed & ~touched;
         for (uint32_t p = 0; p < b->planes; p++) touches += bvxi_popcount(b->touched[p] & o->split[i]);
         o->split_first[i] = bvxi_popcount(o->split[i]);
@@ -227,7 +228,12 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     v = &o->vertex[*number];
     v->lattice = 1;
     v->parent[1] = (uint32_t)slot;
-    v->sign = bvxi_oblique_inside(o, vertex) ? 1 : -1;
+    if (o->body_count != 0) {
+        v->sign = 1;
+        v->value = (float)bvxi_oblique_kind(o, vertex);
+        return BVX_OK;
+    }
+    v->sign = bvxi_oblique_kind(o, vertex) ? 1 : -1;
     value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
     v->value = (value > 0.0F) == (v->sign > 0) ? value : -value;
     return BVX_OK;
@@ -364,7 +370,7 @@ static bvx_status open_cells(bvxi_oblique *o)
     uint64_t const n = o->known_count;
     bvx_context *const ctx = o->ctx;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->inside));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_oblique_kind_bits(o) * n * 8, what, &o->inside));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->split));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->active));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->split_first));

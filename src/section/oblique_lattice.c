@@ -8,10 +8,11 @@
  * Vertices next to a plane are moved onto it, and have its own distance and sign: no sliver of a cell is cut
  * off there. The lattice's outermost vertices are outside, so the surface is closed. */
 #include "section/oblique.h"
+#include "section/joint.h"
 
 #include <math.h>
 
-enum { BLOCK_GRAIN = 8 };
+enum { BLOCK_GRAIN = 8, BLOCK_CONTRADICTED = 0x80 /* a plane says another thing than its first vertex */ };
 
 #define PLACE_SNAP \
     0.15 /* cells: what lies so near to a plane moves onto it; tetrahedra keep 0.4 of their height */
@@ -92,11 +93,12 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
 
     /* Outside along the lattice's border, so that the surface closes within it. */
     for (int k = 0; k < 3; k++)
-        if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return -1.0F;
+        if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return o->body_count != 0 ? 0.0F : -1.0F;
     /* on no plane, unless it moves onto one: a plane within reach of nothing is one that it moves onto */
     if (place_onto(o, vertex, near, near_count, at))
         for (uint32_t i = 0; i < near_count && on == BVXI_NONE; i++)
             if (bvxi_absolute(bvxi_oblique_height(&o->plane[near[i]], at)) <= BVXI_OBLIQUE_NEAR) on = near[i];
+    if (o->body_count != 0) return (float)bvxi_joint_kind(o, on, at, heard, heard_count);
     value = on != BVXI_NONE ? bvxi_oblique_exact(o, on, at)
                             : bvxi_oblique_number_among(o, at, heard, heard_count);
 
@@ -114,14 +116,20 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
     return value_among(o, vertex, near, count, heard, heard_planes(o, vertex, heard));
 }
 
-/* Known blocks have values; the others one sign. */
-int bvxi_oblique_inside(const bvxi_oblique *o, const int32_t vertex[3])
+int bvxi_oblique_kind_on(const bvxi_oblique *o, uint32_t plane, const double at[3])
+{
+    if (o->body_count != 0) return bvxi_joint_kind(o, plane, at, NULL, 0);
+    return bvxi_oblique_side(o, plane, at) > 0;
+}
+
+/* Known blocks have values; the others one kind. */
+int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])
 {
     int bit;
     uint64_t const block = bvxi_oblique_block(o, vertex, &bit);
 
-    if (o->block_at[block] < 0) return o->block_sign[block];
-    return o->value[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit] > 0.0F;
+    if (o->block_at[block] < 0) return o->block_kind[block];
+    return bvxi_oblique_kind_of(o, o->value[(uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit]);
 }
 
 /* ---- blocks ---- */
@@ -139,7 +147,7 @@ static void first_vertex_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         bvxi_oblique_block_place(o, (uint32_t)i, first);
-        o->block_sign[i] = bvxi_oblique_vertex_value(o, first) > 0.0F;
+        o->block_kind[i] = (uint8_t)bvxi_oblique_kind_of(o, bvxi_oblique_vertex_value(o, first));
     }
 }
 
@@ -185,14 +193,14 @@ static void known_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* 1 where a vertex of a known block that touches the one at (dx, dy, dz) has another sign than that. */
-static int disagrees(const float *value, const int d[3], int sign)
+/* 1 where a vertex of a known block that touches the one at (dx, dy, dz) is of another kind than that. */
+static int disagrees(const bvxi_oblique *o, const float *value, const int d[3], int kind)
 {
     for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
         int const c[3] = {n & 3, n >> 2 & 3, n >> 4};
         int touches = 1;
         for (int k = 0; k < 3; k++) touches &= d[k] == 0 || c[k] == (d[k] < 0 ? 0 : BVXI_BLOCK_SIDE - 1);
-        if (touches && (value[n] > 0.0F) != sign) return 1;
+        if (touches && bvxi_oblique_kind_of(o, value[n]) != kind) return 1;
     }
     return 0;
 }
@@ -217,7 +225,7 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
                 (uint64_t)b[0];
         /* A neighbour is known too where the surface may lie between both. */
         if (o->block_at[block] < 0 &&
-            disagrees(o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_sign[block]))
+            disagrees(o, o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_kind[block]))
             BVXI_TRY(know_block(o, block));
     }
     return BVX_OK;
@@ -413,8 +421,8 @@ static void plane_block_piece(void *user, int32_t index, int32_t worker)
         for (uint32_t k = 0; k < o->plane_count; k++)
             if (plane_in_block(&o->plane[k], first) &&
                 bvxi_oblique_in_cube(&o->plane[k], first, BVXI_BLOCK_SIDE, at) &&
-                (bvxi_oblique_side(o, k, at) > 0) != (o->block_sign[i] & 1))
-                o->block_sign[i] |= 2;
+                bvxi_oblique_kind_on(o, k, at) != (o->block_kind[i] & ~BLOCK_CONTRADICTED))
+                o->block_kind[i] |= BLOCK_CONTRADICTED;
     }
 }
 
@@ -433,21 +441,22 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
     BVXI_TRY(
         BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, plane_block_piece, o)));
     for (uint64_t i = 0; i < n; i++) {
-        int known = o->contour_cells[i] != 0 || (o->block_sign[i] & 2) != 0;
+        int known = o->contour_cells[i] != 0 || (o->block_kind[i] & BLOCK_CONTRADICTED) != 0;
         int32_t first[3];
         bvxi_oblique_block_place(o, (uint32_t)i, first);
         /* neighbours over a face whose first vertices differ */
         for (int k = 0; k < 3; k++) {
             uint64_t const step = k == 0 ? 1 : k == 1 ? (uint64_t)b[0] : (uint64_t)b[0] * (uint64_t)b[1];
             if (first[k] / BVXI_BLOCK_SIDE + 1 < b[k])
-                known |= (o->block_sign[i] ^ o->block_sign[i + step]) & 1;
-            if (first[k] > 0) known |= (o->block_sign[i] ^ o->block_sign[i - step]) & 1;
+                known |= ((o->block_kind[i] ^ o->block_kind[i + step]) & ~BLOCK_CONTRADICTED) != 0;
+            if (first[k] > 0)
+                known |= ((o->block_kind[i] ^ o->block_kind[i - step]) & ~BLOCK_CONTRADICTED) != 0;
         }
         if (known) BVXI_TRY(know_block(o, i));
     }
 
-    /* The second bit has done its work. */
-    for (uint64_t i = 0; i < n; i++) o->block_sign[i] &= 1;
+    /* The mark has done its work. */
+    for (uint64_t i = 0; i < n; i++) o->block_kind[i] &= (uint8_t)~BLOCK_CONTRADICTED;
     return BVX_OK;
 }
 
@@ -455,7 +464,7 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
 {
     uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_sign));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_kind));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
 

@@ -135,16 +135,19 @@ static uint32_t block_beside(const bvxi_oblique *o, uint32_t known, int corner, 
     return o->block_at[at] < 0 ? BVXI_NONE : (uint32_t)o->block_at[at];
 }
 
-/* Signs of the block's vertices moved on by the ways of a cell's corners: [0] is the block's own. */
-static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8])
+/* A bit of the kinds of the block's vertices, moved on by the ways of a cell's corners: [0] is the block's
+ * own. Of one body it is their signs. */
+static void bits_around(const bvxi_oblique *o, uint32_t known, uint32_t bit, uint64_t moved[8])
 {
-    /* Where nothing is known of a block all its vertices have one sign; beyond the lattice is outside. */
+    const uint64_t *const inside = o->inside + (uint64_t)bit * o->known_count;
+
+    /* Where nothing is known of a block all its vertices are of one kind; beyond the lattice is outside. */
     for (int c = 0; c < 8; c++) {
         uint64_t block;
         uint32_t const n = block_beside(o, known, c, 1, &block);
-        moved[c] = n != BVXI_NONE                                ? o->inside[n]
-                   : block != UINT64_MAX && o->block_sign[block] ? UINT64_MAX
-                                                                 : 0;
+        moved[c] = n != BVXI_NONE                                             ? inside[n]
+                   : block != UINT64_MAX && (o->block_kind[block] >> bit & 1) ? UINT64_MAX
+                                                                              : 0;
     }
     /* Axis after axis: a corner's word follows from the one without that axis and from what lies behind. */
     for (int axis = 0; axis < 3; axis++)
@@ -152,16 +155,26 @@ static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8
             if (c >> axis & 1) moved[c] = one_on(moved[c ^ 1 << axis], moved[c], axis);
 }
 
+static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8])
+{
+    bits_around(o, known, 0, moved);
+}
+
 uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known)
 {
-    uint64_t moved[8], any = 0, all = UINT64_MAX;
+    uint64_t mixed = 0;
 
-    signs_around(o, known, moved);
-    for (int c = 0; c < 8; c++) {
-        any |= moved[c];
-        all &= moved[c];
+    /* Corners are of different kinds where some bit of these is. */
+    for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
+        uint64_t moved[8], any = 0, all = UINT64_MAX;
+        bits_around(o, known, bit, moved);
+        for (int c = 0; c < 8; c++) {
+            any |= moved[c];
+            all &= moved[c];
+        }
+        mixed |= any & ~all;
     }
-    return any & ~all;
+    return mixed;
 }
 
 static void signs_of_known(void *user, int32_t index, int32_t worker)
@@ -171,12 +184,15 @@ static void signs_of_known(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(o->known_count, bvxi_piece_count(o->known_count, PLAIN_GRAIN), index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        uint64_t word = 0;
-        for (int n = 0; n < BVXI_BLOCK_SIZE; n++)
-            word |= (uint64_t)(o->value[i * BVXI_BLOCK_SIZE + (uint64_t)n] > 0.0F) << n;
-        o->inside[i] = word;
-    }
+    for (uint64_t i = begin; i < end; i++)
+        for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
+            uint64_t word = 0;
+            for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
+                int const kind = bvxi_oblique_kind_of(o, o->value[i * BVXI_BLOCK_SIZE + (uint64_t)n]);
+                word |= (uint64_t)(kind >> bit & 1) << n;
+            }
+            o->inside[(uint64_t)bit * o->known_count + i] = word;
+        }
 }
 
 bvx_status bvxi_oblique_take_signs(bvxi_oblique *o)

@@ -98,7 +98,7 @@ static bvx_status bound_contours(bvxi_oblique *o)
 
     for (uint64_t i = 0; i < g->loop_count; i++) {
         /* Other bodies neither widen the lattice nor make its cells coarser. */
-        if (g->loops[i].label != o->options.label) continue;
+        if (g->loops[i].label != o->options.label && !o->of_all) continue;
         for (uint64_t n = 0; n < g->loops[i].point_count; n++)
             for (int k = 0; k < 3; k++) {
                 double const x = g->points[3 * (g->loops[i].first_point + n) + (uint64_t)k];
@@ -250,7 +250,7 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
 
 /* ---- arrays of all planes ---- */
 
-static bvx_status open_oblique_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops)
+bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops)
 {
     bvxi_plane *const all = &o->all;
     uint64_t point = 0, loop = 0, group = 0, box = 0, groups, boxes;
@@ -306,7 +306,7 @@ static bvx_status gather_oblique(bvxi_oblique *o, uint64_t *points, uint64_t *lo
             loops[g->loops[i].section]++;
             points[g->loops[i].section] += g->loops[i].point_count;
         }
-    BVXI_TRY(open_oblique_arrays(o, points, loops));
+    BVXI_TRY(bvxi_oblique_open_arrays(o, points, loops));
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == o->options.label)
             BVXI_TRY(take_oblique_loop(o, &o->plane[g->loops[i].section].plane, i));
@@ -349,11 +349,9 @@ static bvx_status refuse_one_plane(bvxi_oblique *o)
     return BVX_OK;
 }
 
-bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
+bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
 {
     uint64_t const n = o->given->section_count;
-    uint64_t *count = NULL;
-    bvx_status status;
 
     if (n > BVXI_OBLIQUE_PLANES)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -361,7 +359,6 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
                              (uint64_t)BVXI_OBLIQUE_PLANES);
 
     /* The lattice comes first: planes, points and distances are all kept in its cells. */
-    BVXI_TRY(choose_oblique_label(o));
     BVXI_TRY(bound_contours(o));
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * sizeof *o->plane, "the planes of a body", &o->plane));
     o->plane_count = (uint32_t)n;
@@ -371,7 +368,17 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
     /* In cells as well; a hundredth of the longest side where nothing is said. */
     o->agree = o->options.agree > 0.0 ? o->options.agree / o->step : 0.01 * o->longest;
     for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(frame_plane(o, i));
-    BVXI_TRY(refuse_one_plane(o));
+    return refuse_one_plane(o);
+}
+
+bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
+{
+    uint64_t const n = o->given->section_count;
+    uint64_t *count = NULL;
+    bvx_status status;
+
+    BVXI_TRY(choose_oblique_label(o));
+    BVXI_TRY(bvxi_oblique_lay_planes(o));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
     status = gather_oblique(o, count, count + n);
     bvxi_drop(o->ctx, count);
@@ -405,5 +412,16 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
     if (p->plane.contour_count == 0) return -0.25 * o->longest;
     bvxi_oblique_uv(p, at, uv);
     d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
-    return bvxi_plane_encloses(&p->plane, uv[0], uv[1]) ? d : -d;
+    return bvxi_oblique_encloses(o, plane, uv) ? d : -d;
+}
+
+int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
+{
+    const bvxi_plane *const p = &o->plane[plane].plane;
+
+    /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
+    for (uint32_t i = 0; i < o->body_count; i++)
+        if (o->body[i].plane[plane].plane.contour_count != 0 && bvxi_oblique_encloses(&o->body[i], plane, uv))
+            return 1;
+    return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
 }

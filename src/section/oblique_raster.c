@@ -4,16 +4,17 @@
  * Signs next to contours are not taken from it but computed. */
 #include "section/oblique.h"
 
-static void raster_row(const bvxi_oblique_plane *p, int32_t row)
+static void raster_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t row)
 {
+    uint32_t const plane = (uint32_t)(p - o->plane);
     uint32_t hint = 0;
 
     for (int32_t i = 0; i < p->raster_size[0]; i++) {
-        double const u = p->raster_low[0] + BVXI_RASTER_STEP * i,
-                     v = p->raster_low[1] + BVXI_RASTER_STEP * row;
-        double const d = bvxi_plane_distance(&p->plane, u, v, &hint);
-        p->raster[(int64_t)row * p->raster_size[0] + i] = (float)(bvxi_plane_encloses(&p->plane, u, v) ? d
-                                                                                                       : -d);
+        double const uv[2] = {p->raster_low[0] + BVXI_RASTER_STEP * i,
+                              p->raster_low[1] + BVXI_RASTER_STEP * row};
+        double const d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
+        p->raster[(int64_t)row * p->raster_size[0] + i] = (float)(bvxi_oblique_encloses(o, plane, uv) ? d
+                                                                                                      : -d);
     }
 }
 
@@ -33,7 +34,7 @@ static void raster_piece(void *user, int32_t index, int32_t worker)
     const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
 
     (void)worker;
-    raster_row(p, row);
+    raster_row(o, p, row);
 }
 
 bvx_status bvxi_oblique_raster(bvxi_oblique *o)

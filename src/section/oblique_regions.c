@@ -13,7 +13,9 @@ enum { REGION_GRAIN = 4096 }; /* tetrahedra of a piece */
 /* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
 typedef struct oblique_region_work {
     uint32_t *joined; /* [vertex] */
-    double *vote;     /* [vertex] area on the contours' left less that on their right */
+    double *vote;     /* [vertex] area on the contours' left less that on their right; of several bodies what
+                         the leading kind has more than the others */
+    float *kind;      /* [vertex] of several bodies: which leads */
     uint64_t *first;  /* [plane + 2] of each plane's faces */
     uint64_t *face;   /* 4 times a tetrahedron and the corner opposite */
     uint32_t *torn;   /* vertices of which two planes say different things; once a plane but the first */
@@ -49,7 +51,7 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
 {
     for (int k = 0; k < 3; k++) {
         uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
-        if (o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
+        if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
             vote_for(o, w, plane, x, y, z);
         if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
             uint32_t const a = region_root(w, x), b = region_root(w, y);
@@ -111,6 +113,52 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         }
     }
     return BVX_OK;
+}
+
+/* Of several bodies the kind that most of a region's area has is that of all of it. */
+static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+{
+    uint64_t const begin = w->first[plane], end = w->first[plane + 1];
+    uint32_t v[3];
+
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        for (int k = 0; k < 3; k++) {
+            w->joined[v[k]] = v[k];
+            w->vote[v[k]] = 0.0;
+            w->kind[v[k]] = 0.0F;
+        }
+    }
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        look_at_plane_face(o, w, plane, v);
+    }
+
+    /* The one with more than half of the area, if any, is the last to lead (Boyer, Moore 1981). */
+    for (uint32_t v_at = 0; v_at < 3; v_at++)
+        for (uint64_t i = begin; i < end; i++) {
+            double at[3][2], area;
+            uint32_t root;
+            plane_face_of(o, w->face[i], v);
+            if (o->vertex[v[v_at]].sign == 0) continue;
+            for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
+            area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
+                                 (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
+            root = region_root(w, v[v_at]);
+            if (w->vote[root] == 0.0) w->kind[root] = o->vertex[v[v_at]].value;
+            w->vote[root] += w->kind[root] == o->vertex[v[v_at]].value ? area : -area;
+            if (w->vote[root] >= 0.0) continue;
+            w->kind[root] = o->vertex[v[v_at]].value;
+            w->vote[root] = -w->vote[root];
+        }
+    for (uint64_t i = begin; i < end; i++) {
+        plane_face_of(o, w->face[i], v);
+        for (int k = 0; k < 3; k++) {
+            bvxi_tetra_vertex *const x = &o->vertex[v[k]];
+            /* One that lies on several planes is of the first one's kind. */
+            if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane) x->value = w->kind[region_root(w, v[k])];
+        }
+    }
 }
 
 /* The planes that three vertices lie on, 64 at a time. */
@@ -180,8 +228,13 @@ static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
     BVXI_TRY(list_plane_faces(o, w));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the regions of planes", &w->joined));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 8, "the regions of planes", &w->vote));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (o->body_count != 0 ? o->vertex_count : 1) * 4,
+                        "the regions of planes", &w->kind));
     /* A vertex on two planes belongs to a region of each, so planes go one after another. */
-    for (uint32_t p = 0; p < o->plane_count; p++) BVXI_TRY(settle_region(o, w, p));
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        if (o->body_count != 0) settle_kinds(o, w, p);
+        else BVXI_TRY(settle_region(o, w, p));
+    }
     return BVX_OK;
 }
 
@@ -192,6 +245,7 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 
     memset(&w, 0, sizeof w);
     status = find_regions(o, &w);
+    bvxi_drop(o->ctx, w.kind);
     bvxi_drop(o->ctx, w.vote);
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.face);

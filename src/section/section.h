@@ -194,9 +194,15 @@ void bvxi_stack_take_grid(bvxi_stack *stack, const bvxi_section_grid *grid);
 bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx_sections *given);
 /* Refuse a result that is NULL or in use, which would be lost. */
 bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result);
+/* sections.c: options out of their limits are refused; so are contours so far off or so small that
+ * volumes are infinite or 0. */
+bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, const bvx_sections_options *o);
+bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given);
 /* An orthonormal frame with w along normal, exact where that is an axis. */
 bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3],
                               double axis[3][3]);
+/* 1: within 1e-4 rad of each other; *against: one points the other way. */
+int bvxi_section_parallel(const double a[3], const double b[3], int *against);
 
 /* ---- planes.c: what each plane needs, side by side ---- */
 

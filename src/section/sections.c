@@ -49,27 +49,26 @@ static const bvxi_option sections_rows[] = {
     BVXI_REAL(bvx_sections_options, join, 0.0, BVXI_FINITE),
 };
 
-static bvx_status check_section_options(bvx_context *ctx, const bvx_sections_options *o)
+bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, const bvx_sections_options *o)
 {
-    BVXI_TRY(bvxi_check_options(ctx, sections_name, o, BVXI_OPTIONS(sections_rows)));
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(sections_rows)));
     /* Only the more general conditions stand in the table; what depends on two options stands here. */
     if (o->cells != 0 && (o->cells < 8 || o->cells > 1024))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: cells is %d; 0 or 8 to 1024 are possible", sections_name,
-                             (int64_t)o->cells);
+                             "%s: cells is %d; 0 or 8 to 1024 are possible", function, (int64_t)o->cells);
     if (o->cells != 0 && o->spacing != 0.0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: cells and spacing are both given", sections_name);
+                             "%s: cells and spacing are both given", function);
     if (o->grid[0] == 0 && o->grid[1] == 0) return BVX_OK;
 
     for (int32_t a = 0; a < 2; a++)
         if (o->grid[a] < 2 || o->grid[a] > 8192)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: grid[%d] is %d; 2 to 8192 are possible", sections_name, (int64_t)a,
+                                 "%s: grid[%d] is %d; 2 to 8192 are possible", function, (int64_t)a,
                                  (int64_t)o->grid[a]);
     if (o->spacing != 0.0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: grid and spacing are both given", sections_name);
+                             "%s: grid and spacing are both given", function);
     return BVX_OK;
 }
 
@@ -318,26 +317,6 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
 
 /* ---- planes that each have a normal ---- */
 
-#define SECTIONS_PARALLEL 1e-4 /* rad */
-
-/* 1: within so little of the first one; *against: it points the other way. */
-static int is_parallel(const double a[3], const double b[3], int *against)
-{
-    /* Both made unit first, so that the sine does not depend on their lengths. */
-    double const one = sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]);
-    double const two = sqrt((b[0] * b[0] + b[1] * b[1]) + b[2] * b[2]);
-    double square = 0.0, dot = 0.0;
-
-    for (int i = 0; i < 3; i++) {
-        int const j = (i + 1) % 3, k = (i + 2) % 3;
-        double const cross = a[j] / one * (b[k] / two) - a[k] / one * (b[j] / two);
-        square += cross * cross;
-        dot += a[i] / one * (b[i] / two);
-    }
-    *against = dot < 0.0;
-    return square <= SECTIONS_PARALLEL * SECTIONS_PARALLEL;
-}
-
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
                                 const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
                                 bvx_mesh *mesh)
@@ -352,7 +331,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
         int against;
         /* Where the normal points the other way, so does the position along it. */
-        parallel = is_parallel(sections->normals, sections->normals + 3 * i, &against);
+        parallel = bvxi_section_parallel(sections->normals, sections->normals + 3 * i, &against);
         positions[i] = against ? -sections->positions[i] : sections->positions[i];
     }
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
@@ -407,17 +386,17 @@ static bvx_status build_any(bvx_context *context, const bvx_sections *sections, 
 /* Volumes by prismoids are roots of two areas' product: that must not overflow. */
 #define SECTIONS_FARTHEST 1e75
 
-static bvx_status check_far_contours(bvx_context *ctx, const bvx_sections *given)
+static bvx_status check_far_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
 {
     for (uint64_t i = 0; i < given->section_count; i++)
         if (bvxi_absolute(given->positions[i]) > SECTIONS_FARTHEST)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                 "%s: the position of section %u is %g; the limit is %g", sections_name, i,
+                                 "%s: the position of section %u is %g; the limit is %g", function, i,
                                  given->positions[i], SECTIONS_FARTHEST);
     for (uint64_t i = 0; i < 3 * given->point_count; i++)
         if (bvxi_absolute(given->points[i]) > SECTIONS_FARTHEST)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                                 "%s: point %u has a coordinate of %g; the limit is %g", sections_name, i / 3,
+                                 "%s: point %u has a coordinate of %g; the limit is %g", function, i / 3,
                                  given->points[i], SECTIONS_FARTHEST);
     return BVX_OK;
 }
@@ -426,7 +405,7 @@ static bvx_status check_far_contours(bvx_context *ctx, const bvx_sections *given
  * much smaller than the widest one. */
 #define SECTIONS_NARROWEST 1e-70
 
-static bvx_status check_tiny_contours(bvx_context *ctx, const bvx_sections *given)
+static bvx_status check_tiny_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
 {
     double widest = 0.0;
 
@@ -443,8 +422,14 @@ static bvx_status check_tiny_contours(bvx_context *ctx, const bvx_sections *give
     if (widest == 0.0 || widest >= SECTIONS_NARROWEST) return BVX_OK;
     return bvxi_fail_for(
         ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
-        "%s: the widest loop spans %g; below %g areas and volumes round to 0: scale the contours",
-        sections_name, widest, SECTIONS_NARROWEST);
+        "%s: the widest loop spans %g; below %g areas and volumes round to 0: scale the contours", function,
+        widest, SECTIONS_NARROWEST);
+}
+
+bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)
+{
+    BVXI_TRY(check_far_contours(ctx, function, given));
+    return check_tiny_contours(ctx, function, given);
 }
 
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
@@ -457,11 +442,10 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
     bvx_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
-    BVXI_TRY(check_section_options(context, &o));
+    BVXI_TRY(bvxi_section_options_check(context, sections_name, &o));
     if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
-    BVXI_TRY(check_far_contours(context, sections));
-    BVXI_TRY(check_tiny_contours(context, sections));
+    BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);

@@ -111,3 +111,25 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
     }
     return BVX_OK;
 }
+
+/* ---- directions ---- */
+
+#define SECTIONS_PARALLEL 1e-4 /* rad */
+
+/* 1: within so little of the first one; *against: it points the other way. */
+int bvxi_section_parallel(const double a[3], const double b[3], int *against)
+{
+    /* Both made unit first, so that the sine does not depend on their lengths. */
+    double const one = sqrt((a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]);
+    double const two = sqrt((b[0] * b[0] + b[1] * b[1]) + b[2] * b[2]);
+    double square = 0.0, dot = 0.0;
+
+    for (int i = 0; i < 3; i++) {
+        int const j = (i + 1) % 3, k = (i + 2) % 3;
+        double const cross = a[j] / one * (b[k] / two) - a[k] / one * (b[j] / two);
+        square += cross * cross;
+        dot += a[i] / one * (b[i] / two);
+    }
+    *against = dot < 0.0;
+    return square <= SECTIONS_PARALLEL * SECTIONS_PARALLEL;
+}

@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed, oblique, lone, slanted;
+static section_maker stack, walls, crossed, oblique, lone, slanted, touching;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -51,6 +51,19 @@ static int make_inputs(void **state)
         stack_round(&slanted, k, 3.0 * i, 0, 0.5, 0.5, 6, 0, 0, 1);
         if (i == 0) stack_round(&slanted, k, 0, 4, 0.5, 0.5, 6, 0, 0, 0);
     }
+    stack_clear(&touching);
+    for (int i = 0; i < 3; i++) { /* half discs that touch, and one that does not */
+        uint32_t const k = stack_section(&touching, 0.5 * i);
+        for (int label = 1; label <= 3; label++) {
+            stack_loop(&touching, k);
+            touching.loop[touching.s.loop_count - 1].label = label;
+            for (int p = 0; p < 5; p++) {
+                double x, y;
+                stack_circle(label == 2 ? 0.5 + p / 8.0 : p / 8.0, &x, &y);
+                stack_point(&touching, label == 3 ? x + 3.0 : x, y);
+            }
+        }
+    }
     stack_oblique(&oblique);
     for (int i = 0; i < 3; i++)
         stack_ball_cut(&oblique, stack_plane(&oblique, i == 0, i == 1, 0.3 + 0.2 * i, 0.1 * i), 0, 0, 0, 1.0,
@@ -81,6 +94,7 @@ enum {
     RUN_SHIFTED,
     RUN_FILES,
     RUN_SLICE,
+    RUN_BODIES,
     RUNS
 };
 
@@ -126,6 +140,26 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     return status;
 }
 
+static bvx_status run_bodies(section_run *run, bvx_context *ctx, uint64_t *mark)
+{
+    static const int32_t labels[3] = {3, 1, 2};
+    bvx_sections_options o;
+    bvx_mesh made[3] = {0};
+
+    bvx_sections_options_init(&o, sizeof o);
+    o.cells = 8;
+    bvx_status const built = bvx_build_bodies(ctx, &touching.s, &o, labels, 3, made);
+    bvx_status status = built;
+    for (int i = 0; i < 3; i++) {
+        uint64_t hash = 0;
+        if (built != BVX_OK) run->wrong |= made[i].positions != NULL;
+        if (status == BVX_OK) status = bvx_mesh_hash(ctx, &made[i], &hash);
+        *mark = *mark * 31 + hash;
+    }
+    for (int i = 0; i < 3; i++) bvx_mesh_free(ctx, &made[i]);
+    return status;
+}
+
 static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
     static const int32_t formats[] = {BVX_FORMAT_CSL, BVX_FORMAT_CSV, BVX_FORMAT_SVG, BVX_FORMAT_CSL,
@@ -168,9 +202,10 @@ static bvx_status run_sections(void *user, bvx_context *ctx)
 {
     section_run *const run = user;
     uint64_t mark = 0;
-    bvx_status const status = run->kind == RUN_FILES   ? run_files(run, ctx, &mark)
-                              : run->kind == RUN_SLICE ? run_slice(run, ctx, &mark)
-                                                       : run_body(run, ctx, &mark);
+    bvx_status const status = run->kind == RUN_FILES    ? run_files(run, ctx, &mark)
+                              : run->kind == RUN_SLICE  ? run_slice(run, ctx, &mark)
+                              : run->kind == RUN_BODIES ? run_bodies(run, ctx, &mark)
+                                                        : run_body(run, ctx, &mark);
     if (status == BVX_OK && run->mark != 0 && run->mark != mark) run->wrong |= 2;
     if (status == BVX_OK && run->mark == 0) run->mark = mark;
     return status;

@@ -85,6 +85,41 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     bvx_mesh_free(ctx, &mesh);
 }
 
+/* All bodies at once, the first few of them. */
+static void fuzz_check_bodies(bvx_context *ctx, const bvx_sections *s, int32_t choice)
+{
+    bvx_sections_options o;
+    bvx_mesh mesh[4] = {0};
+    int32_t label[4];
+    uint32_t count = 0;
+    bvx_status status;
+
+    for (uint64_t i = 0; i < s->loop_count && count < 4; i++) {
+        uint32_t n = 0;
+        while (n < count && label[n] != s->loops[i].label) n++;
+        if (n == count) label[count++] = s->loops[i].label;
+    }
+    bvx_sections_options_init(&o, sizeof o);
+    o.cells = 8 + choice % 9;
+    o.caps = choice / 16 % 2;
+    o.agree = choice / 32 % 2 == 0 ? 0.0 : 1e9;
+    status = bvx_build_bodies(ctx, s, &o, label, count, mesh);
+    for (uint32_t i = 0; i < count; i++) {
+        bvx_mesh_view view;
+        bvx_certificate c;
+        if (status != BVX_OK) {
+            fuzz_require(mesh[i].positions == NULL && bvx_last_message(ctx)[0] != 0,
+                         "a failure with a result, or without words");
+            continue;
+        }
+        bvx_mesh_view_of(&mesh[i], &view);
+        fuzz_require(bvx_mesh_check(ctx, &view, 0, &c) == BVX_OK, bvx_last_message(ctx));
+        fuzz_require(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented,
+                     "one of several bodies that is not closed or not manifold");
+        bvx_mesh_free(ctx, &mesh[i]);
+    }
+}
+
 /* The options of the body follow from the file's bytes. */
 static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
@@ -99,6 +134,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         fuzz_require(s.loop_count > 0 && s.owned == 1, "a stack without loops");
         fuzz_check_writing(ctx, &s);
         fuzz_check_body(ctx, &s, (int32_t)(bvx_hash(file, size, 0) >> 40));
+        fuzz_check_bodies(ctx, &s, (int32_t)(bvx_hash(file, size, 0) >> 41));
     } else {
         fuzz_require(memcmp(&s, &empty, sizeof s) == 0, "a result behind an error");
     }

@@ -227,6 +227,46 @@ static void shifted_values(golden *g)
     golden_end(g);
 }
 
+/* Half discs that touch on parallel planes, then a core in its shell on planes of any direction: made at once. */
+static void bodies_values(golden *g)
+{
+    static const char *const key[] = {"first", "second"};
+    static const int32_t labels[] = {1, 2};
+    uint64_t seed = 23;
+
+    golden_begin(g, "bodies");
+    for (int way = 0; way < 2; way++) {
+        bvx_sections_options o;
+        bvx_mesh made[2] = {0};
+        bvx_status status;
+
+        bvx_sections_options_init(&o, sizeof o);
+        o.cells = 20;
+        if (way == 0) stack_clear(&golden_stack);
+        else stack_oblique(&golden_stack);
+        for (int i = 0; i < 6; i++) {
+            uint32_t const k = way == 0 ? stack_section(&golden_stack, 0.25 * i)
+                                        : stack_any_plane(&golden_stack, &seed, 0.8);
+            for (int label = 1; label <= 2; label++) {
+                for (int part = 0; way == 1 && part < 3 - label; part++)
+                    if (stack_ball_cut(&golden_stack, k, 0.1, 0, 0, label + part == 1 ? 1.0 : 0.5, 40))
+                        golden_stack.loop[golden_stack.s.loop_count - 1].label = label;
+                if (way == 1) continue;
+                stack_loop(&golden_stack, k);
+                golden_stack.loop[golden_stack.s.loop_count - 1].label = label;
+                for (int p = 0; p <= 16; p++) {
+                    double x, y;
+                    stack_circle(0.5 * (label - 1) + p / 32.0, &x, &y);
+                    stack_point(&golden_stack, (1.0 + 0.1 * i) * x + 0.2 * i, y);
+                }
+            }
+        }
+        status = bvx_build_bodies(g->context, &golden_stack.s, &o, labels, 2, made);
+        for (int b = 0; b < 2; b++) mesh_value(g, key[b], status, &made[b]);
+    }
+    golden_end(g);
+}
+
 static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3",
@@ -253,6 +293,7 @@ static void section_cases(golden *g)
     oblique_values(g);
     lone_values(g);
     shifted_values(g);
+    bodies_values(g);
     shape_torus(&golden_shape, 96, 40, 0.05, 7);
     shape_view(&golden_shape, &view);
     normal_values(g, "torus_normals", &view);

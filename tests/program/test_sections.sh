@@ -223,6 +223,19 @@ done
 gives 'all labels in the report' 0 '"bodies": [{"label": 1, "sections": {"grid": [' sections two.csv -o body_%d.ply --label all --json
 gives 'all labels, one name' 2 '--label all writes a mesh for each label: body.ply needs %d in its name' sections two.csv -o body.ply --label all
 gives 'a number without labels' 2 'b_%d.ply: %d is for --label all' sections two.csv -o b_%d.ply --label 1
+# --touching shared: all bodies at once, with the same faces where two touch.
+awk 'BEGIN { print "section,position,loop,label,x,y"; for (s = 0; s < 3; s++) for (l = 0; l < 2; l++)
+    { print s "," s "," l "," l + 3 "," 2 * l ",0"; print s "," s "," l "," l + 3 "," 2 * l + 2 ",0"
+      print s "," s "," l "," l + 3 "," 2 * l + 2 ",2"; print s "," s "," l "," l + 3 "," 2 * l ",2" } }' >touch.csv
+gives 'bodies that touch' 0 'label 4: body_4.obj' sections touch.csv -o body_%d.obj --label all --touching shared --cells 24
+for l in 3 4; do grep '^v ' body_$l.obj | LC_ALL=C sort >vertices_$l.txt; done
+LC_ALL=C comm -12 vertices_3.txt vertices_4.txt | awk '$2 < 1.9 || $2 > 2.1 { far = 1 } END { exit !(NR > 50 && !far) }'
+result 'vertices of both lie between them' $?
+gives 'touching in the report' 0 '"bodies": [{"label": 3, ' sections touch.csv -o body_%d.obj --label all --touching shared --json
+gives 'touching without labels' 2 '--touching is for --label all' sections touch.csv -o b.ply --label 3 --touching shared
+gives 'touching by a grid' 2 '--layers is not used with --touching shared' sections touch.csv -o b_%d.ply --label all --touching shared --layers 2
+gives 'touching and collapsed' 2 '--triangles would change faces' sections touch.csv -o b_%d.ply --label all --touching shared --triangles 50
+gives 'touching and open' 2 '--touching shared makes closed bodies' sections touch.csv -o b_%d.ply --label all --touching shared --caps open
 gives 'two numbers' 2 'b_%d_%d.ply: the name has two %d' sections two.csv -o b_%d_%d.ply --label all
 gives 'all labels and one wish' 2 '--parts is for one body; choose it by its label, not by --label all' sections two.csv -o b_%d.ply --label all --parts 1
 gives 'a label that is no number' 2 '--label takes a whole number from -2147483647 to 2147483647 or all' sections two.csv -o b.ply --label al

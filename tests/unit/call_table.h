@@ -471,6 +471,14 @@ static bvx_status build_sections(const world *w)
     SPOIL(o);
     return bvx_build_sections(w->ctx, w->sections, &o, (bvx_mesh *)w->out);
 }
+static bvx_status build_bodies(const world *w)
+{
+    static const int32_t one = 1;
+    TAKE_OPTIONS(sections, o);
+    o.cells = 8;
+    SPOIL(o);
+    return bvx_build_bodies(w->ctx, w->sections, &o, &one, 1, (bvx_mesh *)w->out);
+}
 static bvx_status slice_mesh(const world *w)
 {
     TAKE_OPTIONS(slice, o);
@@ -694,6 +702,7 @@ static const call calls[] = {
     CALL(build_lods, GRID | OPTIONS, TO_MESH),
     CALL(plan_lods, MESH | OPTIONS, PLAIN),
     CALL(build_sections, SECTIONS | OPTIONS, TO_MESH),
+    CALL(build_bodies, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH),

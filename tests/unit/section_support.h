@@ -17,6 +17,7 @@ static bvx_sections_options o;
 static bvx_sections_report report;
 static bvx_mesh mesh;
 static bvx_certificate certificate;
+static void (*free_more)(void); /* what else a suite's tests made */
 
 void setUp(void)
 {
@@ -30,6 +31,7 @@ void setUp(void)
 void tearDown(void)
 {
     bvx_mesh_free(ctx, &mesh);
+    if (free_more != NULL) free_more();
     suite_close();
 }
 

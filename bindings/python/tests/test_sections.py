@@ -224,6 +224,38 @@ def test_bodies_of_all_labels_are_those_one_by_one():
         stack.bodies(label="a")
 
 
+def _faces(mesh):
+    """Each triangle by its corners' places, in order, and which way round they go."""
+    made = {}
+    for corners in mesh.vertices[mesh.triangles]:
+        places = [tuple(corner) for corner in corners.tolist()]
+        order = sorted(range(3), key=places.__getitem__)
+        made[tuple(places[i] for i in order)] = order in ([0, 1, 2], [1, 2, 0], [2, 0, 1])
+    return made
+
+
+def test_bodies_that_touch_share_their_faces():
+    square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], float)
+    loops = [bitvox.Loop(square + [2 * i, 0, z], name) for i, name in enumerate(("a", "b", "c")) for z in (0, 1, 3)]
+    bodies = bitvox.Sections(loops).bodies(touching="shared", cells=24)
+    assert list(bodies) == ["a", "b", "c"]
+    for body in bodies.values():
+        assert body.check().closed and body.check().oriented
+        assert body.check().volume == pytest.approx(12, rel=0.05)
+    faces = {name: _faces(body) for name, body in bodies.items()}
+    for one, two, shared in (("a", "b", True), ("b", "c", True), ("a", "c", False)):
+        both = set(faces[one]) & set(faces[two])
+        assert (len(both) > 20) == shared
+        assert all(faces[one][face] != faces[two][face] for face in both)
+        assert all(place[0] == pytest.approx(2 if one == "a" else 4, abs=0.1) for face in both for place in face)
+    with pytest.raises(bitvox.ArgumentError, match="layers is not used with touching='shared'"):
+        bitvox.Sections(loops).bodies(touching="shared", layers=2)
+    with pytest.raises(bitvox.ArgumentError, match="touching is 'glued'"):
+        bitvox.Sections(loops).bodies(touching="glued")
+    with pytest.raises(bitvox.FormatError, match="labels 1 and 2 overlap"):
+        bitvox.Sections([bitvox.Loop(loop.points * [1.5, 1, 1] if loop.label == "a" else loop.points, loop.label) for loop in loops]).bodies(touching="shared")
+
+
 def test_slanted_parts_are_joined_by_shifting():
     square = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
     squares = [square + [10 * k, 0, k] for k in range(4)]

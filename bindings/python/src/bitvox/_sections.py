@@ -15,12 +15,13 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
 from ._stages import collapsed, level_target, surface
-from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting
+from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting, Touching
 
 CAPS = names_of("BVX_CAPS_")
 BLENDS = names_of("BVX_BLEND_")
 NESTING = names_of("BVX_NESTING_")
 CROSSINGS = names_of("BVX_CROSSINGS_")
+TOUCHING = ("apart", "shared")
 SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
 SECTION_OUTPUTS = formats_in(lib.BVX_SECTIONS_WRITTEN)
 
@@ -170,11 +171,16 @@ class Sections:
         made.normal = made.normals[0]
         return made
 
-    def bodies(self, **options: Any) -> dict[str, Mesh]:
+    def bodies(self, *, touching: Touching = "apart", **options: Any) -> dict[str, Mesh]:
         """The body of each label: what `from_sections` makes of it with these options.
 
         Parameters
         ----------
+        touching
+            "shared": all bodies are made at once, so that where the contours of two run along each other both have the same
+            faces there, the other way round. Parallel planes are then taken as those of any direction are: of the options
+            ``cells``, ``spacing``, ``agree``, ``caps``, ``dtype``, ``threads``, ``memory_limit`` and ``progress`` count, others
+            are refused; each mesh has the report of all bodies together. "apart": each body for itself.
         **options
             those of `from_sections`, but for ``label``. ``progress`` rises once for each body.
 
@@ -189,7 +195,21 @@ class Sections:
         >>> loops = [bitvox.Loop(square + [x, 0, z], name) for x, name in ((0, 'left'), (3, 'right')) for z in (0, 2)]
         >>> {name: round(body.check().volume, 6) for name, body in bitvox.Sections(loops).bodies().items()}
         {'left': 2.0, 'right': 2.0}
+        >>> touching = bitvox.Sections([bitvox.Loop(square + [x, 0, z], str(x)) for x in (0, 1) for z in (0, 1, 2)])
+        >>> all(body.check().closed for body in touching.bodies(touching='shared', cells=16).values())
+        True
+
+        Raises
+        ------
+        FormatError
+            with ``touching="shared"``: bodies that overlap; the section and both labels are named.
+        ArgumentError
+            with ``touching="shared"``: an option that it does not use.
         """
+        if touching not in TOUCHING:
+            raise ArgumentError(f"touching is {touching!r}; it must be one of {', '.join(TOUCHING)}")
+        if touching == "shared":
+            return _joint_bodies(self, **options)
         return {label: from_sections(self, label=label, **options) for label in self.labels}
 
     def on(self, section: int) -> list[Loop]:
@@ -535,6 +555,40 @@ def from_sections(
         mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
+
+
+def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int | None = None, agree: float | None = None,
+                  caps: Caps = "flat", dtype: Any = "float64", threads: int | None = None, memory_limit: int | None = None,
+                  progress: Progress = None, **others: Any) -> dict[str, Mesh]:
+    """All bodies by one call, with the same faces where two touch."""
+    build = function("bvx_build_bodies")
+    if others:
+        raise ArgumentError(f"{next(iter(others))} is not used with touching='shared', which makes bodies by cells")
+    options = options_of("sections_options")
+    if cells is not None:
+        if spacing is not None:
+            raise ArgumentError("cells and spacing contradict each other; give one of them")
+        options.cells = in_range("cells", cells, 8, 1024)
+    if spacing is not None:
+        options.spacing = float(spacing)
+    if agree is not None:
+        options.agree = float(agree)
+    options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
+    options.position_type = position_type(dtype)
+    report = ffi.new("bvx_sections_report *")
+    options.report = report
+    numbers = stack._numbers()
+    labels = ffi.new("int32_t[]", [numbers[label] for label in stack.labels] or [0])
+    array = ffi.new("bvx_mesh[]", max(1, len(stack.labels)))
+    with Run(threads=threads, memory_limit=memory_limit, progress=progress) as run:
+        run.check(build(run.context, stack._struct(run), options, labels, len(stack.labels), array))
+    made = {}
+    for i, label in enumerate(stack.labels):
+        owner = new_mesh()
+        owner[0] = array[i]
+        made[label] = Mesh._made(owner)
+        made[label].report = record(report)
+    return made
 
 
 def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:

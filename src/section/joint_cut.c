@@ -1,0 +1,392 @@
+/* joint_cut.c - a kind for every tetrahedron of the cells where bodies meet each other or the outside.
+ *
+ * Each vertex has a kind: on a plane that of its region between the contours, elsewhere the one that its
+ * number says; vertices on contours lie between the kinds on their sides. An edge whose ends have no kind in
+ * common gets a vertex where both are as near, which lies between the kinds of both: first on the edge between
+ * two kinds, then in the face where three meet, then where four do. After that the vertices of a tetrahedron
+ * that have one kind have the same one, which is the tetrahedron's. So kinds fill the cells without gaps, and
+ * the faces between two of them are the same for both, whatever the vertices' places are.
+ *
+ * A face on a plane always has a vertex that is not on a contour: the tetrahedra on both sides are of the
+ * plane's kind there, and the bodies meet each plane in their contours and nowhere else. */
+#include "section/joint.h"
+
+#include "bits/bits.h"
+
+/* ---- vertices ---- */
+
+/* The middle of so many vertices. */
+static void joint_middle(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
+{
+    for (int k = 0; k < 3; k++) {
+        at[k] = 0.0;
+        for (int i = 0; i < n; i++) at[k] += o->vertex[v[i]].at[k];
+        at[k] /= n;
+    }
+}
+
+/* Some plane that all of them lie on. */
+static int are_on_a_plane(const bvxi_oblique *o, const uint32_t *v, int n)
+{
+    for (uint32_t w = 0; w < o->plane_words; w++) {
+        uint64_t on = UINT64_MAX;
+        for (int i = 0; i < n; i++) on &= bvxi_tetra_on(o, v[i])[w];
+        if (on != 0) return 1;
+    }
+    return 0;
+}
+
+/* An edge on a plane between two vertices of contours that is no contour's. */
+static int is_chord(const bvxi_oblique *o, const uint32_t v[2])
+{
+    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && are_on_a_plane(o, v, 2) &&
+           bvxi_edge_find(&o->contour_edge, v[0], v[1]) == BVXI_NONE;
+}
+
+/* Edges and faces on planes between vertices of contours get a vertex, which has what the plane says there.
+ * Without it a region would be joined to its like beyond an edge by that edge alone. */
+static bvx_status open_plane_faces(bvxi_oblique *o)
+{
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+                uint32_t m;
+                double at[3];
+                if (!is_chord(o, v)) continue;
+                joint_middle(o, v, 2, at);
+                BVXI_TRY(bvxi_tetra_split_edge(o, (uint32_t)t, v[0], v[1], at, &m));
+            }
+        for (int k = 0; k < 4; k++) {
+            uint32_t v[3], m;
+            double at[3];
+            int n = 0;
+
+            for (int j = 0; j < 4; j++)
+                if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
+            if (n < 3 || !are_on_a_plane(o, v, 3)) continue;
+            joint_middle(o, v, 3, at);
+            BVXI_TRY(bvxi_tetra_split_face(o, (uint32_t)t, k, at, &m));
+        }
+    }
+    return BVX_OK;
+}
+
+/* Beyond a plane that all bodies end on; what lies on it is not. */
+static int is_beyond_an_end(const bvxi_oblique *o, uint32_t v)
+{
+    for (int e = 0; e < 2; e++) {
+        uint32_t const plane = o->end[e];
+        if (plane != BVXI_NONE && !bvxi_is_on(o, v, plane) &&
+            o->beyond[e] * bvxi_oblique_height(&o->plane[plane], o->vertex[v].at) > 0.0)
+            return 1;
+    }
+    return 0;
+}
+
+typedef struct joint_job {
+    bvxi_oblique *o;
+    int32_t pieces;
+} joint_job;
+
+static void joint_kinds_piece(void *user, int32_t index, int32_t worker)
+{
+    const joint_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_tetra_vertex *const x = &o->vertex[i];
+
+        /* Vertices of the lattice have their kind from it, those of contours none. */
+        if (x->sign == 0) continue;
+        if (!x->lattice)
+            x->value = (float)bvxi_joint_kind(o, bvxi_first_plane(o, (uint32_t)i), x->at, NULL, 0);
+        x->sign = 1;
+        if (!is_beyond_an_end(o, (uint32_t)i)) continue;
+        x->sign = BVXI_JOINT_BEYOND;
+        x->value = 0.0F;
+    }
+}
+
+/* Where contours were moved to agree, a plane's kinds are told by its regions. */
+static bvx_status give_kinds(bvxi_oblique *o)
+{
+    joint_job job = {o, bvxi_piece_count(o->vertex_count, 256)};
+    uint32_t *torn = NULL;
+    uint64_t count = 0;
+    bvx_status status;
+
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
+                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, joint_kinds_piece, &job)));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    status = BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
+    bvxi_drop(o->ctx, torn);
+    return status;
+}
+
+/* ---- what vertices lie between ---- */
+
+static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
+{
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    for (uint64_t i = 0; i < o->vertex_count; i++)
+        cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
+
+    /* A contour's vertex lies between what the planes say around it. */
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++) {
+                uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && are_on_a_plane(o, v, 2))
+                    cut->among[v[0]] |= cut->among[v[1]];
+            }
+    return BVX_OK;
+}
+
+/* ---- edges between kinds ---- */
+
+enum { OUTSIDE = 1 }; /* the bit of kind 0 */
+
+/* Where a lead at one end of an edge has become one at the other: so many bodies' bits against others. */
+static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t bodies, uint64_t others,
+                          double at[3])
+{
+    double lead[2];
+
+    for (int k = 0; k < 2; k++)
+        lead[k] = bvxi_joint_lead(o, bvxi_first_plane(o, v[k]), o->vertex[v[k]].at, bodies, others);
+    bvxi_oblique_cross_edge(o->vertex[v[0]].at, lead[0] > 0.0 ? lead[0] : 0.0, o->vertex[v[1]].at,
+                            lead[1] < 0.0 ? -lead[1] : 0.0, at);
+}
+
+static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, const uint32_t v[2],
+                           uint64_t among, const double at[3])
+{
+    uint32_t m;
+
+    BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    o->vertex[m].sign = 0;
+    o->vertex[m].value = 0.0F;
+    cut->among[m] = among;
+    return BVX_OK;
+}
+
+/* The vertex that was put into an edge last: where other bodies close around the edge, it would be a hole in them
+ * that leads to the outside, and is theirs. */
+static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2])
+{
+    uint32_t const m = (uint32_t)o->vertex_count - 1;
+    uint64_t around = 0;
+
+    for (uint64_t i = 0; i < o->ring_count; i++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const x = o->tetra[o->ring[i]].v[k];
+            if (x == v[0] || x == v[1] || x == m) continue;
+            if (cut->among[x] == OUTSIDE || (cut->among[x] & cut->among[v[0]]) != 0) return BVX_OK;
+            around |= cut->among[x];
+        }
+    around &= ~(uint64_t)OUTSIDE;
+    if (around != 0)
+        cut->among[m] = OUTSIDE | UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, around);
+    return BVX_OK;
+}
+
+/* An edge from a body to the outside: the crossing is on the surface of all, and is that body's. */
+static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
+                                   int *made)
+{
+    uint32_t const v[2] = {(cut->among[a] & OUTSIDE) != 0 ? b : a, (cut->among[a] & OUTSIDE) != 0 ? a : b};
+    double at[3];
+
+    *made = (cut->among[v[0]] & OUTSIDE) == 0 && cut->among[v[1]] == OUTSIDE &&
+            o->vertex[v[1]].sign != BVXI_JOINT_BEYOND;
+    if (!*made) return BVX_OK;
+    place_between(o, v, cut->among[v[0]], OUTSIDE, at);
+    BVXI_TRY(cut_edge(o, cut, t, v, OUTSIDE | cut->among[v[0]], at));
+    return close_around(o, cut, v);
+}
+
+/* An edge between different bodies, in them or on the surface of all. */
+static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
+                                     int *made)
+{
+    /* From the higher number, so that the place does not depend on the tetrahedron. */
+    uint32_t const v[2] = {cut->among[a] >= cut->among[b] ? a : b, cut->among[a] >= cut->among[b] ? b : a};
+    uint64_t const first = cut->among[v[0]] & ~(uint64_t)OUTSIDE,
+                   second = cut->among[v[1]] & ~(uint64_t)OUTSIDE;
+    double at[3];
+
+    *made = first != 0 && second != 0 && (first & second) == 0;
+    if (!*made) return BVX_OK;
+    place_between(o, v, first, second, at);
+    return cut_edge(o, cut, t, v, first | second | (cut->among[a] & cut->among[b] & OUTSIDE), at);
+}
+
+typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
+                             int *made);
+
+/* All edges that are to be cut, those of what the cuts make too: each cut puts a vertex with more kinds in place of
+ * a corner, so this ends. */
+static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
+{
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        int again = 1;
+        if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
+        while (again) {
+            again = 0;
+            for (int a = 0; a < 4; a++)
+                for (int b = a + 1; b < 4; b++) {
+                    int made;
+                    BVXI_TRY(one(o, cut, (uint32_t)t, o->tetra[t].v[a], o->tetra[t].v[b], &made));
+                    again |= made;
+                }
+        }
+    }
+    return BVX_OK;
+}
+
+/* ---- tetrahedra ---- */
+
+typedef struct tetra_job {
+    bvxi_oblique *o;
+    const bvxi_joint_cut *cut;
+    int32_t pieces;
+} tetra_job;
+
+static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut, const bvxi_tetra *t)
+{
+    uint64_t all = UINT64_MAX, any = 0, bodies;
+    double at[3];
+
+    for (int k = 0; k < 4; k++) {
+        uint64_t const among = cut->among[t->v[k]];
+        if (among == OUTSIDE) return 0;
+        all &= among;
+        any |= among;
+    }
+    bodies = (all > OUTSIDE ? all : any) & ~(uint64_t)OUTSIDE;
+    if (!(all & OUTSIDE) && (bodies & (bodies - 1)) == 0) return bvxi_lowest(bodies);
+
+    /* All corners lie on the surface of all, or between the same bodies: what its middle is, of those. */
+    joint_middle(o, t->v, 4, at);
+    return bvxi_joint_kind_among(o, at, bodies | (all & OUTSIDE));
+}
+
+static void tetra_kinds_piece(void *user, int32_t index, int32_t worker)
+{
+    const tetra_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
+    for (uint64_t t = begin; t < end; t++)
+        job->cut->kind[t] = (uint8_t)kind_of_tetrahedron(o, job->cut, &o->tetra[t]);
+}
+
+int bvxi_joint_border_kind(const bvxi_oblique *o, const bvxi_tetra *t, int corner)
+{
+    for (int k = 0; k < 4; k++)
+        if (k != corner && o->vertex[t->v[k]].sign != 0) return (int)o->vertex[t->v[k]].value;
+    return 0;
+}
+
+/* ---- specks ---- */
+
+typedef struct speck_work {
+    uint32_t *joined; /* [tetrahedra] */
+    uint8_t *kept;    /* [tetrahedra] at roots: a plane says so, or a border touches it */
+    uint8_t *beside;  /* [tetrahedra] at roots: the kind that leads among those around it */
+    uint32_t *lead;   /* [tetrahedra] by how many faces */
+} speck_work;
+
+static uint32_t speck_root(const speck_work *w, uint32_t i)
+{
+    while (w->joined[i] != i) {
+        w->joined[i] = w->joined[w->joined[i]];
+        i = w->joined[i];
+    }
+    return i;
+}
+
+static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
+{
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const n = o->tetra[t].n[k];
+            uint32_t a, b;
+            if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
+            a = speck_root(w, (uint32_t)t);
+            b = speck_root(w, n);
+            w->joined[a > b ? a : b] = a > b ? b : a;
+        }
+}
+
+/* What no plane has anything of is of the kind that is around it. */
+static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
+{
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        uint32_t const root = speck_root(w, (uint32_t)t);
+        for (int k = 0; k < 4; k++) {
+            uint32_t const v = o->tetra[t].v[k], n = o->tetra[t].n[k];
+            w->kept[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
+                             (o->vertex[v].sign != 0 && bvxi_first_plane(o, v) != BVXI_NONE);
+            if (n == BVXI_NONE || cut->kind[n] == cut->kind[t]) continue;
+            /* The one with more than half of the faces, if any, is the last to lead (Boyer, Moore 1981). */
+            if (w->lead[root] == 0) w->beside[root] = cut->kind[n];
+            w->lead[root] += w->beside[root] == cut->kind[n] ? 1 : UINT32_MAX;
+        }
+    }
+}
+
+static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
+{
+    static const char what[] = "the pieces of bodies";
+    uint64_t const n = o->tetra_count;
+    speck_work w;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.kept));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
+    for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
+    join_specks(o, cut, &w);
+    find_speck_kinds(o, cut, &w);
+    for (uint64_t t = 0; t < n; t++) {
+        uint32_t const root = speck_root(&w, (uint32_t)t);
+        if (!w.kept[root]) cut->kind[t] = w.beside[root];
+    }
+    bvxi_drop(o->ctx, w.lead);
+    bvxi_drop(o->ctx, w.beside);
+    bvxi_drop(o->ctx, w.kept);
+    bvxi_drop(o->ctx, w.joined);
+    return BVX_OK;
+}
+
+bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
+{
+    tetra_job job;
+
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
+    BVXI_TRY(open_among(o, cut));
+
+    /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
+
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &cut->kind, o->tetra_count, &cut->kind_room, 1, "the kinds of tetrahedra"));
+    job.o = o;
+    job.cut = cut;
+    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,
+                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, tetra_kinds_piece, &job)));
+    return BVXI_SHARE(o->ctx, 0.9, 1.0, drop_specks(o, cut));
+}

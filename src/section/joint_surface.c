@@ -1,0 +1,448 @@
+/* joint_surface.c - each body's faces, from tetrahedra that all have a kind.
+ *
+ * A body's faces are those between its tetrahedra and others: closed and oriented, and for two bodies that
+ * touch the same but for the direction. What remains is where a body touches itself: an edge with more than
+ * two of its faces gets a vertex, and a vertex becomes as many as there are fans of faces at it, all at one
+ * place. Two faces follow each other at an edge where the body lies between them. */
+#include "section/joint.h"
+
+#include "mesh/mesh.h"
+
+#define JOINT_ONE_PLACE 1e-12 /* of the contours' longest side */
+
+/* Faces of a positive tetrahedron opposite each corner, seen counter-clockwise from outside. */
+static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+/* The faces of the body at hand. Side 3 f + k of face f runs from its corner k to the next one. */
+typedef struct joint_faces {
+    bvxi_oblique *o;
+    bvxi_joint_cut *cut;
+    int kind;
+    uint32_t (*corner)[3]; /* vertices of the tetrahedra */
+    uint32_t *from;        /* 4 times the tetrahedron and the corner opposite; BVXI_NONE: a cell beyond it */
+    uint32_t *next;        /* [3 a face] sides of one edge */
+    uint32_t *joined;      /* [3 a face] corners that are one vertex */
+    uint32_t *number;      /* [3 a face] at roots: of the vertex */
+    uint64_t count, room;
+    bvxi_edge_map side; /* the first side of each edge */
+    uint32_t *point;    /* [vertex] 1 more than the point given that it is; 0: none */
+    uint8_t *used;      /* [vertex] the last body that has it */
+} joint_faces;
+
+/* ---- faces ---- */
+
+static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int against)
+{
+    const bvxi_tetra *const x = &f->o->tetra[t];
+
+    for (int i = 0; i < 3; i++) f->corner[number][i] = x->v[tetra_face[k][against ? 2 - i : i]];
+    f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
+}
+
+/* What is on both sides of a face, from its first tetrahedron. */
+static int has_face(const joint_faces *f, uint32_t t, int k, int *against)
+{
+    uint32_t const n = f->o->tetra[t].n[k];
+    int const own = f->cut->kind[t] == f->kind;
+    int other;
+
+    *against = 0;
+    if (n != BVXI_NONE) return own && f->cut->kind[n] != f->kind;
+
+    /* Beyond the cells with tetrahedra are some of one kind: their side of the face is seen from here. */
+    other = bvxi_joint_border_kind(f->o, &f->o->tetra[t], k) == f->kind;
+    *against = other;
+    return own != other;
+}
+
+static bvx_status open_faces(joint_faces *f)
+{
+    static const char what[] = "the faces of a body";
+    bvx_context *const ctx = f->o->ctx;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 4, what, &f->from));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->next));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->joined));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->number);
+}
+
+static void close_faces(joint_faces *f)
+{
+    bvxi_edge_free(f->o, &f->side);
+    bvxi_drop(f->o->ctx, f->number);
+    bvxi_drop(f->o->ctx, f->joined);
+    bvxi_drop(f->o->ctx, f->next);
+    bvxi_drop(f->o->ctx, f->from);
+    bvxi_drop(f->o->ctx, f->corner);
+    f->number = f->joined = f->next = f->from = NULL;
+    f->corner = NULL;
+}
+
+/* Sides of one edge follow each other in a list, the last one that came first. */
+static bvx_status list_sides(joint_faces *f)
+{
+    f->side.near = 1;
+    BVXI_TRY(bvxi_edge_reserve(f->o, &f->side, 3 * f->count / 2));
+    for (uint64_t i = 0; i < 3 * f->count; i++) {
+        const uint32_t *const v = f->corner[i / 3];
+        uint32_t *first;
+        BVXI_TRY(bvxi_edge_add(f->o, &f->side, v[i % 3], v[(i + 1) % 3], &first));
+        f->next[i] = *first;
+        *first = (uint32_t)i;
+    }
+    return BVX_OK;
+}
+
+static bvx_status take_faces(joint_faces *f, int kind)
+{
+    const bvxi_oblique *const o = f->o;
+    int against;
+
+    /* Counted first, so that the arrays are taken once. */
+    f->kind = kind;
+    f->count = f->room = 0;
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int k = 0; k < 4; k++) f->room += (uint64_t)has_face(f, (uint32_t)t, k, &against);
+    if (f->room > UINT32_MAX / 3)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a body has more than 2^30 triangles; take fewer cells", o->function);
+    BVXI_TRY(open_faces(f));
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int k = 0; k < 4; k++)
+            if (has_face(f, (uint32_t)t, k, &against)) fill_face(f, f->count++, (uint32_t)t, k, against);
+    return list_sides(f);
+}
+
+/* ---- edges at which a body touches itself ---- */
+
+static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
+{
+    uint32_t t, m;
+    double at[3];
+
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[a].at[k] + o->vertex[b].at[k]);
+    BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
+    o->vertex[m].sign = 0;
+
+    /* Both halves of a tetrahedron are of its kind. */
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
+    for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
+    return BVX_OK;
+}
+
+static int is_pinched(const joint_faces *f, uint32_t first)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) n++;
+    return n > 2;
+}
+
+/* Vertices of a pinched edge may be one fan at both ends: one in between is two. */
+static bvx_status open_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, int kind)
+{
+    joint_faces f;
+    uint32_t(*edge)[2] = NULL;
+    uint64_t count = 0, room = 0;
+    bvx_status status;
+
+    memset(&f, 0, sizeof f);
+    f.o = o;
+    f.cut = cut;
+    status = take_faces(&f, kind);
+    for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
+        const uint32_t *const v = f.corner[i / 3];
+        uint32_t const a = v[i % 3], b = v[(i + 1) % 3];
+        if (bvxi_edge_find(&f.side, a, b) != i || !is_pinched(&f, (uint32_t)i)) continue;
+        status = bvxi_oblique_grow(o, &edge, count, &room, sizeof *edge, "the edges of a body");
+        if (status != BVX_OK) break;
+        edge[count][0] = a;
+        edge[count++][1] = b;
+    }
+    close_faces(&f);
+    for (uint64_t i = 0; i < count && status == BVX_OK; i++)
+        status = cut_pinched_edge(o, cut, edge[i][0], edge[i][1]);
+    bvxi_drop(o->ctx, edge);
+    return status;
+}
+
+/* ---- vertices ---- */
+
+static uint32_t corner_root(const joint_faces *f, uint32_t i)
+{
+    while (f->joined[i] != i) {
+        f->joined[i] = f->joined[f->joined[i]];
+        i = f->joined[i];
+    }
+    return i;
+}
+
+static void join_corners(const joint_faces *f, uint32_t one, uint32_t two)
+{
+    uint32_t const a = corner_root(f, one), b = corner_root(f, two);
+    f->joined[a > b ? a : b] = a > b ? b : a;
+}
+
+static uint32_t side_end(uint32_t side)
+{
+    return side % 3 == 2 ? side - 2 : side + 1;
+}
+
+/* Two faces of a body run along an edge in opposite directions. */
+static void join_sides(const joint_faces *f, uint32_t one, uint32_t two)
+{
+    join_corners(f, one, side_end(two));
+    join_corners(f, side_end(one), two);
+}
+
+static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32_t c)
+{
+    for (int k = 0; k < 4; k++)
+        if (t->v[k] != a && t->v[k] != b && t->v[k] != c) return t->v[k];
+    return BVXI_NONE;
+}
+
+/* The face that follows a face at its side, through the body: 4 times its tetrahedron and the corner opposite;
+ * BVXI_NONE where the way leaves the tetrahedra. */
+static uint32_t face_through_body(const joint_faces *f, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const x = v[side % 3], y = v[(side + 1) % 3];
+    uint32_t leave = v[(side + 2) % 3], t = f->from[side / 3] / 4, other;
+
+    if (f->from[side / 3] == BVXI_NONE) return BVXI_NONE;
+    other = f->o->tetra[t].v[f->from[side / 3] % 4];
+    for (;;) {
+        const bvxi_tetra *const now = &f->o->tetra[t];
+        int const k = bvxi_corner_of(now, leave);
+        uint32_t const n = now->n[k];
+
+        if (n == BVXI_NONE && bvxi_joint_border_kind(f->o, now, k) == f->kind) return BVXI_NONE;
+        if (n == BVXI_NONE || f->cut->kind[n] != f->kind) return 4 * t + (uint32_t)k;
+        leave = other;
+        other = third_vertex(&f->o->tetra[n], x, y, other);
+        t = n;
+    }
+}
+
+/* The face that follows at its side around what is beside the body there, where that is nothing but bodies of
+ * higher numbers; else BVXI_NONE. */
+static uint32_t face_around_others(const joint_faces *f, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const x = v[side % 3], y = v[(side + 1) % 3], from = f->from[side / 3];
+    uint32_t leave = v[(side + 2) % 3], other, t;
+
+    if (from == BVXI_NONE || f->o->tetra[from / 4].n[from % 4] == BVXI_NONE) return BVXI_NONE;
+    t = f->o->tetra[from / 4].n[from % 4];
+    other = third_vertex(&f->o->tetra[t], x, y, leave);
+    for (;;) {
+        const bvxi_tetra *const now = &f->o->tetra[t];
+        uint32_t const n = now->n[bvxi_corner_of(now, leave)];
+
+        if (f->cut->kind[t] < f->kind || n == BVXI_NONE) return BVXI_NONE;
+        leave = other;
+        other = third_vertex(&f->o->tetra[n], x, y, other);
+        if (f->cut->kind[n] == f->kind) return 4 * n + (uint32_t)bvxi_corner_of(&f->o->tetra[n], other);
+        t = n;
+    }
+}
+
+/* Where two bodies touch themselves at one edge, one of them passes through: the one with the lower number. */
+static int passes_through(const joint_faces *f, uint32_t first)
+{
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])
+        if (face_around_others(f, i) == BVXI_NONE) return 0;
+    return 1;
+}
+
+/* Of an edge with several pairs of faces those with the body between them belong together; where it passes
+ * through, those with another one between them. */
+static void join_pinched(const joint_faces *f, uint32_t first)
+{
+    int const through = passes_through(f, first);
+
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
+        uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
+        if (face == BVXI_NONE) continue;
+        for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
+            if (f->from[j / 3] == face) join_sides(f, i, j);
+    }
+}
+
+/* Corners that are one vertex: those of faces that follow each other around it. */
+static void find_fans(const joint_faces *f)
+{
+    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
+    for (uint64_t i = 0; i < 3 * f->count; i++) {
+        const uint32_t *const v = f->corner[i / 3];
+        uint32_t const first = bvxi_edge_find(&f->side, v[i % 3], v[(i + 1) % 3]);
+
+        if (first != i) continue;
+        if (is_pinched(f, first)) join_pinched(f, first);
+        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
+    }
+}
+
+/* ---- points ---- */
+
+static bvx_status find_points(joint_faces *f)
+{
+    const bvxi_oblique *const o = f->o;
+    uint32_t first = 0;
+
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the points of contours", &f->point));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count, "the points of contours", &f->used));
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        const bvxi_plane *const q = &o->plane[p].plane;
+        for (uint32_t n = 0; n < q->point_count; n++) {
+            uint32_t const v = o->point_vertex[first + n];
+            /* The first of several at one vertex. */
+            if (v != BVXI_NONE && f->point[v] == 0) f->point[v] = q->given[n] + 1;
+        }
+        first += q->point_count;
+    }
+    return BVX_OK;
+}
+
+static void joint_place(const joint_faces *f, uint32_t v, double at[3])
+{
+    const bvxi_oblique *const o = f->o;
+
+    if (f->point[v] != 0) {
+        memcpy(at, o->given->points + 3 * (uint64_t)(f->point[v] - 1), 24);
+        return;
+    }
+    for (int k = 0; k < 3; k++) at[k] = o->origin[k] + o->step * o->vertex[v].at[k];
+}
+
+static int is_kept_point(const joint_faces *f, uint32_t v, const double given[3])
+{
+    double const most = JOINT_ONE_PLACE * f->o->longest * f->o->step;
+    double at[3];
+
+    if (v == BVXI_NONE || f->used[v] != f->kind) return 0;
+    joint_place(f, v, at);
+    for (int k = 0; k < 3; k++)
+        if (!(bvxi_absolute(at[k] - given[k]) <= most)) return 0;
+    return 1;
+}
+
+/* The body's own points, which follow those of the bodies before it on each plane. */
+static void count_unkept_points(const joint_faces *f)
+{
+    bvxi_oblique *const o = f->o;
+    uint32_t first = 0;
+
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        const bvxi_plane *const q = &o->plane[p].plane;
+        uint32_t n = 0, end;
+
+        for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
+        end = n + o->body[f->kind - 1].plane[p].plane.point_count;
+        for (; n < end; n++) {
+            const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
+            if (is_kept_point(f, o->point_vertex[first + n], given)) continue;
+            o->report.unkept_points++;
+            if (o->report.located < BVX_SECTIONS_LOCATED)
+                memcpy(o->report.unkept[o->report.located++], given, 24);
+        }
+        first += q->point_count;
+    }
+}
+
+/* ---- meshes ---- */
+
+static void write_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
+{
+    double at[3];
+
+    joint_place(f, v, at);
+    for (uint64_t k = 0; k < 3; k++) {
+        if (f->o->options.position_type == BVX_F64)
+            ((double *)mesh->positions)[3 * (uint64_t)number + k] = at[k];
+        else ((float *)mesh->positions)[3 * (uint64_t)number + k] = (float)at[k];
+    }
+}
+
+/* Vertices are numbered in the order in which faces come to them. */
+static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
+{
+    const bvxi_oblique *const o = f->o;
+    uint64_t const corners = 3 * f->count;
+    uint64_t vertices = 0;
+
+    for (uint64_t i = 0; i < corners; i++) vertices += f->joined[i] == i;
+    if (f->count > INT32_MAX || vertices > INT32_MAX)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", o->function);
+    BVXI_TRY(bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, f->count, mesh));
+    memset(f->number, 0xff, (size_t)(corners * 4));
+    vertices = 0;
+    for (uint64_t i = 0; i < corners; i++) {
+        uint32_t const v = f->corner[i / 3][i % 3];
+        uint32_t *const number = &f->number[corner_root(f, (uint32_t)i)];
+        if (*number == BVXI_NONE) {
+            *number = (uint32_t)vertices++;
+            write_position(f, mesh, *number, v);
+            f->used[v] = (uint8_t)f->kind;
+        }
+        mesh->triangles[i] = *number;
+    }
+    return BVX_OK;
+}
+
+/* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
+static bvx_status check_joint_mesh(const bvxi_oblique *o, const bvx_mesh *mesh, int32_t label)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
+    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
+                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
+                         o->function, (int64_t)label);
+}
+
+static bvx_status make_joint_mesh(joint_faces *f, int kind, bvx_mesh *mesh)
+{
+    bvxi_oblique *const o = f->o;
+    int32_t const label = o->body[kind - 1].options.label;
+
+    BVXI_TRY(take_faces(f, kind));
+    if (f->count == 0)
+        return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
+                             "%s: no point of the lattice lies inside label %d; take more cells", o->function,
+                             (int64_t)label);
+    find_fans(f);
+    BVXI_TRY(write_joint_mesh(f, mesh));
+    count_unkept_points(f);
+    return check_joint_mesh(o, mesh, label);
+}
+
+bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *meshes)
+{
+    int const count = (int)o->body_count;
+    joint_faces f;
+
+    for (int kind = 1; kind <= count; kind++)
+        BVXI_TRY(
+            BVXI_SHARE(o->ctx, 0.4 * (kind - 1) / count, 0.4 * kind / count, open_pinched(o, cut, kind)));
+    memset(&f, 0, sizeof f);
+    f.o = o;
+    f.cut = cut;
+    BVXI_TRY(find_points(&f));
+    for (int kind = 1; kind <= count; kind++) {
+        BVXI_TRY(BVXI_SHARE(o->ctx, 0.4 + 0.6 * (kind - 1) / count, 0.4 + 0.6 * kind / count,
+                            make_joint_mesh(&f, kind, &meshes[kind - 1])));
+        close_faces(&f);
+    }
+    return BVX_OK;
+}
