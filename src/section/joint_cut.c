@@ -149,7 +149,7 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 
 /* ---- edges between kinds ---- */
 
-enum { OUTSIDE = 1 }; /* the bit of kind 0 */
+enum { JOINT_OUTSIDE = 1 }; /* the bit of kind 0 */
 
 /* Where a lead at one end of an edge has become one at the other: so many bodies' bits against others. */
 static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t bodies, uint64_t others,
@@ -188,12 +188,12 @@ static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut,
         for (int k = 0; k < 4; k++) {
             uint32_t const x = o->tetra[o->ring[i]].v[k];
             if (x == v[0] || x == v[1] || x == m) continue;
-            if (cut->among[x] == OUTSIDE || (cut->among[x] & cut->among[v[0]]) != 0) return BVX_OK;
+            if (cut->among[x] == JOINT_OUTSIDE || (cut->among[x] & cut->among[v[0]]) != 0) return BVX_OK;
             around |= cut->among[x];
         }
-    around &= ~(uint64_t)OUTSIDE;
+    around &= ~(uint64_t)JOINT_OUTSIDE;
     if (around != 0)
-        cut->among[m] = OUTSIDE | UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, around);
+        cut->among[m] = JOINT_OUTSIDE | UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, around);
     return BVX_OK;
 }
 
@@ -201,14 +201,15 @@ static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut,
 static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                                    int *made)
 {
-    uint32_t const v[2] = {(cut->among[a] & OUTSIDE) != 0 ? b : a, (cut->among[a] & OUTSIDE) != 0 ? a : b};
+    uint32_t const v[2] = {(cut->among[a] & JOINT_OUTSIDE) != 0 ? b : a,
+                           (cut->among[a] & JOINT_OUTSIDE) != 0 ? a : b};
     double at[3];
 
-    *made = (cut->among[v[0]] & OUTSIDE) == 0 && cut->among[v[1]] == OUTSIDE &&
+    *made = (cut->among[v[0]] & JOINT_OUTSIDE) == 0 && cut->among[v[1]] == JOINT_OUTSIDE &&
             o->vertex[v[1]].sign != BVXI_JOINT_BEYOND;
     if (!*made) return BVX_OK;
-    place_between(o, v, cut->among[v[0]], OUTSIDE, at);
-    BVXI_TRY(cut_edge(o, cut, t, v, OUTSIDE | cut->among[v[0]], at));
+    place_between(o, v, cut->among[v[0]], JOINT_OUTSIDE, at);
+    BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE | cut->among[v[0]], at));
     return close_around(o, cut, v);
 }
 
@@ -218,14 +219,14 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 {
     /* From the higher number, so that the place does not depend on the tetrahedron. */
     uint32_t const v[2] = {cut->among[a] >= cut->among[b] ? a : b, cut->among[a] >= cut->among[b] ? b : a};
-    uint64_t const first = cut->among[v[0]] & ~(uint64_t)OUTSIDE,
-                   second = cut->among[v[1]] & ~(uint64_t)OUTSIDE;
+    uint64_t const first = cut->among[v[0]] & ~(uint64_t)JOINT_OUTSIDE,
+                   second = cut->among[v[1]] & ~(uint64_t)JOINT_OUTSIDE;
     double at[3];
 
     *made = first != 0 && second != 0 && (first & second) == 0;
     if (!*made) return BVX_OK;
     place_between(o, v, first, second, at);
-    return cut_edge(o, cut, t, v, first | second | (cut->among[a] & cut->among[b] & OUTSIDE), at);
+    return cut_edge(o, cut, t, v, first | second | (cut->among[a] & cut->among[b] & JOINT_OUTSIDE), at);
 }
 
 typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
@@ -266,16 +267,16 @@ static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut,
 
     for (int k = 0; k < 4; k++) {
         uint64_t const among = cut->among[t->v[k]];
-        if (among == OUTSIDE) return 0;
+        if (among == JOINT_OUTSIDE) return 0;
         all &= among;
         any |= among;
     }
-    bodies = (all > OUTSIDE ? all : any) & ~(uint64_t)OUTSIDE;
-    if (!(all & OUTSIDE) && (bodies & (bodies - 1)) == 0) return bvxi_lowest(bodies);
+    bodies = (all > JOINT_OUTSIDE ? all : any) & ~(uint64_t)JOINT_OUTSIDE;
+    if (!(all & JOINT_OUTSIDE) && (bodies & (bodies - 1)) == 0) return bvxi_lowest(bodies);
 
     /* All corners lie on the surface of all, or between the same bodies: what its middle is, of those. */
     joint_middle(o, t->v, 4, at);
-    return bvxi_joint_kind_among(o, at, bodies | (all & OUTSIDE));
+    return bvxi_joint_kind_among(o, at, bodies | (all & JOINT_OUTSIDE));
 }
 
 static void tetra_kinds_piece(void *user, int32_t index, int32_t worker)

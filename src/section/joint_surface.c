@@ -357,7 +357,7 @@ static void count_unkept_points(const joint_faces *f)
 
 /* ---- meshes ---- */
 
-static void write_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
+static void write_joint_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
 {
     double at[3];
 
@@ -388,7 +388,7 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
         uint32_t *const number = &f->number[corner_root(f, (uint32_t)i)];
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
-            write_position(f, mesh, *number, v);
+            write_joint_position(f, mesh, *number, v);
             f->used[v] = (uint8_t)f->kind;
         }
         mesh->triangles[i] = *number;

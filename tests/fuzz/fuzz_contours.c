@@ -134,7 +134,9 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         fuzz_require(s.loop_count > 0 && s.owned == 1, "a stack without loops");
         fuzz_check_writing(ctx, &s);
         fuzz_check_body(ctx, &s, (int32_t)(bvx_hash(file, size, 0) >> 40));
-        fuzz_check_bodies(ctx, &s, (int32_t)(bvx_hash(file, size, 0) >> 41));
+        /* One in eight: its cells take longer than all else here. */
+        if (bvx_hash(file, size, 1) % 8 == 0)
+            fuzz_check_bodies(ctx, &s, (int32_t)(bvx_hash(file, size, 0) >> 41));
     } else {
         fuzz_require(memcmp(&s, &empty, sizeof s) == 0, "a result behind an error");
     }

@@ -227,7 +227,7 @@ def test_bodies_of_all_labels_are_those_one_by_one():
 def _faces(mesh):
     """Each triangle by its corners' places, in order, and which way round they go."""
     made = {}
-    for corners in mesh.vertices[mesh.triangles]:
+    for corners in mesh.vertices[mesh.faces]:
         places = [tuple(corner) for corner in corners.tolist()]
         order = sorted(range(3), key=places.__getitem__)
         made[tuple(places[i] for i in order)] = order in ([0, 1, 2], [1, 2, 0], [2, 0, 1])
@@ -237,7 +237,7 @@ def _faces(mesh):
 def test_bodies_that_touch_share_their_faces():
     square = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], float)
     loops = [bitvox.Loop(square + [2 * i, 0, z], name) for i, name in enumerate(("a", "b", "c")) for z in (0, 1, 3)]
-    bodies = bitvox.Sections(loops).bodies(touching="shared", cells=24)
+    bodies = bitvox.Sections(loops).bodies(touching="shared", cells=48)
     assert list(bodies) == ["a", "b", "c"]
     for body in bodies.values():
         assert body.check().closed and body.check().oriented
