@@ -79,6 +79,7 @@ ROW(levels, bvx_build_levels(c, &m->view, NULL, 2, r->mesh))
 ROW(read_ply, bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]))
 ROW(read_cloud, bvx_read_points(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]))
 ROW(join_sections, bvx_build_sections(c, &m->sections, NULL, &r->mesh[0]))
+ROW(join_bodies, bvx_build_bodies(c, &m->sections, NULL, (const int32_t[]){1}, 1, r->mesh))
 ROW(measure, bvx_measure_field(c, &m->view, &m->lattice, NULL, &r->field))
 ROW(read_octree, bvx_read_octree(c, m->octree.bytes, m->octree.size, &r->tree))
 ROW(read_csv, bvx_read_sections(c, m->csv.bytes, m->csv.size, BVX_FORMAT_CSV, NULL, &r->sections))
@@ -325,6 +326,7 @@ static const struct row {
     {"bvx_read_mesh", read_ply},
     {"bvx_read_points", read_cloud},
     {"bvx_build_sections", join_sections},
+    {"bvx_build_bodies", join_bodies},
     {"bvx_measure_field", measure},
     {"bvx_refine", refine},
     {"bvx_read_octree", read_octree},
