@@ -52,15 +52,15 @@ static int make_inputs(void **state)
         if (i == 0) stack_round(&slanted, k, 0, 4, 0.5, 0.5, 6, 0, 0, 0);
     }
     stack_clear(&touching);
-    for (int i = 0; i < 3; i++) { /* half discs that touch, and one that does not */
+    for (int i = 0; i < 3; i++) { /* half discs that touch */
         uint32_t const k = stack_section(&touching, 0.5 * i);
-        for (int label = 1; label <= 3; label++) {
+        for (int label = 1; label <= 2; label++) {
             stack_loop(&touching, k);
             touching.loop[touching.s.loop_count - 1].label = label;
             for (int p = 0; p < 5; p++) {
                 double x, y;
                 stack_circle(label == 2 ? 0.5 + p / 8.0 : p / 8.0, &x, &y);
-                stack_point(&touching, label == 3 ? x + 3.0 : x, y);
+                stack_point(&touching, x, y);
             }
         }
     }
@@ -142,21 +142,21 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 
 static bvx_status run_bodies(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    static const int32_t labels[3] = {3, 1, 2};
+    static const int32_t labels[2] = {2, 1};
     bvx_sections_options o;
-    bvx_mesh made[3] = {0};
+    bvx_mesh made[2] = {0};
 
     bvx_sections_options_init(&o, sizeof o);
     o.cells = 8;
-    bvx_status const built = bvx_build_bodies(ctx, &touching.s, &o, labels, 3, made);
+    bvx_status const built = bvx_build_bodies(ctx, &touching.s, &o, labels, 2, made);
     bvx_status status = built;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 2; i++) {
         uint64_t hash = 0;
         if (built != BVX_OK) run->wrong |= made[i].positions != NULL;
         if (status == BVX_OK) status = bvx_mesh_hash(ctx, &made[i], &hash);
         *mark = *mark * 31 + hash;
     }
-    for (int i = 0; i < 3; i++) bvx_mesh_free(ctx, &made[i]);
+    for (int i = 0; i < 2; i++) bvx_mesh_free(ctx, &made[i]);
     return status;
 }
 
