@@ -71,6 +71,7 @@ static inline double bvxi_cost_of_widening(double voxels)
 
 #define BVXI_TRIANGLES_OF_END 1.4  /* about so many triangles has the surface */
 #define BVXI_SHARP_OF_END     0.03 /* and so many sharp cells, where they are looked for */
+#define BVXI_SHARP_OF_FIELD   0.08 /* the same of a field alone, whose surface is made because it is sharp */
 #define BVXI_ENDS_OF_AREA     1.7  /* of an area in voxels' faces there are so many ends */
 #define BVXI_ENDS_OF_SIDE     1.8  /* where the area is not known */
 

@@ -196,7 +196,7 @@ enum { CUT_SURFACE_OPEN, CUT_SURFACE_FILL, CUT_SURFACE_CUTS, CUT_SURFACE_SHARPEN
 static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int sharp,
                                double cost[CUT_SURFACE_STEPS])
 {
-    double triangles = 0.0, ends = 0.0;
+    double triangles = 0.0, ends = 0.0, cells;
 
     /* Of all meshes that cut the surface. */
     for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
@@ -204,12 +204,11 @@ static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int
         ends += v->values != NULL ? (double)v->values->count : 0.0;
     }
     if (vertices == 0.0) vertices = ends;
+    cells = triangles > 0.0 ? BVXI_SHARP_OF_END : BVXI_SHARP_OF_FIELD;
     cost[CUT_SURFACE_OPEN] = cost[CUT_SURFACE_FILL] = 0.5 * BVXI_COST_MARCH * vertices;
     cost[CUT_SURFACE_CUTS] = (sharp ? BVXI_COST_SHARP_CUTS : BVXI_COST_CUTS) * vertices +
                              (sharp ? BVXI_COST_SHARP_MESH * triangles : 0.0);
-    cost[CUT_SURFACE_SHARPEN] = sharp ? (BVXI_COST_SHARPEN + BVXI_COST_SHARP_CELL * BVXI_SHARP_OF_END) *
-                                            vertices
-                                      : 0.0;
+    cost[CUT_SURFACE_SHARPEN] = sharp ? (BVXI_COST_SHARPEN + BVXI_COST_SHARP_CELL * cells) * vertices : 0.0;
 }
 
 static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi_steps *steps,
