@@ -177,6 +177,8 @@ ROWS = {
         ("one.csl --grid 20x30 --thickness 0.5 --caps taper", "ply", lambda at: bitvox.from_sections(at / "one.csl", grid=(20, 30), thickness=0.5, caps="taper")),
         ("c.csl --grid 20x30 --join 0.5 --nesting whole --mend --crossings paper --label 1", "ply",
          lambda at: bitvox.from_sections(at / "c.csl", grid=(20, 30), join=0.5, nesting="whole", mend=True, crossings="paper", label=1)),
+        ("c.csl --cells 16 --label all --touching shared", "ply",
+         lambda at: {int(name): body for name, body in bitvox.read(at / "c.csl").bodies(touching="shared", cells=16).items()}),
         ("cross.csl --cells 16", "ply", lambda at: bitvox.from_sections(at / "cross.csl", cells=16)),
         ("apart.csl --cells 16 --agree 2.5", "ply", lambda at: bitvox.from_sections(at / "apart.csl", cells=16, agree=2.5)),
         ("c.csv --grid 20x30 --close-gap 5", "ply", lambda at: bitvox.from_sections(bitvox.read(at / "c.csv", close_gap=5), grid=(20, 30))),
