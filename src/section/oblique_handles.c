@@ -23,8 +23,7 @@ typedef struct handle_work {
     bvxi_oblique *o;
     /* the triangles of tetrahedra: patches of them, fans of their corners */
     uint32_t *vertex_of, *patch, *fan, *loop;
-    uint8_t
-        *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 the two of an inner one */
+    uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
     int32_t *euler, *loops;
     bvxi_edge_map pair;
     uint64_t triangles;

@@ -4,7 +4,7 @@
 #include "tools/section_maker.h"
 
 static bvx_context *maker;
-static section_maker stack, walls, crossed, oblique, lone, slanted, touching;
+static section_maker stack, walls, crossed, oblique, handled, lone, slanted, touching;
 static maker_mesh star;
 static bvx_mesh_view view;
 
@@ -64,6 +64,11 @@ static int make_inputs(void **state)
             }
         }
     }
+    /* A ball with a handle between its planes, which is cut. */
+    stack_oblique(&handled);
+    seed = 6;
+    for (int i = 0; i < 5; i++)
+        stack_ball_cut(&handled, stack_any_plane(&handled, &seed, 0.85), 0, 0, 0, 1.0, 10);
     stack_oblique(&oblique);
     for (int i = 0; i < 3; i++)
         stack_ball_cut(&oblique, stack_plane(&oblique, i == 0, i == 1, 0.3 + 0.2 * i, 0.1 * i), 0, 0, 0, 1.0,
@@ -89,6 +94,7 @@ enum {
     RUN_JOINED,
     RUN_MENDED,
     RUN_OBLIQUE,
+    RUN_HANDLED,
     RUN_SLAB,
     RUN_LENS,
     RUN_SHIFTED,
@@ -126,6 +132,7 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     bvx_status status = bvx_build_sections(ctx,
                                            run->kind == RUN_JOINED    ? &walls.s
                                            : run->kind == RUN_OBLIQUE ? &oblique.s
+                                           : run->kind == RUN_HANDLED ? &handled.s
                                            : o.thickness > 0.0        ? &lone.s
                                            : o.join > 0.0             ? &slanted.s
                                            : o.mend                   ? &crossed.s
