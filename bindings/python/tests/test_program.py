@@ -34,7 +34,7 @@ NAMES = {
     "simplify": ([bitvox.simplify], {"normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None, "halvings": "levels", **OF_MESHES}),
-    "sections": ([bitvox.from_sections, bitvox.read], {"block-model": None, "block": None, **OF_MESHES}),
+    "sections": ([bitvox.from_sections, bitvox.read, bitvox.Sections.bodies], {"block-model": None, "block": None, **OF_MESHES}),
     "slice": ([bitvox.slice_mesh], {}),
     "faces": ([bitvox.faces, bitvox.voxelize, *VOLUME], {"origin": "corner", **OF_MESHES, **OF_VOLUMES}),
     "fill": ([bitvox.Grid.fill, bitvox.find_seed, bitvox.find_pockets, bitvox.simplify], {"seed": "seeds", "add-shell": bitvox.Grid.__or__, **OF_MESHES}),
