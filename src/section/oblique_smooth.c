@@ -19,7 +19,8 @@ enum {
     SMOOTH_NODES = 32, /* along the contours' longest side */
     SMOOTH_ROW = 64,   /* more than a row of nodes has: 1.25 times those, and 15 */
     SMOOTH_ROUNDS = 60,
-    SMOOTH_BANDS = 10 /* of the ties' matrix: the diagonal, and along each axis one to three nodes on */
+    SMOOTH_SMALL = 1 << 14, /* nodes */
+    SMOOTH_BANDS = 10       /* of the ties' matrix: the diagonal, and along each axis one to three nodes on */
 };
 
 #define SMOOTH_TIE    30.0 /* a tie's strength on the contour; a node's own in the plate's matrix is 42 */
@@ -232,9 +233,13 @@ static void image_slice(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* image = matrix * way */
+/* image = matrix * way. What takes less than a helper needs to wake is done here, with one report. */
 static bvx_status make_image(smooth_work *w)
 {
+    if (w->nodes <= SMOOTH_SMALL) {
+        for (int32_t k = 0; k < w->grid.size[2]; k++) image_slice(w, k, 0);
+        return bvxi_progress(w->o->ctx, "field", 1.0);
+    }
     return bvxi_parallel(w->o->ctx, "field", 0.0, 1.0, w->grid.size[2], image_slice, w);
 }
 
