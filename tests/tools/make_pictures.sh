@@ -1,6 +1,7 @@
 #!/bin/sh
 # make_pictures.sh [check] - docs/pictures: what each command makes of overlaps, holes, thin walls and crumbs, a body through
-# contours on crossing planes, and two slanted vessels, each section apart and joined by shifting. With check nothing is written: the pictures must be those that the program draws now, and small.
+# contours on crossing planes, two slanted vessels, each section apart and joined by shifting, and a wall with what it encloses.
+# With check nothing is written: the pictures must be those that the program draws now, and small.
 # BITVOX is the program [build/bitvox]. Runs in the repository's root, works in a folder of its own.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -68,8 +69,24 @@ quiet sections vessels.csv -o joined.off --join 8 2>warnings
 quiet render apart.off joined.off -o raw.png --size 300x210 --from 1,-2,1
 python3 "$root/tests/tools/pack_png.py" raw.png join.png
 
+# A wall and what it encloses, with the same faces where they touch.
+python3 >wall.csv <<'P'
+from math import cos, pi, sin
+
+print('section,position,loop,x,y,label')
+for s in range(7):
+    x, inner, outer = 0.5 * sin(s), 2.2 + 0.5 * sin(1.3 * s), 3.2 + 0.35 * sin(0.9 * s + 1)
+    for loop, (label, r) in enumerate([(1, outer), (1, inner), (2, inner)]):
+        for i in range(48):
+            a = pi * i / 24
+            print(f'{s},{1.2 * s:g},{loop},{x + r * cos(a):.4f},{r * (1 + 0.08 * cos(3 * a)) * sin(a):.4f},{label}')
+P
+quiet sections wall.csv --label all --touching shared -o body_%d.off --cells 48
+quiet render body_1.off body_2.off -o raw.png --size 250x175 --from 1,-2,1.4
+python3 "$root/tests/tools/pack_png.py" raw.png bodies.png
+
 bad=0
-for picture in input voxelize boolean repair lod simplify sweep join; do
+for picture in input voxelize boolean repair lod simplify sweep join bodies; do
     if [ "$(wc -c <$picture.png)" -gt $most ]; then
         echo "$picture.png has $(wc -c <$picture.png) bytes, more than $most"
         bad=1
