@@ -10,7 +10,7 @@
 enum {
     SURFACE_GRAIN = 65536, /* triangles between looks at progress */
     APART_GRAIN = 4096,    /* triangles that a worker takes at a time */
-    APART_BYTES = 8,       /* of the grids of workers beside the first, for each triangle, at most */
+    APART_BYTES = 8,       /* of what workers beside the first have, for each triangle, at most */
     LARGE_GRID = 1 << 23   /* [Units: words] */
 };
 
@@ -281,12 +281,14 @@ static void share_work(const bvx_context *ctx, int attach, bvxi_surface_job *job
     uint64_t const triangles = job->view->triangle_count, words = bvxi_grid_words(job->grid);
     int32_t const threads = bvxi_threads(ctx);
     int32_t tiles = 8 * threads;
+    /* Of hundreds of workers the counts take more than the grids. */
+    uint64_t const apart = words * 8 + sizeof *job->helpers;
 
     job->pieces = 1;
     if (threads == 1) {
         tiles = 1;
         job->pieces = bvxi_piece_count(triangles, SURFACE_GRAIN);
-    } else if (!attach && words <= triangles * APART_BYTES / 8 / (uint64_t)(threads - 1)) {
+    } else if (!attach && apart <= triangles * APART_BYTES / (uint64_t)(threads - 1)) {
         tiles = 1;
         job->pieces = bvxi_piece_count(triangles, APART_GRAIN);
         job->helper_count = threads - 1;

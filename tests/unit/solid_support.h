@@ -30,16 +30,19 @@ enum { MANY_WORKERS = 5 };
 /* Tasks from the last to the first, each by another worker than the one before; nobody runs beside anybody. */
 static inline void in_turns(void *user, int32_t count, bvx_task_fn *task, void *task_user)
 {
-    (void)user;
-    for (int32_t i = count - 1; i >= 0; i--) task(task_user, i, i % MANY_WORKERS);
+    const int32_t *const workers = user;
+
+    for (int32_t i = count - 1; i >= 0; i--) task(task_user, i, i % *workers);
 }
 
-static inline bvx_context *context_in_turns(void)
+/* workers: lives as long as the context. */
+static inline bvx_context *context_in_turns(int32_t *workers)
 {
-    bvx_context_options plain = suite_options(MANY_WORKERS, BVX_CPU_BEST), o;
+    bvx_context_options plain = suite_options(*workers, BVX_CPU_BEST), o;
     bvx_context *made = NULL;
 
     plain.parallel = in_turns;
+    plain.parallel_user = workers;
     o = fault_options(&plain, &suite_heap);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
     return made;

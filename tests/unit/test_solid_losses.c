@@ -237,7 +237,8 @@ static void test_crossings_know_the_volume_of_overlapping_bodies(void)
 /* Enough triangles and words for several pieces of each step. */
 static void test_workers_in_turns_tell_the_same(void)
 {
-    bvx_context *const turns = context_in_turns();
+    int32_t workers = MANY_WORKERS;
+    bvx_context *const turns = context_in_turns(&workers);
     bvx_solid_report first;
 
     for (int holes = 0; holes < 2; holes++) {
@@ -346,6 +347,24 @@ static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
     bvx_context_destroy(limited);
 }
 
+/* Where every wall is thin, all triangles are near to one: what docs/rules.md says, but for small tables. */
+static void test_walls_that_are_all_thin_take_the_memory_that_is_told(void)
+{
+    int32_t const resolution = 24;
+    uint64_t const used = bvx_memory_used(ctx);
+    uint64_t places, formula;
+    bvx_mesh_view view;
+
+    make_shell(0.02, resolution);
+    view = maker_view(&mesh);
+    bvx_memory_reset_peak(ctx);
+    voxels_at(ctx, resolution, 1);
+    places = report.thin_voxels;
+    TEST_ASSERT_TRUE(places > 1000 && view.triangle_count > 1000);
+    formula = 2 * 8 * bvx_grid_bound(&lattice, NULL) + 121 * view.triangle_count + 32 * places + 16384;
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - used <= formula);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -360,5 +379,6 @@ int main(void)
     RUN_TEST(test_what_is_told_depends_on_mesh_and_lattice);
     RUN_TEST(test_walls_are_not_looked_for_below_a_terrain);
     RUN_TEST(test_a_limit_leaves_the_look_out_unless_asked_for);
+    RUN_TEST(test_walls_that_are_all_thin_take_the_memory_that_is_told);
     return UNITY_END();
 }
