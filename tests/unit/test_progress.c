@@ -329,7 +329,7 @@ static void test_steps_begin_where_their_time_does(void)
         {sharp_surface, "vertices", 0.01, 0.15, TO_MESH},
         {sharp_surface, "sharp edges", 0.2, 0.7, TO_MESH},
         {checked_solid, "surface", 0.1, 0.4, TO_GRID},
-        {checked_solid, "check", 0.4, 0.95, TO_GRID},
+        {checked_solid, "check", 0.7, 0.95, TO_GRID}, /* at 0.86 of its time */
         {regions_solid, "surface", 0.5, 0.75, TO_GRID},
         {regions_solid, "regions", 0.8, 0.98, TO_GRID},
         {repair, "solid", 0.02, 0.3, TO_MESH},
