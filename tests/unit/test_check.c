@@ -666,6 +666,32 @@ static void test_large_meshes_by_many_workers(void)
     bvx_context_destroy(turns);
 }
 
+/* The memory that the header gives, of meshes with half a vertex a triangle, three, and fourteen; also with an
+ * edge of three triangles. */
+static void test_memory_is_what_the_header_says(void)
+{
+    double const centre[3] = {0, 0, 0}, radius[3] = {9, 9, 9};
+
+    for (int shape = 0; shape < 4; shape++) {
+        maker_clear(&mesh);
+        maker_star(&mesh, &seed, centre, radius, 0.2, 60, 60, 65536);
+        for (size_t i = 0; i < 3 * mesh.triangles && shape > 0; i++) {
+            const double *const p = mesh.p + 3 * (size_t)mesh.t[i];
+            mesh.t[i] = maker_vertex(&mesh, p[0], p[1], p[2]); /* each its own */
+        }
+        for (size_t i = 0; i < 10 * mesh.triangles && shape == 2; i++) maker_vertex(&mesh, (double)i, 0, 0);
+        if (shape == 3) maker_triangle(&mesh, mesh.t[0], mesh.t[1], mesh.t[9]);
+        for (int32_t weld = 0; weld < 2; weld++) {
+            uint64_t const formula = 53 * mesh.triangles + 10 * mesh.vertices + 8192;
+            uint64_t const used = bvx_memory_used(ctx);
+
+            bvx_memory_reset_peak(ctx);
+            check(weld);
+            TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - used <= formula);
+        }
+    }
+}
+
 static void test_every_allocation_may_fail(void)
 {
     uint64_t allocations = 0;
@@ -719,6 +745,7 @@ int main(void)
     RUN_TEST(test_without_triangles_only_unused_vertices_are_counted);
     RUN_TEST(test_check_refuses);
     RUN_TEST(test_large_meshes_by_many_workers);
+    RUN_TEST(test_memory_is_what_the_header_says);
     RUN_TEST(test_every_allocation_may_fail);
     RUN_TEST(test_check_runs_in_an_arena);
     return UNITY_END();
