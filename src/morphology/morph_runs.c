@@ -194,8 +194,8 @@ static void run_runs_piece(void *user, int32_t index, int32_t worker)
     bvxi_piece((uint64_t)(end - begin) + 2 * (uint64_t)rz, job->steps, job->step, &first, &last);
     /* Rows before the first and after the last one count as what lies beyond. */
     memset(scratch + RUNS_CHUNK, job->around != 0 ? 0xff : 0, ((size_t)job->reach[0] + 1) * job->room * 8);
-    for (int32_t z = begin; z < end && job->step == 0;
-         z++) /* slices beyond the box reach those near its sides */
+    /* Slices beyond the box reach those near its sides. */
+    for (int32_t z = begin; z < end && job->step == 0; z++)
         memset(job->to.words + (size_t)z * job->slice,
                job->around != 0 && (z < rz || nz - z <= rz) ? 0xff : 0, job->slice * 8);
     for (int32_t z = begin - rz + (int32_t)first; z < begin - rz + (int32_t)last; z++)

@@ -1,11 +1,11 @@
 /* piece_volumes.c - the pieces of a mesh by volume and box: which face inward, which lie within others.
  *
- * A piece is what hangs together by vertices, or where bodies touch at vertices by edges. A closed one that faces inward has a negative volume: it is the
- * cavity of a piece around it, or it is inside out. The volumes of all, each taken as positive, are the most
- * that a solid of the mesh can have: where pieces overlap it has less. Boxes say quickly what cannot lie
- * within what; voxels, filled by two rules that differ in nothing else, say whether something does.
- *
- * Sums are taken around the middle of the mesh, so that far coordinates keep their digits. */
+ * A piece is what hangs together by vertices, or where bodies touch at vertices by edges. A closed one that
+ * faces inward has a negative volume: it is the cavity of a piece around it, or it is inside out. The
+ * volumes of all, each taken as positive, are the most that a solid of the mesh can have: where pieces
+ * overlap it has less. Boxes say quickly what cannot lie within what; voxels, filled by two rules that
+ * differ in nothing else, say whether something does.  Sums are taken around the middle of the mesh, so that
+ * far coordinates keep their digits. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
