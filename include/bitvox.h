@@ -2340,13 +2340,15 @@ BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *
  *  join and label do not). Together the bodies are what all their contours make as one body. Bodies touch where
  *  their contours run along each other, to 1/1000 of a cell. Flat caps end all bodies on the first and the last
  *  of parallel planes; with tapered ones, and on other planes, they end in domes beyond.
- *  labels   [Size: count] the bodies, each once; loops with other labels are left out
+ *  labels   [Size: count] the bodies, each once; of loops with other labels only the lattice takes notice,
+ *           which covers all
  *  count    [Limit: 1..63]
  *  meshes   out [Size: count] in the order of the labels
  *  report   filled with the counts of all bodies together
  *  Returns BVX_ERR_EMPTY (a label without loops, a loop of fewer than three points, a body that no point of
- *  the lattice lies in), BVX_ERR_FORMAT (as bvx_build_sections; also bodies that overlap by more than agree),
- *  BVX_ERR_RANGE, BVX_ERR_ARGUMENT (also open caps, a label given twice). After a failure no mesh is made.
+ *  the lattice lies in, flat caps where one of parallel planes has all contours), BVX_ERR_FORMAT (as
+ *  bvx_build_sections; also bodies that overlap by more than agree), BVX_ERR_RANGE, BVX_ERR_ARGUMENT (also open
+ *  caps, BVX_LABEL_ONLY, a label given twice). After a failure no mesh is made.
  *  [Memory: about 10 MB + 20,000 cells^2 for bodies as large as their box; docs/rules.md]
  *  [Cost: O(cells of the surfaces), and values there for each body]
  *  [Exact: which faces are whose; on planes inside and outside are the contours']

@@ -17,12 +17,18 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: count is %u; 1 to %u bodies are possible", bodies_name, (uint64_t)count,
                              (uint64_t)BVXI_JOINT_BODIES);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
+        /* For one body it means the only label there is, which may be another of these. */
+        if (labels[i] == BVX_LABEL_ONLY)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                                 "%s: labels[%u] is BVX_LABEL_ONLY, which is no body's", bodies_name,
+                                 (uint64_t)i);
         for (uint32_t j = 0; j < i; j++)
             if (labels[i] == labels[j])
                 return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                                      "%s: labels[%u] and labels[%u] are both %d", bodies_name, (uint64_t)j,
                                      (uint64_t)i, (int64_t)labels[i]);
+    }
     return BVX_OK;
 }
 

@@ -278,16 +278,16 @@ static bvx_status join_contours(bvxi_oblique *o)
 /* ---- ends ---- */
 
 /* Flat caps: parallel planes end all bodies on the first and the last of them. */
-static void find_ends(bvxi_oblique *o)
+static bvx_status find_ends(bvxi_oblique *o)
 {
     const double *const n = o->plane[0].normal;
     double least = 1e300, most = -1e300;
     int against;
 
     o->end[0] = o->end[1] = BVXI_NONE;
-    if (o->options.caps != BVX_CAPS_FLAT) return;
+    if (o->options.caps != BVX_CAPS_FLAT) return BVX_OK;
     for (uint32_t i = 0; i < o->plane_count; i++)
-        if (!bvxi_section_parallel(n, o->plane[i].normal, &against)) return;
+        if (!bvxi_section_parallel(n, o->plane[i].normal, &against)) return BVX_OK;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         int const parallel = bvxi_section_parallel(n, o->plane[i].normal, &against);
         double const way = parallel && against ? -1.0 : 1.0;
@@ -304,6 +304,12 @@ static void find_ends(bvxi_oblique *o)
             o->beyond[1] = way;
         }
     }
+    if (o->end[0] != o->end[1]) return BVX_OK;
+    return bvxi_fail_for(
+        o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
+        "%s: only section %u has contours, and with flat caps all bodies would begin and end "
+        "on it; take tapered caps",
+        o->function, (uint64_t)o->end[0]);
 }
 
 bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t count)
@@ -321,6 +327,6 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
     /* From here on kinds are those of several bodies. */
     o->body_count = count;
     BVXI_TRY(join_contours(o));
-    find_ends(o);
+    BVXI_TRY(find_ends(o));
     return BVXI_SHARE(o->ctx, 0.7, 1.0, make_field(o));
 }

@@ -535,7 +535,7 @@ static void refuse_bodies(bvx_status status, uint32_t count, const int32_t *labe
 
 static void test_what_bodies_are_refused(void)
 {
-    static const int32_t twice[2] = {1, 1}, absent[2] = {1, 7};
+    static const int32_t twice[2] = {1, 1}, absent[2] = {1, 7}, only[2] = {1, BVX_LABEL_ONLY};
     half_space const half = {{1.0, 0.0, 0.0}, 0.0};
 
     make_sectors(0, 5, 2);
@@ -543,6 +543,8 @@ static void test_what_bodies_are_refused(void)
     refuse_bodies(BVX_ERR_ARGUMENT, 64, numbers, "1 to 63 bodies");
     refuse_bodies(BVX_ERR_ARGUMENT, 2, twice, "labels[0] and labels[1] are both 1");
     refuse_bodies(BVX_ERR_EMPTY, 2, absent, "no loop has the label 7");
+    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ONLY");
+    refuse_bodies(BVX_ERR_ARGUMENT, 2, only, "labels[1] is BVX_LABEL_ONLY");
     refuse_bodies(BVX_ERR_ARGUMENT, 2, NULL, "labels");
     o.caps = BVX_CAPS_OPEN;
     refuse_bodies(BVX_ERR_ARGUMENT, 2, numbers, "caps are flat or tapered");
@@ -557,6 +559,15 @@ static void test_what_bodies_are_refused(void)
         }
         refuse_bodies(BVX_ERR_FORMAT, 2, numbers, "labels 1 and 2 overlap");
     }
+
+    /* All contours on one of the planes: flat caps leave nothing, tapered ones a lens. The only label there is
+     * must be named all the same. */
+    begin_sections(0, 3);
+    add_piece(1, 1, 1.0, &half, 1, 0);
+    refuse_bodies(BVX_ERR_EMPTY, 1, numbers, "only section 1 has contours");
+    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ONLY");
+    o.caps = BVX_CAPS_TAPER;
+    (void)build_good_bodies(1);
 }
 
 int main(void)
