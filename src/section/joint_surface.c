@@ -79,10 +79,10 @@ static void close_faces(joint_faces *f)
     f->corner = NULL;
 }
 
-/* Sides of one edge follow each other in a list, the last one that came first. */
+/* Sides of one edge follow each other in a list, the last one that came first. Edges are spread by their hash:
+ * by their ends those of a contour with many points would all be looked for in the same places. */
 static bvx_status list_sides(joint_faces *f)
 {
-    f->side.near = 1;
     BVXI_TRY(bvxi_edge_reserve(f->o, &f->side, 3 * f->count / 2));
     for (uint64_t i = 0; i < 3 * f->count; i++) {
         const uint32_t *const v = f->corner[i / 3];

@@ -525,6 +525,34 @@ static void test_bodies_take_no_more_memory_than_said(void)
 
 /* ---- refusals ---- */
 
+/* The contours that both have, of many points in few cells, are found again in a time that grows with them: by
+ * their neighbourhood it took minutes. */
+static void test_many_points_where_bodies_touch(void)
+{
+    enum { WAVE = 4000 };
+    uint64_t shared;
+
+    stack_clear(&stack);
+    for (int k = 0; k < 3; k++) {
+        uint32_t const section = stack_section(&stack, k);
+        for (int i = 0; i < 2; i++) {
+            stack_loop(&stack, section);
+            stack.loop[stack.s.loop_count - 1].label = i + 1;
+            for (int n = 0; n <= WAVE; n++) {
+                double const y = (double)(i == 0 ? n : WAVE - n) / WAVE;
+                stack_point(&stack, 1.0 + 0.1 * sin(300.0 * y), y);
+            }
+            stack_point(&stack, 2.0 * i, i == 0 ? 1.0 : 0.0);
+            stack_point(&stack, 2.0 * i, i == 0 ? 0.0 : 1.0);
+        }
+    }
+    o.cells = 32;
+    (void)build_good_bodies(2);
+    assert_faces_are_shared(2, 10.0, &shared);
+    TEST_ASSERT_TRUE(shared > 10 * WAVE);
+    TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
+}
+
 static void refuse_bodies(bvx_status status, uint32_t count, const int32_t *labels, const char *words)
 {
     free_bodies();
@@ -583,6 +611,7 @@ int main(void)
     RUN_TEST(test_threads_and_positions_change_no_body);
     RUN_TEST(test_bodies_that_touch_themselves);
     RUN_TEST(test_bodies_take_no_more_memory_than_said);
+    RUN_TEST(test_many_points_where_bodies_touch);
     RUN_TEST(test_what_bodies_are_refused);
     return UNITY_END();
 }
