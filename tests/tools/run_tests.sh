@@ -44,7 +44,7 @@ long_tests='test_below test_cast test_collapse test_field test_field_dense test_
     test_winding_loose test_blocks test_weld test_render test_repair test_repair_defects test_boolean test_levels test_simplify
     test_simplify_cells test_repair_many test_repair_order test_repair_sharp test_repair_thin test_boolean_thin
     test_level_memory test_oblique test_distance test_progress test_sheets test_simplify_colours test_reuse test_crossings
-    test_closest_query test_section_blend test_simplify_parts test_cross test_section_mend'
+    test_closest_query test_section_blend test_simplify_parts test_cross test_section_mend test_bodies'
 left_out=
 
 # ---- Rows: each is make with its settings ----
