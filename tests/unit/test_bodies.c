@@ -523,8 +523,6 @@ static void test_bodies_take_no_more_memory_than_said(void)
     }
 }
 
-/* ---- refusals ---- */
-
 /* The contours that both have, of many points in few cells, are found again in a time that grows with them: by
  * their neighbourhood half as many took 91 s. */
 static void test_many_points_where_bodies_touch(void)
@@ -552,6 +550,8 @@ static void test_many_points_where_bodies_touch(void)
     TEST_ASSERT_TRUE(shared > 10 * WAVE);
     TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
 }
+
+/* ---- refusals ---- */
 
 static void refuse_bodies(bvx_status status, uint32_t count, const int32_t *labels, const char *words)
 {
