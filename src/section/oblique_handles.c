@@ -367,13 +367,14 @@ static bvx_status try_changes(handle_work *w, int inside, int32_t *gain)
 }
 
 /* Small places and small numbers first: as little as possible changes. */
-static bvx_status settle_surface_patch(handle_work *w, int32_t handles, uint64_t *settled)
+static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done, uint64_t *settled)
 {
     static const double size[HANDLE_SIZES] = {0.15, 0.4, 1.0}; /* cells */
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5};
 
     for (int k = 0; k < HANDLE_SIZES * HANDLE_DEPTHS; k++)
         for (uint32_t i = 0; i < w->seeds; i++) {
+            if (i % 16 == 0) BVXI_TRY(bvxi_progress(w->o->ctx, "surface", done));
             BVXI_TRY(look_around_handle(w, w->seed[i]));
             for (int inside = 1; inside >= 0 && handles > 0; inside--) {
                 int32_t gain = 0;
@@ -397,7 +398,7 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
 
         if (w->patch[t] != t || handles <= 0) continue;
         BVXI_TRY(find_handle_seeds(w, owner, t));
-        BVXI_TRY(settle_surface_patch(w, handles, settled));
+        BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles, settled));
     }
     return BVX_OK;
 }

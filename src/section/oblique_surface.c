@@ -245,10 +245,11 @@ static bvx_status close_handles(bvxi_oblique *o)
     for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
         BVXI_TRY(count_handles(o, &handles));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
-        BVXI_TRY(bvxi_oblique_handles(o, o->owner, &settled));
+        BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
+                            bvxi_oblique_handles(o, o->owner, &settled)));
         /* Vertices may have been added, which change nothing but must be marched over. */
         BVXI_TRY(
-            BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
+            BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
     }
     return BVX_OK;
 }
