@@ -1,9 +1,9 @@
 /* joint.h - the bodies of several labels at once, such that where two touch their faces are the same. Not
  * installed.
  *
- * A joint bvxi_oblique has all bodies' contours on its planes and each body by itself in `body`; the kind of a
- * place is 0 outside of all, else which of the bodies it is in, from 1. Vertices of its tetrahedra have their
- * kind as value; a sign of 0 says that they lie between kinds. */
+ * A joint bvxi_oblique has all bodies' contours on its planes and each body by itself in `body`; the kind of
+ * a place is 0 outside of all, else which of the bodies it is in, from 1. Vertices of its tetrahedra have
+ * their kind as value; a sign of 0 says that they lie between kinds. */
 #ifndef BVXI_JOINT_H
 #define BVXI_JOINT_H
 
@@ -23,7 +23,8 @@ typedef struct bvxi_joint_cut {
 
 /* joint_fields.c: the bodies' own numbers, then all contours on one set of planes. */
 bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t count);
-/* The kind at a place; plane: on which it lies, or BVXI_NONE; heard: the planes with a say there, NULL: all. */
+/* The kind at a place; plane: on which it lies, or BVXI_NONE; heard: the planes with a say there, NULL:
+ * all. */
 int bvxi_joint_kind(const bvxi_oblique *o, uint32_t plane, const double at[3], const uint32_t *heard,
                     uint32_t count);
 /* The same of some kinds only. */

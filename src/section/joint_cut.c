@@ -2,10 +2,10 @@
  *
  * Each vertex has a kind: on a plane that of its region between the contours, elsewhere the one that its
  * number says; vertices on contours lie between the kinds on their sides. An edge whose ends have no kind in
- * common gets a vertex where both are as near, which lies between the kinds of both: first on the edge between
- * two kinds, then in the face where three meet, then where four do. After that the vertices of a tetrahedron
- * that have one kind have the same one, which is the tetrahedron's. So kinds fill the cells without gaps, and
- * the faces between two of them are the same for both, whatever the vertices' places are.
+ * common gets a vertex where both are as near, which lies between the kinds of both: first on the edge
+ * between two kinds, then in the face where three meet, then where four do. After that the vertices of a
+ * tetrahedron that have one kind have the same one, which is the tetrahedron's. So kinds fill the cells
+ * without gaps, and the faces between two of them are the same for both, whatever the vertices' places are.
  *
  * A face on a plane always has a vertex that is not on a contour: the tetrahedra on both sides are of the
  * plane's kind there, and the bodies meet each plane in their contours and nowhere else. */
@@ -50,6 +50,8 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
+                /* Splitting an edge moves the new half behind the others, so that the loop comes to it
+                 * too. */
                 uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
                 uint32_t m;
                 double at[3];
@@ -62,6 +64,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
             double at[3];
             int n = 0;
 
+            /* Three corners on contours of one plane: nothing of the face says on which side it is. */
             for (int j = 0; j < 4; j++)
                 if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
             if (n < 3 || !are_on_a_plane(o, v, 3)) continue;
@@ -102,6 +105,7 @@ static void joint_kinds_piece(void *user, int32_t index, int32_t worker)
 
         /* Vertices of the lattice have their kind from it, those of contours none. */
         if (x->sign == 0) continue;
+        /* What the cells put between the lattice's vertices gets its kind now, each on its own plane. */
         if (!x->lattice)
             x->value = (float)bvxi_joint_kind(o, bvxi_first_plane(o, (uint32_t)i), x->at, NULL, 0);
         x->sign = 1;
@@ -119,9 +123,11 @@ static bvx_status give_kinds(bvxi_oblique *o)
     uint64_t count = 0;
     bvx_status status;
 
+    /* A vertex's kind depends on its place only, so pieces can be made at once. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, joint_kinds_piece, &job)));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    /* What is torn there is told by the check of each mesh; the list is of no use here. */
     status = BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
     bvxi_drop(o->ctx, torn);
     return status;
@@ -133,6 +139,7 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     BVXI_TRY(
         bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    /* One bit a kind. Contours' vertices begin without any. */
     for (uint64_t i = 0; i < o->vertex_count; i++)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
 
@@ -157,6 +164,7 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
 {
     double lead[2];
 
+    /* On a plane the numbers are exact distances, so that the place lies on it between its contours. */
     for (int k = 0; k < 2; k++)
         lead[k] = bvxi_joint_lead(o, bvxi_first_plane(o, v[k]), o->vertex[v[k]].at, bodies, others);
     bvxi_oblique_cross_edge(o->vertex[v[0]].at, lead[0] > 0.0 ? lead[0] : 0.0, o->vertex[v[1]].at,
@@ -171,14 +179,15 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
     BVXI_TRY(
         bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    /* From here on the vertex counts as one of a contour: it has several kinds and no number. */
     o->vertex[m].sign = 0;
     o->vertex[m].value = 0.0F;
     cut->among[m] = among;
     return BVX_OK;
 }
 
-/* The vertex that was put into an edge last: where other bodies close around the edge, it would be a hole in them
- * that leads to the outside, and is theirs. */
+/* The vertex that was put into an edge last: where other bodies close around the edge, it would be a hole
+ * in them that leads to the outside, and is theirs. */
 static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2])
 {
     uint32_t const m = (uint32_t)o->vertex_count - 1;
@@ -188,10 +197,12 @@ static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut,
         for (int k = 0; k < 4; k++) {
             uint32_t const x = o->tetra[o->ring[i]].v[k];
             if (x == v[0] || x == v[1] || x == m) continue;
+            /* The outside or the body itself goes on beside the edge: then it is no hole. */
             if (cut->among[x] == JOINT_OUTSIDE || (cut->among[x] & cut->among[v[0]]) != 0) return BVX_OK;
             around |= cut->among[x];
         }
     around &= ~(uint64_t)JOINT_OUTSIDE;
+    /* Of the bodies around the one whose number is the largest there. */
     if (around != 0)
         cut->among[m] = JOINT_OUTSIDE | UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, around);
     return BVX_OK;
@@ -205,6 +216,7 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
                            (cut->among[a] & JOINT_OUTSIDE) != 0 ? a : b};
     double at[3];
 
+    /* Beyond the ends everything is outside already, and the caps are the planes' own faces. */
     *made = (cut->among[v[0]] & JOINT_OUTSIDE) == 0 && cut->among[v[1]] == JOINT_OUTSIDE &&
             o->vertex[v[1]].sign != BVXI_JOINT_BEYOND;
     if (!*made) return BVX_OK;
@@ -219,6 +231,7 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 {
     /* From the higher number, so that the place does not depend on the tetrahedron. */
     uint32_t const v[2] = {cut->among[a] >= cut->among[b] ? a : b, cut->among[a] >= cut->among[b] ? b : a};
+    /* What both ends have of the outside does not part them, but stays with the new vertex. */
     uint64_t const first = cut->among[v[0]] & ~(uint64_t)JOINT_OUTSIDE,
                    second = cut->among[v[1]] & ~(uint64_t)JOINT_OUTSIDE;
     double at[3];
@@ -232,13 +245,14 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                              int *made);
 
-/* All edges that are to be cut, those of what the cuts make too: each cut puts a vertex with more kinds in place of
- * a corner, so this ends. */
+/* All edges that are to be cut, those of what the cuts make too: each cut puts a vertex with more kinds in
+ * place of a corner, so this ends. */
 static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         int again = 1;
         if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
+        /* A cut replaces a corner of this tetrahedron, so its edges are looked at once more. */
         while (again) {
             again = 0;
             for (int a = 0; a < 4; a++)
@@ -267,10 +281,12 @@ static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut,
 
     for (int k = 0; k < 4; k++) {
         uint64_t const among = cut->among[t->v[k]];
+        /* One corner that is only outside decides: no body reaches it. */
         if (among == JOINT_OUTSIDE) return 0;
         all &= among;
         any |= among;
     }
+    /* What all corners have in common, or where that is the outside alone, what any has. */
     bodies = (all > JOINT_OUTSIDE ? all : any) & ~(uint64_t)JOINT_OUTSIDE;
     if (!(all & JOINT_OUTSIDE) && (bodies & (bodies - 1)) == 0) return bvxi_lowest(bodies);
 
@@ -322,6 +338,7 @@ static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_
         for (int k = 0; k < 4; k++) {
             uint32_t const n = o->tetra[t].n[k];
             uint32_t a, b;
+            /* Each face once, from the tetrahedron with the higher number. */
             if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
             a = speck_root(w, (uint32_t)t);
             b = speck_root(w, n);
@@ -359,6 +376,8 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
     join_specks(o, cut, &w);
     find_speck_kinds(o, cut, &w);
+    /* A piece whose neighbours are of several kinds may get one without a majority: any of them is as
+     * right. */
     for (uint64_t t = 0; t < n; t++) {
         uint32_t const root = speck_root(&w, (uint32_t)t);
         if (!w.kept[root]) cut->kind[t] = w.beside[root];

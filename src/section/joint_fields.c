@@ -36,6 +36,7 @@ int bvxi_joint_kind(const bvxi_oblique *o, uint32_t plane, const double at[3], c
     int kind = 0;
 
     if (is_beyond_ends(o, plane, at)) return 0;
+    /* Between planes the number of all bodies together decides about the outside, before any of one body. */
     if (plane == BVXI_NONE && !(number_of(o, plane, at, heard, count) > 0.0)) return 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
         double uv[2], number;
@@ -63,6 +64,7 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
     *kind = 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
         double number;
+        /* Bit 0 is the outside's, so bodies begin with bit 1. */
         if (!(bodies >> (i + 1) & 1)) continue;
         number = number_of(&o->body[i], plane, at, NULL, 0);
         if (number <= most) continue;
@@ -76,6 +78,7 @@ int bvxi_joint_kind_among(const bvxi_oblique *o, const double at[3], uint64_t ki
 {
     int kind;
 
+    /* The outside is asked about only where it is one of the choices. */
     if ((kinds & 1) != 0 && !(number_of(o, BVXI_NONE, at, NULL, 0) > 0.0)) return 0;
     (void)largest_number(o, BVXI_NONE, at, kinds, &kind);
     return kind;
@@ -109,6 +112,7 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
 {
     bvxi_oblique *const b = &o->body[i];
 
+    /* A body is made as bvx_build_sections makes one, of the loops with its label. */
     b->ctx = o->ctx;
     b->function = o->function;
     b->given = o->given;
@@ -139,6 +143,7 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
     const bvxi_oblique_plane *const p = &o->plane[plane];
     double at[3];
 
+    /* Back to the world, for the message. */
     for (int k = 0; k < 3; k++)
         at[k] = o->origin[k] +
                 o->step * (p->offset * p->normal[k] + (uv[0] * p->axis[0][k] + uv[1] * p->axis[1][k]));
@@ -166,6 +171,7 @@ static int look_beside(const bvxi_oblique *o, uint32_t plane, uint32_t a, uint32
     int in;
 
     memcpy(middle, half, sizeof half);
+    /* A body without contours on the plane touches nothing there. */
     if (other->plane[plane].plane.contour_count == 0) return 0;
     depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
     in = bvxi_oblique_encloses(other, plane, left);
@@ -186,6 +192,7 @@ static bvx_status find_outer_segments(bvxi_oblique *o, uint32_t plane, uint32_t 
     for (uint32_t a = 0; a < o->body_count; a++)
         for (uint32_t i = 0; i < o->body[a].plane[plane].plane.point_count; i++, number++) {
             int beside = 0;
+            /* All others are asked, also after one was found: a later one may overlap. */
             for (uint32_t b = 0; b < o->body_count; b++) {
                 double middle[2];
                 int const found = b == a ? 0 : look_beside(o, plane, a, b, i, middle);
@@ -210,6 +217,7 @@ static void join_plane(bvxi_oblique *o, uint32_t plane)
         const bvxi_plane *const q = &body->plane[plane].plane;
         uint32_t const first = p->point_count;
 
+        /* Numbers within the body move on by the points of those before it. */
         for (uint32_t i = 0; i < q->point_count; i++) {
             p->given[first + i] = q->given[i];
             p->next[first + i] = first + q->next[i];
@@ -238,6 +246,7 @@ static bvx_status join_knots_of(bvxi_oblique *o, const bvxi_oblique *body, uint3
     for (uint64_t i = 0; i < body->knot_count; i++) {
         bvxi_knot *const k = &o->knot[before + i];
         *k = body->knot[i];
+        /* Both numbers and the plane's list are the body's own until here. */
         k->segment += first[k->plane];
         k->joined += (uint32_t)before;
         k->next = o->plane[k->plane].knot;
@@ -255,6 +264,7 @@ static bvx_status join_contours(bvxi_oblique *o)
     uint64_t *count, at = 0;
 
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
+    /* Points first, then contours, as the arrays are opened with both. */
     for (uint32_t b = 0; b < o->body_count; b++)
         for (uint64_t p = 0; p < n; p++) {
             count[p] += o->body[b].plane[p].plane.point_count;
@@ -268,6 +278,7 @@ static bvx_status join_contours(bvxi_oblique *o)
     for (uint32_t p = 0; p < n; p++) {
         BVXI_TRY(find_outer_segments(o, p, segment + at));
         at += o->plane[p].plane.point_count;
+        /* Distances to outer segments are computed often; an empty plane has none. */
         if (o->plane[p].plane.contour_count != 0) bvxi_plane_tree(&o->plane[p].plane);
     }
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the points of planes", &first));
@@ -286,10 +297,12 @@ static bvx_status find_ends(bvxi_oblique *o)
 
     o->end[0] = o->end[1] = BVXI_NONE;
     if (o->options.caps != BVX_CAPS_FLAT) return BVX_OK;
+    /* Planes that cross have no first and last one: their bodies end by their numbers. */
     for (uint32_t i = 0; i < o->plane_count; i++)
         if (!bvxi_section_parallel(n, o->plane[i].normal, &against)) return BVX_OK;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         int const parallel = bvxi_section_parallel(n, o->plane[i].normal, &against);
+        /* Normals may point either way; heights are along the first one. */
         double const way = parallel && against ? -1.0 : 1.0;
         double const height = way * o->plane[i].offset;
         if (o->plane[i].plane.contour_count == 0) continue;

@@ -35,6 +35,7 @@ static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int ag
 {
     const bvxi_tetra *const x = &f->o->tetra[t];
 
+    /* Seen from outside of the body, which lies beyond the face where it is against. */
     for (int i = 0; i < 3; i++) f->corner[number][i] = x->v[tetra_face[k][against ? 2 - i : i]];
     f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
 }
@@ -79,12 +80,13 @@ static void close_faces(joint_faces *f)
     f->corner = NULL;
 }
 
-/* Sides of one edge follow each other in a list, the last one that came first. Edges are spread by their hash:
- * by their ends those of a contour with many points would all be looked for in the same places. */
+/* Sides of one edge follow each other in a list, the last one that came first. Edges are spread by their
+ * hash: by their ends those of a contour with many points would all be looked for in the same places. */
 static bvx_status list_sides(joint_faces *f)
 {
     BVXI_TRY(bvxi_edge_reserve(f->o, &f->side, 3 * f->count / 2));
     for (uint64_t i = 0; i < 3 * f->count; i++) {
+        /* An edge has one key, whichever way a side runs along it. */
         const uint32_t *const v = f->corner[i / 3];
         uint32_t *first;
         BVXI_TRY(bvxi_edge_add(f->o, &f->side, v[i % 3], v[(i + 1) % 3], &first));
@@ -121,6 +123,7 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     uint32_t t, m;
     double at[3];
 
+    /* An edge that a cut before this one has halved is no longer there. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
     for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[a].at[k] + o->vertex[b].at[k]);
@@ -157,12 +160,14 @@ static bvx_status open_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, int kind)
     for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
         const uint32_t *const v = f.corner[i / 3];
         uint32_t const a = v[i % 3], b = v[(i + 1) % 3];
+        /* Each edge once, at the side that its list begins with. */
         if (bvxi_edge_find(&f.side, a, b) != i || !is_pinched(&f, (uint32_t)i)) continue;
         status = bvxi_oblique_grow(o, &edge, count, &room, sizeof *edge, "the edges of a body");
         if (status != BVX_OK) break;
         edge[count][0] = a;
         edge[count++][1] = b;
     }
+    /* Cuts change the tetrahedra that the faces are taken from, so those go first. */
     close_faces(&f);
     for (uint64_t i = 0; i < count && status == BVX_OK; i++)
         status = cut_pinched_edge(o, cut, edge[i][0], edge[i][1]);
@@ -206,8 +211,8 @@ static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32
     return BVXI_NONE;
 }
 
-/* The face that follows a face at its side, through the body: 4 times its tetrahedron and the corner opposite;
- * BVXI_NONE where the way leaves the tetrahedra. */
+/* The face that follows a face at its side, through the body: 4 times its tetrahedron and the corner
+ * opposite; BVXI_NONE where the way leaves the tetrahedra. */
 static uint32_t face_through_body(const joint_faces *f, uint32_t side)
 {
     const uint32_t *const v = f->corner[side / 3];
@@ -218,6 +223,8 @@ static uint32_t face_through_body(const joint_faces *f, uint32_t side)
     other = f->o->tetra[t].v[f->from[side / 3] % 4];
     for (;;) {
         const bvxi_tetra *const now = &f->o->tetra[t];
+        /* Around the edge from tetrahedron to tetrahedron, leaving each by the face that the last one did
+         * not share. */
         int const k = bvxi_corner_of(now, leave);
         uint32_t const n = now->n[k];
 
@@ -244,6 +251,7 @@ static uint32_t face_around_others(const joint_faces *f, uint32_t side)
         const bvxi_tetra *const now = &f->o->tetra[t];
         uint32_t const n = now->n[bvxi_corner_of(now, leave)];
 
+        /* A body of a lower number there passes through itself, and this one does not. */
         if (f->cut->kind[t] < f->kind || n == BVXI_NONE) return BVXI_NONE;
         leave = other;
         other = third_vertex(&f->o->tetra[n], x, y, other);
@@ -252,7 +260,8 @@ static uint32_t face_around_others(const joint_faces *f, uint32_t side)
     }
 }
 
-/* Where two bodies touch themselves at one edge, one of them passes through: the one with the lower number. */
+/* Where two bodies touch themselves at one edge, one of them passes through: the one with the lower
+ * number. */
 static int passes_through(const joint_faces *f, uint32_t first)
 {
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])
@@ -268,6 +277,7 @@ static void join_pinched(const joint_faces *f, uint32_t first)
 
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
         uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
+        /* The face that was found is one of the edge's own; its side is joined to this one. */
         if (face == BVXI_NONE) continue;
         for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
             if (f->from[j / 3] == face) join_sides(f, i, j);
@@ -282,6 +292,7 @@ static void find_fans(const joint_faces *f)
         const uint32_t *const v = f->corner[i / 3];
         uint32_t const first = bvxi_edge_find(&f->side, v[i % 3], v[(i + 1) % 3]);
 
+        /* Two faces at an edge belong together; of more it has to be found out which. */
         if (first != i) continue;
         if (is_pinched(f, first)) join_pinched(f, first);
         else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
@@ -342,6 +353,7 @@ static void count_unkept_points(const joint_faces *f)
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
 
+        /* Where the body's points begin on this plane. */
         for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {
@@ -376,11 +388,13 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     uint64_t const corners = 3 * f->count;
     uint64_t vertices = 0;
 
+    /* A fan is one vertex: its root is the corner of the lowest number. */
     for (uint64_t i = 0; i < corners; i++) vertices += f->joined[i] == i;
     if (f->count > INT32_MAX || vertices > INT32_MAX)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the surface has more than 2^31 triangles", o->function);
     BVXI_TRY(bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, f->count, mesh));
+    /* Faces come in the order of tetrahedra, so vertices do not depend on threads either. */
     memset(f->number, 0xff, (size_t)(corners * 4));
     vertices = 0;
     for (uint64_t i = 0; i < corners; i++) {
@@ -432,6 +446,7 @@ bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *m
     int const count = (int)o->body_count;
     joint_faces f;
 
+    /* All cuts before all faces: a cut for one body changes faces that another shares. */
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(
             BVXI_SHARE(o->ctx, 0.4 * (kind - 1) / count, 0.4 * kind / count, open_pinched(o, cut, kind)));

@@ -71,6 +71,7 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
         uint32_t const a = corner[c], b = corner[handle_next_corner(c)];
         uint32_t *first;
 
+        /* Patches end at contours, whatever the surface does beyond them. */
         if (is_contours_edge(w, a, b)) continue;
         BVXI_TRY(bvxi_edge_add(w->o, &w->pair, a, b, &first));
         if (*first == BVXI_NONE) {
@@ -94,9 +95,12 @@ static void count_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[handle_root(w->patch, c / 3)];
+        /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
+         * sides. */
         if (c % 3 == 0) ++*euler;
         if (handle_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
+        /* Border edges that share a vertex of the patch are one loop. */
         if (w->side[c] == 0)
             handle_join(w->loop, handle_root(w->fan, c), handle_root(w->fan, handle_next_corner(c)));
     }
@@ -125,6 +129,7 @@ static bvx_status find_surface_patches(handle_work *w)
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->loops));
 
     memset(w->vertex_of, 0xff, (size_t)o->position_count * 4);
+    /* Back from vertices of the surface to those of the tetrahedra, which contours' edges are kept by. */
     for (uint64_t v = 0; v < o->output_room; v++)
         if (o->output[v] != BVXI_NONE) w->vertex_of[o->output[v]] = (uint32_t)v;
     for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
@@ -161,6 +166,7 @@ static bvx_status loosen_tetrahedron(handle_work *w, uint32_t t)
             double at[3];
             uint32_t m;
 
+            /* An edge within a plane must not be cut: what is on the plane is fixed. */
             for (uint32_t k = 0; k < o->plane_words; k++)
                 shared |= bvxi_tetra_on(o, x)[k] & bvxi_tetra_on(o, y)[k];
             if (shared != 0 || inside != (o->vertex[y].sign > 0) || bvxi_first_plane(o, x) == BVXI_NONE ||
@@ -182,6 +188,7 @@ static bvx_status find_handle_seeds(handle_work *w, const uint32_t *owner, uint3
 
     w->seeds = 0;
     for (uint32_t t = 0; t < w->triangles; t++) {
+        /* Triangles of one tetrahedron follow each other: it is looked at once. */
         if (handle_root(w->patch, t) != patch || owner[t] == last) continue;
         last = owner[t];
         BVXI_TRY(loosen_tetrahedron(w, last));
@@ -200,6 +207,7 @@ static bvx_status find_handle_seeds(handle_work *w, const uint32_t *owner, uint3
         w->number[v] = 0;
         w->seed[kept++] = v;
     }
+    /* The numbers served to find what was there twice; they begin anew for what is looked at. */
     for (uint32_t i = 0; i < kept; i++) w->number[w->seed[i]] = BVXI_NONE;
     w->seeds = kept;
     return BVX_OK;
@@ -225,6 +233,7 @@ static bvx_status look_around_handle(handle_work *w, uint32_t v)
     bvxi_oblique *const o = w->o;
 
     w->tetras = w->members = 0;
+    /* The vertex's own tetrahedra first, then neighbours through faces. */
     BVXI_TRY(bvxi_tetra_star(o, v));
     for (uint64_t i = 0; i < o->star_count; i++) {
         BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, what));
@@ -237,6 +246,7 @@ static bvx_status look_around_handle(handle_work *w, uint32_t v)
             int far = 0;
 
             if (next == BVXI_NONE || o->stamp[next] == o->stamps) continue;
+            /* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
             for (uint32_t word = 0; word < o->plane_words; word++) {
                 uint64_t on = UINT64_MAX;
                 for (int c = 0; c < 4; c++)
@@ -274,6 +284,8 @@ static void count_handle_stretches(handle_work *w, int32_t all[2], int32_t lasti
     }
     for (uint32_t i = 0; i < w->tetras; i++) {
         const uint32_t *const v = o->tetra[w->tetra[i]].v;
+        /* Vertices of one side that share an edge are one stretch: in a tetrahedron the surface parts the
+         * sides. */
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++)
                 if ((o->vertex[v[a]].sign > 0) == (o->vertex[v[b]].sign > 0))
@@ -283,6 +295,7 @@ static void count_handle_stretches(handle_work *w, int32_t all[2], int32_t lasti
     for (uint32_t i = 0; i < w->members; i++) {
         int const inside = o->vertex[w->member[i]].sign > 0;
         uint8_t *const root = &w->known[handle_root(w->joined, i)];
+        /* Each stretch once, at its root; it lasts if any vertex of it does not change. */
         if (!(*root & 2)) all[inside]++;
         if (!(*root & 4) && !(w->known[i] & 1)) lasting[inside]++;
         *root |= (uint8_t)(w->known[i] & 1 ? 2 : 6);
@@ -306,6 +319,7 @@ static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
         const uint32_t *const x = o->tetra[o->star[i]].v;
         for (int a = 0; a < 4 && *hold; a++) {
             if (o->vertex[x[a]].sign != 0) continue;
+            /* A contour's point must lie on the surface once, and its edges too. */
             *hold = bvxi_look_link(o, &w->look, x[a]) && !bvxi_look_torn(o, &w->look, x[a]);
             for (int b = a + 1; b < 4 && *hold; b++) {
                 uint32_t changes = 0;
@@ -325,6 +339,7 @@ static bvx_status choose_changes(handle_work *w, uint32_t seed, double size, dou
     w->flips = 0;
     for (uint32_t i = 0; i < w->members; i++) {
         uint32_t const x = w->member[i];
+        /* Only what no plane and no contour has fixed, and what can change without a tear. */
         w->known[i] = 0;
         if (!is_either_side(o, x) || (o->vertex[x].sign > 0) == inside ||
             bvxi_absolute(o->vertex[x].value) > depth || square_apart(o, x, seed) > size * size ||
@@ -374,6 +389,7 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double d
 
     for (int k = 0; k < HANDLE_SIZES * HANDLE_DEPTHS; k++)
         for (uint32_t i = 0; i < w->seeds; i++) {
+            /* A patch may have thousands of seeds: the call can be stopped between them. */
             if (i % 16 == 0) BVXI_TRY(bvxi_progress(w->o->ctx, "surface", done));
             BVXI_TRY(look_around_handle(w, w->seed[i]));
             for (int inside = 1; inside >= 0 && handles > 0; inside--) {
@@ -394,6 +410,8 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
 {
     BVXI_TRY(find_surface_patches(w));
     for (uint32_t t = 0; t < w->triangles; t++) {
+        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
+         * each handle. */
         int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
 
         if (w->patch[t] != t || handles <= 0) continue;
