@@ -304,4 +304,25 @@ static inline double bvxi_absolute(double x)
 #endif
 }
 
+/* Disjoint sets of numbers: parent[i] is i at a root, which is the least number of its set. Each search
+ * halves its path. Source: Tarjan, van Leeuwen. Worst-case Analysis of Set Union Algorithms. 1984. */
+static inline uint32_t bvxi_root(uint32_t *parent, uint32_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* Returns 1 when they were not joined before. */
+static inline int bvxi_join(uint32_t *parent, uint32_t a, uint32_t b)
+{
+    uint32_t const x = bvxi_root(parent, a), y = bvxi_root(parent, b);
+
+    if (x == y) return 0;
+    parent[x < y ? y : x] = x < y ? x : y;
+    return 1;
+}
+
 #endif

@@ -66,23 +66,6 @@ static void join_patches(patch_work *w, uint32_t s, uint32_t t, uint32_t differ)
     w->torn[least] |= w->torn[most];
 }
 
-static uint32_t part_root(uint32_t *part, uint32_t t)
-{
-    while (part[t] != t) {
-        part[t] = part[part[t]];
-        t = part[t];
-    }
-    return t;
-}
-
-static void join_parts(uint32_t *part, uint32_t s, uint32_t t)
-{
-    uint32_t const a = part_root(part, s), b = part_root(part, t);
-
-    if (a < b) part[b] = a;
-    else part[a] = b;
-}
-
 /* ---- Edges ---- */
 
 static void list_half_edges(patch_work *w)
@@ -125,7 +108,7 @@ static uint32_t runs_down(const patch_work *w, uint64_t at)
 static void link_edge(patch_work *w, uint64_t at, uint64_t n)
 {
     /* Parts hang together over any edge, patches only over those of two triangles. */
-    for (uint64_t i = 1; i < n; i++) join_parts(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
+    for (uint64_t i = 1; i < n; i++) bvxi_join(w->out->part, w->numbers[at] / 3, w->numbers[at + i] / 3);
     if (n == 2)
         join_patches(w, w->numbers[at] / 3, w->numbers[at + 1] / 3, runs_down(w, at) == runs_down(w, at + 1));
     w->out->odd_edges += n % 2;
@@ -208,7 +191,7 @@ static void choose_turned(patch_work *w)
         uint32_t differs;
         uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
 
-        out->part[t] = part_root(out->part, (uint32_t)t);
+        out->part[t] = bvxi_root(out->part, (uint32_t)t);
         out->unorientable += root == t && w->torn[root];
         /* A torn patch is left as it is: no turning makes it run one way. */
         out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;

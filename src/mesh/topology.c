@@ -142,24 +142,6 @@ static void fill_edge_buckets(topology *c)
     }
 }
 
-static uint32_t root_of_triangle(uint32_t *parent, uint32_t t)
-{
-    while (parent[t] != t) {
-        parent[t] = parent[parent[t]];
-        t = parent[t];
-    }
-    return t;
-}
-
-/* Returns 1 when they were not joined before. */
-static int join_triangles(uint32_t *parent, uint32_t s, uint32_t t)
-{
-    uint32_t const a = root_of_triangle(parent, s), b = root_of_triangle(parent, t);
-    if (a == b) return 0;
-    parent[a < b ? b : a] = a < b ? a : b;
-    return 1;
-}
-
 /* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
  * edge of its two least vertices. The entries' lower halves are reordered. */
 static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, uint32_t higher)
@@ -220,7 +202,7 @@ static void join_around_edge(const topology *c, uint32_t first, uint64_t from, u
 
     for (uint32_t h = c->ring[first]; h != first; h = c->ring[h]) {
         if (BVXI_LIKELY(own && is_of_range(c, h, from)))
-            counts->joined += (uint64_t)join_triangles(c->parent, first / 3, h / 3);
+            counts->joined += (uint64_t)bvxi_join(c->parent, first / 3, h / 3);
         else waiting[counts->waiting++] = (uint64_t)(first / 3) << 32 | h / 3;
     }
 }
@@ -293,8 +275,8 @@ static void join_ranges(topology *c)
         bvxi_piece(c->vertex_count, c->ranges, i, &from, &to);
         pair = c->entries + first_entry(c, from);
         for (uint64_t n = 0; n < c->counts[i].waiting; n++)
-            c->result->components -= (uint64_t)join_triangles(c->parent, (uint32_t)(pair[n] >> 32),
-                                                              (uint32_t)pair[n]);
+            c->result->components -= (uint64_t)bvxi_join(c->parent, (uint32_t)(pair[n] >> 32),
+                                                         (uint32_t)pair[n]);
     }
 }
 

@@ -323,26 +323,14 @@ typedef struct speck_work {
     uint32_t *lead;   /* [tetrahedra] by how many faces */
 } speck_work;
 
-static uint32_t speck_root(const speck_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) {
-        w->joined[i] = w->joined[w->joined[i]];
-        i = w->joined[i];
-    }
-    return i;
-}
-
 static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++)
         for (int k = 0; k < 4; k++) {
             uint32_t const n = o->tetra[t].n[k];
-            uint32_t a, b;
             /* Each face once, from the tetrahedron with the higher number. */
             if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
-            a = speck_root(w, (uint32_t)t);
-            b = speck_root(w, n);
-            w->joined[a > b ? a : b] = a > b ? b : a;
+            bvxi_join(w->joined, (uint32_t)t, n);
         }
 }
 
@@ -350,7 +338,7 @@ static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_
 static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        uint32_t const root = speck_root(w, (uint32_t)t);
+        uint32_t const root = bvxi_root(w->joined, (uint32_t)t);
         for (int k = 0; k < 4; k++) {
             uint32_t const v = o->tetra[t].v[k], n = o->tetra[t].n[k];
             w->kept[root] |= n == BVXI_NONE || o->vertex[v].sign == BVXI_JOINT_BEYOND ||
@@ -379,7 +367,7 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     /* A piece whose neighbours are of several kinds may get one without a majority: any of them is as
      * right. */
     for (uint64_t t = 0; t < n; t++) {
-        uint32_t const root = speck_root(&w, (uint32_t)t);
+        uint32_t const root = bvxi_root(w.joined, (uint32_t)t);
         if (!w.kept[root]) cut->kind[t] = w.beside[root];
     }
     bvxi_drop(o->ctx, w.lead);

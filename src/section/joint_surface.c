@@ -177,21 +177,6 @@ static bvx_status open_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, int kind)
 
 /* ---- vertices ---- */
 
-static uint32_t corner_root(const joint_faces *f, uint32_t i)
-{
-    while (f->joined[i] != i) {
-        f->joined[i] = f->joined[f->joined[i]];
-        i = f->joined[i];
-    }
-    return i;
-}
-
-static void join_corners(const joint_faces *f, uint32_t one, uint32_t two)
-{
-    uint32_t const a = corner_root(f, one), b = corner_root(f, two);
-    f->joined[a > b ? a : b] = a > b ? b : a;
-}
-
 static uint32_t side_end(uint32_t side)
 {
     return side % 3 == 2 ? side - 2 : side + 1;
@@ -200,8 +185,8 @@ static uint32_t side_end(uint32_t side)
 /* Two faces of a body run along an edge in opposite directions. */
 static void join_sides(const joint_faces *f, uint32_t one, uint32_t two)
 {
-    join_corners(f, one, side_end(two));
-    join_corners(f, side_end(one), two);
+    bvxi_join(f->joined, one, side_end(two));
+    bvxi_join(f->joined, side_end(one), two);
 }
 
 static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32_t c)
@@ -399,7 +384,7 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     vertices = 0;
     for (uint64_t i = 0; i < corners; i++) {
         uint32_t const v = f->corner[i / 3][i % 3];
-        uint32_t *const number = &f->number[corner_root(f, (uint32_t)i)];
+        uint32_t *const number = &f->number[bvxi_root(f->joined, (uint32_t)i)];
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
             write_joint_position(f, mesh, *number, v);

@@ -35,22 +35,6 @@ typedef struct handle_work {
     bvxi_look look;
 } handle_work;
 
-static uint32_t handle_root(uint32_t *joined, uint32_t i)
-{
-    while (joined[i] != i) {
-        joined[i] = joined[joined[i]];
-        i = joined[i];
-    }
-    return i;
-}
-
-static void handle_join(uint32_t *joined, uint32_t a, uint32_t b)
-{
-    uint32_t const x = handle_root(joined, a), y = handle_root(joined, b);
-
-    joined[x > y ? x : y] = x > y ? y : x;
-}
-
 static uint32_t handle_next_corner(uint32_t c)
 {
     return c % 3 == 2 ? c - 2 : c + 1;
@@ -82,9 +66,9 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
         if (w->side[*first] != 0 || corner[*first] != b) continue;
         w->side[*first] = 1;
         w->side[c] = 2;
-        handle_join(w->patch, *first / 3, c / 3);
-        handle_join(w->fan, *first, handle_next_corner(c));
-        handle_join(w->fan, handle_next_corner(*first), c);
+        bvxi_join(w->patch, *first / 3, c / 3);
+        bvxi_join(w->fan, *first, handle_next_corner(c));
+        bvxi_join(w->fan, handle_next_corner(*first), c);
     }
     return BVX_OK;
 }
@@ -94,21 +78,21 @@ static void count_surface_patches(handle_work *w)
 {
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        int32_t *const euler = &w->euler[handle_root(w->patch, c / 3)];
+        int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
         /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
          * sides. */
         if (c % 3 == 0) ++*euler;
-        if (handle_root(w->fan, c) == c) ++*euler;
+        if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
         /* Border edges that share a vertex of the patch are one loop. */
         if (w->side[c] == 0)
-            handle_join(w->loop, handle_root(w->fan, c), handle_root(w->fan, handle_next_corner(c)));
+            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, handle_next_corner(c)));
     }
     /* Each loop once, at the fan that is its root, which a border edge begins at. */
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        uint32_t const f = handle_root(w->fan, c);
+        uint32_t const f = bvxi_root(w->fan, c);
         if (w->side[c] != 0 || w->loop[f] != f) continue;
-        w->loops[handle_root(w->patch, c / 3)]++;
+        w->loops[bvxi_root(w->patch, c / 3)]++;
         w->loop[f] = BVXI_NONE;
     }
 }
@@ -189,7 +173,7 @@ static bvx_status find_handle_seeds(handle_work *w, const uint32_t *owner, uint3
     w->seeds = 0;
     for (uint32_t t = 0; t < w->triangles; t++) {
         /* Triangles of one tetrahedron follow each other: it is looked at once. */
-        if (handle_root(w->patch, t) != patch || owner[t] == last) continue;
+        if (bvxi_root(w->patch, t) != patch || owner[t] == last) continue;
         last = owner[t];
         BVXI_TRY(loosen_tetrahedron(w, last));
         for (int k = 0; k < 4; k++)
@@ -289,12 +273,12 @@ static void count_handle_stretches(handle_work *w, int32_t all[2], int32_t lasti
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++)
                 if ((o->vertex[v[a]].sign > 0) == (o->vertex[v[b]].sign > 0))
-                    handle_join(w->joined, w->number[v[a]], w->number[v[b]]);
+                    bvxi_join(w->joined, w->number[v[a]], w->number[v[b]]);
     }
     all[0] = all[1] = lasting[0] = lasting[1] = 0;
     for (uint32_t i = 0; i < w->members; i++) {
         int const inside = o->vertex[w->member[i]].sign > 0;
-        uint8_t *const root = &w->known[handle_root(w->joined, i)];
+        uint8_t *const root = &w->known[bvxi_root(w->joined, i)];
         /* Each stretch once, at its root; it lasts if any vertex of it does not change. */
         if (!(*root & 2)) all[inside]++;
         if (!(*root & 4) && !(w->known[i] & 1)) lasting[inside]++;

@@ -244,32 +244,6 @@ static int is_in_sector(int bodies, int number, const double at[3], double *off)
     return inside;
 }
 
-/* The winding number of a body round a place: the plain sum of solid angles. */
-static double winding_of(const bvx_mesh *m, const double at[3])
-{
-    const double *const p = m->positions;
-    double sum = 0.0;
-
-    for (uint64_t t = 0; t < m->triangle_count; t++) {
-        double v[3][3], l[3], det, dots;
-        for (int k = 0; k < 3; k++) {
-            for (int x = 0; x < 3; x++)
-                v[k][x] = p[3 * (uint64_t)m->triangles[3 * t + (uint64_t)k] + (uint64_t)x] - at[x];
-            l[k] = sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
-        }
-        det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-              v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-              v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        dots = l[0] * l[1] * l[2];
-        for (int k = 0; k < 3; k++) {
-            const double *const a = v[(k + 1) % 3], *const b = v[(k + 2) % 3];
-            dots += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * l[k];
-        }
-        sum += atan2(det, dots);
-    }
-    return sum / (2.0 * pi);
-}
-
 /* Places on sections at random, but for the ends, are in the body whose contours they are in, and in no other; those
  * where contours were moved to agree are left out. */
 static void assert_bodies_on_planes(int bodies, uint64_t seed, int places)
@@ -285,7 +259,7 @@ static void assert_bodies_on_planes(int bodies, uint64_t seed, int places)
         for (int x = 0; x < 3; x++) at[x] -= height * n[x] / size;
         for (int b = 0; b < bodies; b++) {
             int const inside = is_in_sector(bodies, b, at, &off);
-            if (off > 0.03) TEST_ASSERT_TRUE(fabs(inside - winding_of(&body[b], at)) < 1e-6);
+            if (off > 0.03) TEST_ASSERT_TRUE(fabs(inside - stack_winding(&body[b], at)) < 1e-6);
         }
     }
 }

@@ -49,32 +49,6 @@ static void assert_contours_kept(void)
     assert_lost_points_are_counted();
 }
 
-/* The winding number of the mesh round a place: 1 inside. The plain sum of solid angles. */
-static double winding_at(const double at[3])
-{
-    const double *const p = mesh.positions;
-    double sum = 0.0;
-
-    for (uint64_t t = 0; t < mesh.triangle_count; t++) {
-        double v[3][3], l[3], det, dots;
-        for (int k = 0; k < 3; k++) {
-            for (int x = 0; x < 3; x++)
-                v[k][x] = p[3 * (uint64_t)mesh.triangles[3 * t + (uint64_t)k] + (uint64_t)x] - at[x];
-            l[k] = sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
-        }
-        det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-              v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-              v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        dots = l[0] * l[1] * l[2];
-        for (int k = 0; k < 3; k++) {
-            const double *const a = v[(k + 1) % 3], *const b = v[(k + 2) % 3];
-            dots += (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) * l[k];
-        }
-        sum += atan2(det, dots);
-    }
-    return sum / (2.0 * pi);
-}
-
 /* Places on a section at random: inside where an odd number of its loops' balls are, and not where those say
  * nothing, between a circle and its polygon. */
 static void assert_sides(uint64_t *seed, int places, const double *radius, int radii)
@@ -94,7 +68,7 @@ static void assert_sides(uint64_t *seed, int places, const double *radius, int r
             inside ^= r < radius[x];
             sure &= fabs(r - radius[x]) > 0.03;
         }
-        if (sure) TEST_ASSERT_TRUE(fabs(inside - winding_at(at)) < 1e-6);
+        if (sure) TEST_ASSERT_TRUE(fabs(inside - stack_winding(&mesh, at)) < 1e-6);
     }
 }
 
@@ -457,7 +431,7 @@ static void test_a_torus_through_random_planes(void)
                 plane_axes(k, foot, u, v);
                 for (int a = 0; a < 3; a++) at[a] = foot[a] + x * u[a] + y * v[a];
                 far = outside_torus(at);
-                if (fabs(far) > 0.03) TEST_ASSERT_TRUE(fabs((far < 0.0) - winding_at(at)) < 1e-6);
+                if (fabs(far) > 0.03) TEST_ASSERT_TRUE(fabs((far < 0.0) - stack_winding(&mesh, at)) < 1e-6);
             }
         }
         TEST_ASSERT_TRUE(off < last);
