@@ -23,6 +23,9 @@ typedef struct bvxi_joint_cut {
 
 /* joint_fields.c: the bodies' own numbers, then all contours on one set of planes. */
 bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t count);
+/* 1: beyond a plane that all bodies end on; what lies on it, as plane says, is not. Planes that end all are
+ * parallel, so that one plane is enough. */
+int bvxi_joint_is_beyond(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 /* The kind at a place; plane: on which it lies, or BVXI_NONE; heard: the planes with a say there, NULL:
  * all. */
 int bvxi_joint_kind(const bvxi_oblique *o, uint32_t plane, const double at[3], const uint32_t *heard,

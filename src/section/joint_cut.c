@@ -75,18 +75,6 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
     return BVX_OK;
 }
 
-/* Beyond a plane that all bodies end on; what lies on it is not. */
-static int is_beyond_an_end(const bvxi_oblique *o, uint32_t v)
-{
-    for (int e = 0; e < 2; e++) {
-        uint32_t const plane = o->end[e];
-        if (plane != BVXI_NONE && !bvxi_is_on(o, v, plane) &&
-            o->beyond[e] * bvxi_oblique_height(&o->plane[plane], o->vertex[v].at) > 0.0)
-            return 1;
-    }
-    return 0;
-}
-
 typedef struct joint_job {
     bvxi_oblique *o;
     int32_t pieces;
@@ -102,14 +90,15 @@ static void joint_kinds_piece(void *user, int32_t index, int32_t worker)
     bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
+        uint32_t plane;
 
         /* Vertices of the lattice have their kind from it, those of contours none. */
         if (x->sign == 0) continue;
         /* What the cells put between the lattice's vertices gets its kind now, each on its own plane. */
-        if (!x->lattice)
-            x->value = (float)bvxi_joint_kind(o, bvxi_first_plane(o, (uint32_t)i), x->at, NULL, 0);
+        plane = bvxi_first_plane(o, (uint32_t)i);
+        if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
         x->sign = 1;
-        if (!is_beyond_an_end(o, (uint32_t)i)) continue;
+        if (!bvxi_joint_is_beyond(o, plane, x->at)) continue;
         x->sign = BVXI_JOINT_BEYOND;
         x->value = 0.0F;
     }
@@ -186,43 +175,52 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     return BVX_OK;
 }
 
-/* The vertex that was put into an edge last: where other bodies close around the edge, it would be a hole
- * in them that leads to the outside, and is theirs. */
-static bvx_status close_around(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2])
+/* The bodies that the surface of all may be of where it crosses an edge, whose tetrahedra are in the ring: its
+ * own and those around it. Where others close around the edge, its own would be a hole in them that leads to
+ * the outside, and only those are left. */
+static uint64_t bodies_at_crossing(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2],
+                                   uint32_t m)
 {
-    uint32_t const m = (uint32_t)o->vertex_count - 1;
+    uint64_t const own = cut->among[v[0]];
     uint64_t around = 0;
+    int closed = 1;
 
     for (uint64_t i = 0; i < o->ring_count; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const x = o->tetra[o->ring[i]].v[k];
             if (x == v[0] || x == v[1] || x == m) continue;
-            /* The outside or the body itself goes on beside the edge: then it is no hole. */
-            if (cut->among[x] == JOINT_OUTSIDE || (cut->among[x] & cut->among[v[0]]) != 0) return BVX_OK;
             around |= cut->among[x];
+            /* The outside or the body itself goes on beside the edge: then it is no hole. */
+            closed &= cut->among[x] != JOINT_OUTSIDE && (cut->among[x] & own) == 0;
         }
     around &= ~(uint64_t)JOINT_OUTSIDE;
-    /* Of the bodies around the one whose number is the largest there. */
-    if (around != 0)
-        cut->among[m] = JOINT_OUTSIDE | UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, around);
-    return BVX_OK;
+    return closed && around != 0 ? around : own | around;
 }
 
-/* An edge from a body to the outside: the crossing is on the surface of all, and is that body's. */
+/* An edge from a body to the outside: the crossing is on the surface of all, and of the body whose number is
+ * the largest there. That is not always the edge's: so the curve along which two bodies meet on the surface
+ * runs through its triangles and not along the lattice's edges. */
 static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                                    int *made)
 {
     uint32_t const v[2] = {(cut->among[a] & JOINT_OUTSIDE) != 0 ? b : a,
                            (cut->among[a] & JOINT_OUTSIDE) != 0 ? a : b};
+    uint64_t bodies;
     double at[3];
+    uint32_t m;
 
     /* Beyond the ends everything is outside already, and the caps are the planes' own faces. */
     *made = (cut->among[v[0]] & JOINT_OUTSIDE) == 0 && cut->among[v[1]] == JOINT_OUTSIDE &&
             o->vertex[v[1]].sign != BVXI_JOINT_BEYOND;
     if (!*made) return BVX_OK;
     place_between(o, v, cut->among[v[0]], JOINT_OUTSIDE, at);
-    BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE | cut->among[v[0]], at));
-    return close_around(o, cut, v);
+    BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE, at));
+    m = (uint32_t)o->vertex_count - 1;
+    bodies = bodies_at_crossing(o, cut, v, m);
+    if ((bodies & (bodies - 1)) != 0)
+        bodies = UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, bodies);
+    cut->among[m] |= bodies;
+    return BVX_OK;
 }
 
 /* An edge between different bodies, in them or on the surface of all. */
@@ -263,6 +261,85 @@ static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
                 }
         }
     }
+    return BVX_OK;
+}
+
+/* ---- specks of bodies on the surface of all ---- */
+
+enum { SURFACE_SPECK = 48 }; /* vertices: what is larger has its place on the surface, contour or not */
+
+typedef struct surface_work {
+    uint32_t *joined; /* [vertex] crossings of one body that hang together */
+    uint32_t *count;  /* [vertex] at roots: how many; UINT32_MAX: a contour is one's neighbour */
+    uint32_t *lead;   /* [vertex] at roots: by how much a body leads around them */
+    uint8_t *beside;  /* [vertex] at roots: which */
+} surface_work;
+
+static int is_on_surface(const bvxi_joint_cut *cut, uint32_t v)
+{
+    return (cut->among[v] & JOINT_OUTSIDE) != 0 && cut->among[v] != JOINT_OUTSIDE;
+}
+
+/* Both ends of an edge on the surface, from the crossing's side. */
+static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uint64_t first, uint32_t v,
+                                 uint32_t other)
+{
+    uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
+    uint32_t root;
+
+    if (v < first || !is_on_surface(cut, other)) return;
+    root = bvxi_root(w->joined, v);
+    /* Contours of the body on the surface: its part there is wanted. */
+    if (common != 0 && other < first) w->count[root] = UINT32_MAX;
+    if (common != 0 || other < first) return;
+    /* The one with more than half of the edges, if any, is the last to lead (Boyer, Moore 1981). */
+    if (w->lead[root] == 0)
+        w->beside[root] = (uint8_t)bvxi_lowest(cut->among[other] & ~(uint64_t)JOINT_OUTSIDE);
+    w->lead[root] += (cut->among[other] >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
+}
+
+static void find_surface_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, surface_work *w,
+                                uint64_t first)
+{
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < a; b++) {
+                uint32_t const v = o->tetra[t].v[a], x = o->tetra[t].v[b];
+                if (v >= first && x >= first && cut->among[v] == cut->among[x]) bvxi_join(w->joined, v, x);
+            }
+    for (uint64_t v = first; v < o->vertex_count; v++) {
+        uint32_t const root = bvxi_root(w->joined, (uint32_t)v);
+        w->count[root]++;
+    }
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++)
+                look_at_surface_edge(cut, w, first, o->tetra[t].v[a], o->tetra[t].v[b]);
+}
+
+/* A body that comes to the surface in a few crossings that none of its contours is next to would be a handle
+ * of itself, and a hole in those around it: these have the crossings. first: of the crossings' vertices. */
+static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint64_t first)
+{
+    static const char what[] = "the crossings of bodies";
+    uint64_t const n = o->vertex_count;
+    surface_work w;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.count));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
+    for (uint64_t v = 0; v < n; v++) w.joined[v] = (uint32_t)v;
+    find_surface_specks(o, cut, &w, first);
+    for (uint64_t v = first; v < n; v++) {
+        uint32_t const root = bvxi_root(w.joined, (uint32_t)v);
+        if (w.count[root] > SURFACE_SPECK || w.lead[root] == 0) continue;
+        cut->among[v] = JOINT_OUTSIDE | UINT64_C(1) << w.beside[root];
+    }
+    bvxi_drop(o->ctx, w.beside);
+    bvxi_drop(o->ctx, w.lead);
+    bvxi_drop(o->ctx, w.count);
+    bvxi_drop(o->ctx, w.joined);
     return BVX_OK;
 }
 
@@ -380,13 +457,16 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     tetra_job job;
+    uint64_t crossings;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
     BVXI_TRY(open_among(o, cut));
 
     /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
+    crossings = o->vertex_count;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
+    BVXI_TRY(drop_surface_specks(o, cut, crossings));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
 
     BVXI_TRY(

@@ -20,7 +20,7 @@ static double number_of(const bvxi_oblique *o, uint32_t plane, const double at[3
     return bvxi_oblique_number_among(o, at, heard, heard == NULL ? o->plane_count : count);
 }
 
-static int is_beyond_ends(const bvxi_oblique *o, uint32_t plane, const double at[3])
+int bvxi_joint_is_beyond(const bvxi_oblique *o, uint32_t plane, const double at[3])
 {
     for (int e = 0; e < 2; e++)
         if (o->end[e] != BVXI_NONE && o->end[e] != plane &&
@@ -35,7 +35,7 @@ int bvxi_joint_kind(const bvxi_oblique *o, uint32_t plane, const double at[3], c
     double most = -1e300;
     int kind = 0;
 
-    if (is_beyond_ends(o, plane, at)) return 0;
+    if (bvxi_joint_is_beyond(o, plane, at)) return 0;
     /* Between planes the number of all bodies together decides about the outside, before any of one body. */
     if (plane == BVXI_NONE && !(number_of(o, plane, at, heard, count) > 0.0)) return 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
