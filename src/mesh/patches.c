@@ -14,8 +14,9 @@
 /* A link is a triangle << 1 | 1 when the two run differently; triangles are
  * below 2^31. A root links to itself. */
 typedef struct patch_sums {
-    uint32_t same, other; /* triangles that run as the root does, and those that do not */
-    double volume;        /* that the patch encloses when all run as the root does */
+    uint32_t same,
+        other;     /* triangles that run as the root does, and those that do not; later same: its number */
+    double volume; /* that the patch encloses when all run as the root does */
 } patch_sums;
 
 typedef struct patch_work {
@@ -30,6 +31,8 @@ typedef struct patch_work {
     uint32_t *link;    /* [Size: triangles] */
     uint8_t *torn;     /* by root, 1: no turning helps */
     patch_sums *sums;  /* by root */
+    uint32_t *border;  /* half-edges of edges that have not two triangles, where whole patches are judged */
+    uint64_t border_count;
 } patch_work;
 
 /* ---- Patches and parts ---- */
@@ -195,8 +198,55 @@ static void choose_turned(patch_work *w)
         out->unorientable += root == t && w->torn[root];
         /* A torn patch is left as it is: no turning makes it run one way. */
         out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
-        out->turned += out->turn[t];
     }
+}
+
+/* ---- Whole patches ---- */
+
+static void list_border(patch_work *w, uint64_t at, uint64_t n)
+{
+    if (n == 2) return;
+    for (uint64_t i = 0; i < n && w->border != NULL; i++) w->border[w->border_count + i] = w->numbers[at + i];
+    w->border_count += n;
+}
+
+/* Number the patches; returns how many. */
+static uint64_t number_patches(patch_work *w, uint32_t *number)
+{
+    uint32_t count = 0, differs;
+
+    /* A root is the least triangle of its patch, so it comes first. */
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+
+        if (root == t) w->sums[root].same = count++;
+        number[t] = w->sums[root].same;
+    }
+    return count;
+}
+
+/* Patches that face inward beside others: only open meshes have any that no rule for inside tells. */
+static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
+{
+    bvxi_patch_sides in = {.view = w->view, .centre = w->centre, .corner = w->corner, .turn = w->out->turn};
+    uint32_t *number;
+
+    if (w->out->odd_edges == 0 || w->out->unorientable != 0) return BVX_OK;
+    each_edge(w, list_border);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->border_count * 4, "the patches' borders", &w->border));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->out->triangles * 4, "the triangles' patches", &number));
+    w->border_count = 0;
+    each_edge(w, list_border);
+
+    in.triangles = w->out->triangles;
+    in.patches = number_patches(w, number);
+    in.patch = number;
+    in.border = w->border;
+    in.border_count = w->border_count;
+    BVXI_TRY(bvxi_patch_sides_turn(ctx, &in));
+    bvxi_drop(ctx, number);
+    bvxi_drop(ctx, w->border);
+    return BVX_OK;
 }
 
 /* ---- The whole ---- */
@@ -240,6 +290,8 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     /* Sums need all links, and turning needs all sums. */
     sum_patches(w);
     choose_turned(w);
+    BVXI_TRY(turn_whole_patches(ctx, w));
+    for (uint64_t t = 0; t < w->out->triangles; t++) w->out->turned += w->out->turn[t];
     each_edge(w, balance_edge);
     return BVX_OK;
 }

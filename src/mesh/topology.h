@@ -83,9 +83,10 @@ typedef struct bvxi_patches {
 } bvxi_patches;
 
 /* Find what to turn so that the triangles of each patch run the same way round, as most of them do. Where no
- * side has five eighths of them, the volume that they enclose about centre becomes positive. representative:
+ * side has five eighths of them, the volume that they enclose about centre becomes positive. Of an open mesh,
+ * patches that face inward where others face outward are turned whole (patch_sides.c). representative:
  * topology.h. The view's indices have been checked. Scratch: beside the result 84 bytes a triangle, while it
- * works.
+ * works; of an open mesh of several patches 4 more, 4 an open edge, and 1 MB at most.
  * Cost: O(triangles). Guarantee: what is turned follows from the triangles; for a patch of halves that
  * encloses nothing from sums in their order. */
 bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
@@ -95,6 +96,19 @@ void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches);
 /* The triangles, those of patches->turn turned round. index [Size: triangles * 3] */
 void bvxi_patches_turn(const bvx_mesh_view *view, const bvxi_patches *patches, uint32_t *index,
                        bvx_mesh_view *turned);
+
+/* patch_sides.c: what patches know of themselves when whole ones are judged. */
+typedef struct bvxi_patch_sides {
+    const bvx_mesh_view *view;
+    const double *centre;
+    const uint32_t *corner, *patch; /* of each triangle: its corners' representatives, its patch's number */
+    uint64_t triangles, patches;
+    const uint32_t *border; /* half-edges that are no edge of two triangles: 3 t + k, from corner k on */
+    uint64_t border_count;
+    uint8_t *turn; /* in: triangles that are turned; out: those of turned patches changed */
+} bvxi_patch_sides;
+
+bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in);
 
 /* Six times the volume of triangle t about centre, positive where it is
  * seen from outside, as it stands in the view. */

@@ -47,7 +47,7 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
     if (patches.unorientable != 0 || (patches.odd_edges == 0 && patches.open_edges != 0)) {
         *sign = BVX_SIGN_VOTE;
-    } else {
+    } else if (patches.turned != 0) {
         /* Scratch may be there from leaving out copies. */
         if (job->corner == NULL)
             BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
@@ -66,10 +66,12 @@ static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const d
 {
     int32_t sign = job->options->sign;
 
-    /* Winding numbers need triangles of one mind; where none were flipped nothing is turned. */
+    /* Winding numbers need triangles of one mind; where none were flipped only whole patches are turned. */
     if (sign == BVX_SIGN_AUTO) {
+        const bvx_certificate *const c = &job->report.before;
+
         sign = BVX_SIGN_WINDING;
-        if (job->report.before.flipped_edges != 0)
+        if (c->flipped_edges != 0 || (c->boundary_edges != 0 && c->components > 1))
             BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
     }
     job->report.sign = sign;

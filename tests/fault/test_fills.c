@@ -5,9 +5,9 @@
 
 /* ---- Inputs, made once ---- */
 
-/* hollow: a cavity; holes: triangles missing and turned; shell: half a voxel */
-static maker_mesh closed, hollow, holes, overlapping, shell;
-static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view, shell_view;
+/* hollow: a cavity; holes: triangles missing and turned; shell: half a voxel; halves: open, one inside out */
+static maker_mesh closed, hollow, holes, overlapping, shell, halves;
+static bvx_mesh_view closed_view, hollow_view, holes_view, overlap_view, shell_view, halves_view;
 static bvx_lattice lattice;
 static bvx_grid surface;
 static bvx_context *maker; /* what made them */
@@ -40,6 +40,16 @@ static int make_inputs(void **state)
         maker_star(&shell, &same, centre, r, 0, 8, 12, 65536);
     }
     maker_flip(&shell, shell.triangles / 2, shell.triangles);
+    for (int i = 0; i < 2; i++) {
+        double const low[3] = {3.0 + 8 * i, 4, 4}, high[3] = {10.9 + 8 * i, 16, 15};
+        size_t const first = halves.triangles;
+
+        /* Without the side towards the other half. */
+        maker_box(&halves, low, high);
+        for (int k = 0; k < 2; k++) maker_remove(&halves, first + (i == 0 ? 2 : 0));
+        if (i == 1) maker_flip(&halves, first, halves.triangles);
+    }
+    halves_view = maker_view(&halves);
     shell_view = maker_view(&shell);
     overlap_view = maker_view(&overlapping);
     closed_view = maker_view(&closed);
@@ -61,6 +71,7 @@ static int free_inputs(void **state)
     maker_free(&holes);
     maker_free(&overlapping);
     maker_free(&shell);
+    maker_free(&halves);
     return 0;
 }
 
@@ -110,6 +121,20 @@ static bvx_status automatic(void *user, bvx_context *ctx)
     bvx_voxelize_options_init(&o, sizeof o);
     for (int a = 0; a < 3; a++) o.window.size[a] = 5 + a;
     return fill_by(ctx, &holes_view, &o);
+}
+
+/* A patch that is turned as a whole. */
+static bvx_status sides(void *user, bvx_context *ctx)
+{
+    bvx_voxelize_options o;
+    bvx_solid_report report;
+
+    (void)user;
+    bvx_voxelize_options_init(&o, sizeof o);
+    o.report = &report;
+    bvx_status const status = fill_by(ctx, &halves_view, &o);
+    if (status == BVX_OK) assert_int_equal(report.turned, 10);
+    return status;
 }
 
 /* Walls that are lost: of a shell thinner than voxels. */
@@ -222,7 +247,7 @@ static fault_row fills[] = {
     {"vote", vote, 4, 1, 0},       {"regions", regions, 4, 1, 0}, {"flood", flood, 4, 1, 0},
     {"below", below, 4, 1, 0},     {"compare", compare, 4, 1, 0}, {"seed", seed, 4, 1, 0},
     {"pockets", pockets, 4, 1, 0}, {"fill", grid_fill, 4, 1, 0},  {"overlap", overlap, 4, 1, 0},
-    {"auto", automatic, 4, 1, 0},  {"losses", losses, 4, 1, 0},
+    {"auto", automatic, 4, 1, 0},  {"losses", losses, 4, 1, 0},   {"sides", sides, 4, 1, 0},
 };
 
 /* ---- Tests ---- */

@@ -161,10 +161,26 @@ def made_meshes():
         if seed % 2:
             flip(m, [r.randrange(len(m.faces)) for _ in range(r.randint(1, 20))])
         yield 'heap_%d' % seed, m, None, right
+    for name, turned in (('halves_apart', []), ('halves_apart_mirrored', [1])):
+        yield name, pieces_apart(2, 1, turned), one + 0.004 * math.pi, pieces_apart(2, 1, [])
+    for name, turned in (('eighths_apart', [3]), ('eighths_apart_mirrored', [1, 4, 6])):
+        yield name, pieces_apart(4, 2, turned), None, pieces_apart(4, 2, [])
     m = ball(Mesh(), (0, 0, 0), 1, 16)
     yield 'ball_twice', Mesh().add(list(m.points), m.faces + [f[::-1] for f in m.faces]), polyhedron_volume(m), m
     yield 'ball_far', Mesh().add([(x + 600000, y + 5000000, z) for x, y, z in m.points], m.faces), polyhedron_volume(m)
     yield 'balls_apart', ball(ball(Mesh(), (0, 0, 0), 0.2, 12), (10, 0, 0), 1, 16), one * 0 + polyhedron_volume(ball(ball(Mesh(), (0, 0, 0), 0.2, 12), (10, 0, 0), 1, 16))
+
+
+def pieces_apart(around, high, inside_out):
+    """A ball of pieces, 0.004 between them; some are inside out."""
+    m, n = Mesh(), 24
+    for k in range(around * high):
+        j0, h = k % around, k // around
+        angle = 2 * math.pi * (j0 + 0.5) / around
+        shift = [0.002 * s for s in ((0, math.copysign(1, math.sin(angle))) if around == 2 else (math.copysign(1, math.cos(angle)), math.copysign(1, math.sin(angle))))]
+        keep = lambda i, j: j * around // (2 * n) == j0 and i * high // n == h
+        ball(m, (shift[0], shift[1], 0 if high == 1 else 0.002 - 0.004 * h), 1, n, k in inside_out, keep)
+    return m
 
 
 def cut_box():

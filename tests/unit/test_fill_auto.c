@@ -337,6 +337,141 @@ static void test_a_box_without_two_sides_is_open(void)
     bvx_grid_free(ctx, &g);
 }
 
+/* ---- Whole patches that face inward ---- */
+
+/* A box without one of its sides: 0, 1 low and high along x, 2, 3 along y, 4, 5 along z. */
+static void add_open_box(const double low[3], const double high[3], size_t without, int inside_out)
+{
+    size_t const first = mesh.triangles;
+
+    maker_box(&mesh, low, high);
+    memmove(mesh.t + 3 * (first + 2 * without), mesh.t + 3 * (first + 2 * without + 2),
+            (10 - 2 * without) * 3 * sizeof *mesh.t);
+    mesh.triangles -= 2;
+    if (inside_out) maker_flip(&mesh, first, mesh.triangles);
+}
+
+/* Two halves of a box whose borders face each other, a tenth of a voxel apart. */
+static void add_halves(int first_inside_out, int second_inside_out)
+{
+    double const low[3] = {4, 5, 6}, middle[3] = {23.9, 43, 41}, from[3] = {24, 5, 6}, high[3] = {44, 43, 41};
+
+    add_open_box(low, middle, 1, first_inside_out);
+    add_open_box(from, high, 0, second_inside_out);
+}
+
+static void test_an_open_half_inside_out_is_turned(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_grid good;
+
+    add_halves(0, 0);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    TEST_ASSERT_EQUAL_UINT64(40 * 38 * 35, set_voxels(&good));
+    for (int inside_out = 0; inside_out < 3; inside_out++) {
+        maker_clear(&mesh);
+        add_halves(inside_out == 1, inside_out == 2);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, inside_out != 0 ? 10 : 0,
+                           "two halves of a box");
+    }
+
+    /* Where both face inward nothing says that one should not. */
+    maker_clear(&mesh);
+    add_halves(1, 1);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "both inside out");
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_an_open_half_inside_out_is_turned_in_any_order(void)
+{
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_grid good;
+
+    add_halves(0, 0);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    maker_clear(&mesh);
+    add_halves(0, 1);
+    for (int trial = 0; trial < 10; trial++) {
+        maker_shuffle_triangles(&mesh, &seed);
+        maker_shuffle_vertices(&mesh, &seed);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 10, "shuffled halves");
+    }
+    bvx_grid_free(ctx, &good);
+}
+
+static void test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one(void)
+{
+    double const low[3] = {4, 4, 4}, high[3] = {28, 28, 28}, from[3] = {18, 16, 12}, to[3] = {44, 42, 24};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+
+    for (size_t without = 0; without < 6; without += 5) {
+        bvx_grid good;
+
+        maker_clear(&mesh);
+        add_open_box(low, high, 4, 0);
+        add_open_box(from, to, without, 0);
+        good = solid_of(&l, BVX_FILL_WINDING);
+        maker_flip(&mesh, 10, 20);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 10, "an open box inside out");
+        bvx_grid_free(ctx, &good);
+
+        maker_clear(&mesh);
+        add_open_box(low, high, 4, 0);
+        maker_box(&mesh, from, to);
+        good = solid_of(&l, BVX_FILL_WINDING);
+        maker_flip(&mesh, 10, 22);
+        assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 12, "a closed box inside out");
+        bvx_grid_free(ctx, &good);
+    }
+}
+
+/* What faces inward and should: the inner walls of a tub, a cavity of an open body, a room about its
+ * furniture; and sheets that face one way, one above the other. */
+static void test_what_faces_inward_rightly_is_not_turned(void)
+{
+    double const low[3] = {4, 4, 4}, high[3] = {44, 44, 40}, inner[3] = {10, 9, 8}, rim[3] = {38, 39, 40},
+                 ceiling[3] = {38, 39, 32}, deep[3] = {30, 31, 24};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    bvx_grid good;
+
+    add_open_box(low, high, 5, 0);
+    add_open_box(inner, rim, 5, 1);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "a tub");
+    bvx_grid_free(ctx, &good);
+
+    maker_clear(&mesh);
+    add_open_box(low, high, 5, 0);
+    maker_box(&mesh, inner, ceiling);
+    maker_flip(&mesh, 10, 22);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "a cavity");
+    bvx_grid_free(ctx, &good);
+
+    maker_clear(&mesh);
+    add_open_box(low, high, 5, 1);
+    maker_box(&mesh, inner, deep);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "a room with a box in it");
+    bvx_grid_free(ctx, &good);
+
+    maker_clear(&mesh);
+    for (int sheet = 0; sheet < 2; sheet++) {
+        double const z = 12 + 20 * sheet;
+        uint32_t const a = maker_vertex(&mesh, 5, 5, z), b = maker_vertex(&mesh, 43, 5, z);
+        uint32_t const c = maker_vertex(&mesh, 43, 43, z), d = maker_vertex(&mesh, 5, 43, z);
+        uint32_t const deepest = maker_vertex(&mesh, 24, 24, z - 5);
+
+        maker_triangle(&mesh, a, b, deepest);
+        maker_triangle(&mesh, b, c, deepest);
+        maker_triangle(&mesh, c, d, deepest);
+        maker_triangle(&mesh, d, a, deepest);
+    }
+    good = solid_of(&l, BVX_FILL_WINDING);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, 0, "two valleys");
+    bvx_grid_free(ctx, &good);
+}
+
 static void test_what_cannot_be_oriented_is_voted_on(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
@@ -554,6 +689,10 @@ int main(void)
     RUN_TEST(test_holes_are_filled_by_winding_after_turning);
     RUN_TEST(test_sides_that_shorter_ones_cover_are_closed);
     RUN_TEST(test_a_box_without_two_sides_is_open);
+    RUN_TEST(test_an_open_half_inside_out_is_turned);
+    RUN_TEST(test_an_open_half_inside_out_is_turned_in_any_order);
+    RUN_TEST(test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one);
+    RUN_TEST(test_what_faces_inward_rightly_is_not_turned);
     RUN_TEST(test_what_cannot_be_oriented_is_voted_on);
     RUN_TEST(test_windows_are_cut_out_of_the_whole);
     RUN_TEST(test_windows_of_many_rows_choose_as_the_whole);
