@@ -30,6 +30,7 @@ static const char *ply_row_name(const ply_element *e)
 
 bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t row)
 {
+    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT, "PLY: the file ends (%s %u) inside %s %u of %u",
                      ply_unit(f), ply_place(f, f->source->end), ply_row_name(e), row, e->count);
 }
@@ -37,6 +38,8 @@ bvx_status bvxi_ply_fail_end(const ply_file *f, const ply_element *e, uint64_t r
 bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row, int32_t role)
 {
     static const char *const names[] = {"coordinate", "colour", "texture coordinate"};
+
+    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                          "PLY: %s %u (%s %u) has a %s that is not finite",
                          role == PLY_ROLE_UVS ? "face" : "vertex", row, ply_unit(f), ply_place(f, at),
@@ -48,6 +51,7 @@ bvx_status bvxi_ply_fail_finite(const ply_file *f, const char *at, uint64_t row,
 bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char *at, uint64_t row,
                                 int64_t corner)
 {
+    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                          "PLY: %s %u (%s %u) names vertex %d, but there are %u", name, row, ply_unit(f),
                          ply_place(f, at), corner, f->vertex_count);
@@ -55,6 +59,7 @@ bvx_status bvxi_ply_fail_corner(const ply_file *f, const char *name, const char 
 
 bvx_status bvxi_ply_fail_length(const ply_file *f, const ply_element *e, uint64_t row, int64_t count)
 {
+    if (f->source->ctx == NULL) return BVX_ERR_FORMAT;
     if (e->kind == PLY_FACE && count >= 0)
         return bvxi_fail(f->source->ctx, BVX_ERR_FORMAT,
                          "PLY: face %i (%s %u) has %d corners; it needs three", row, ply_unit(f),
@@ -202,26 +207,30 @@ static bvx_status ply_text_skip(ply_file *f, const ply_element *e, uint64_t row,
     return BVX_OK;
 }
 
+bvx_status bvxi_ply_take_text_row(ply_file *f, const ply_element *e, uint64_t row)
+{
+    bvxi_ply_begin_row(f);
+    for (uint32_t i = e->first; i < e->end; i++) {
+        const ply_property *const property = &f->header->properties[i];
+        int64_t count = 1;
+        /* A row is read value by value: what is not wanted
+         * must be stepped over, as lists have no known length. */
+        if (property->count_type != PLY_NONE) BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
+        if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
+            return bvxi_ply_fail_length(f, e, row, count);
+        if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP)
+            BVXI_TRY(ply_text_corners(f, property, row, count));
+        else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
+        else BVXI_TRY(ply_text_skip(f, e, row, count));
+    }
+    return bvxi_ply_end_row(f, e, row);
+}
+
 bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e)
 {
     for (uint64_t row = 0; row < e->count && e->end > e->first; row++) {
         BVXI_TRY(bvxi_source_at(f->source, f->p));
-        bvxi_ply_begin_row(f);
-        for (uint32_t i = e->first; i < e->end; i++) {
-            const ply_property *const property = &f->header->properties[i];
-            int64_t count = 1;
-            /* A row is read value by value: what is not wanted
-             * must be stepped over, as lists have no known length. */
-            if (property->count_type != PLY_NONE)
-                BVXI_TRY(ply_text_integer(f, "the length of a list", &count));
-            if (property->count_type != PLY_NONE && count < bvxi_ply_least_length(property))
-                return bvxi_ply_fail_length(f, e, row, count);
-            if (property->role == PLY_ROLE_CORNERS || property->role == PLY_ROLE_STRIP)
-                BVXI_TRY(ply_text_corners(f, property, row, count));
-            else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
-            else BVXI_TRY(ply_text_skip(f, e, row, count));
-        }
-        BVXI_TRY(bvxi_ply_end_row(f, e, row));
+        BVXI_TRY(bvxi_ply_take_text_row(f, e, row));
     }
     return BVX_OK;
 }

@@ -952,6 +952,180 @@ static void test_read_ply_cancels(void)
     }
 }
 
+/* ---- several threads ---- */
+
+enum { LONG_VERTICES = 40000, LONG_ROOM = 4 << 20 };
+
+static char *long_text; /* [Size: LONG_ROOM] */
+static size_t long_size;
+
+static void put_long(const char *text)
+{
+    size_t const n = strlen(text);
+    memcpy(long_text + long_size, text, n);
+    long_size += n;
+}
+
+/* A text of some megabytes: vertices with colours and a list that nobody wants, an element in between, and faces of
+ * three corners but for every so many of them. */
+static void put_long_file(int polygons_every)
+{
+    char row[200];
+
+    long_size = 0;
+    sprintf(
+        row,
+        "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty double y\nproperty float z\n",
+        LONG_VERTICES);
+    put_long(row);
+    sprintf(
+        row,
+        "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty list uchar int odd\n"
+        "element edge %d\nproperty int a\nelement face %d\nproperty list uchar int vertex_index\nend_header\n",
+        LONG_VERTICES / 3, LONG_VERTICES);
+    put_long(row);
+    for (int v = 0; v < LONG_VERTICES; v++) {
+        sprintf(row, "%.5f %d.25e%d %g %d %d %d %d%s\n", v * 0.37, v % 100, v % 7 - 3, v * 0.1, v % 256,
+                v % 251, v % 241, v % 3,
+                v % 3 == 0   ? ""
+                : v % 3 == 1 ? " 7"
+                             : "  8 9 ");
+        put_long(row);
+    }
+    for (int e = 0; e < LONG_VERTICES / 3; e++) put_long(e % 2 ? "12\n" : "  3\t\n");
+    for (int t = 0; t < LONG_VERTICES; t++) {
+        int const a = t % (LONG_VERTICES - 4);
+        if (polygons_every != 0 && t % polygons_every == 1)
+            sprintf(row, "5 %d %d %d %d %d\n", a, a + 1, a + 2, a + 3, a + 4);
+        else sprintf(row, "3 %d %d %d\n", a, a + 1, a + 2);
+        put_long(row);
+    }
+}
+
+/* The line that holds a place, or is the first after it, gets other bytes in the place of its own. */
+static void change_line(double place, const char *instead)
+{
+    char *const at = strchr(long_text + (size_t)(place * (double)long_size), '\n') + 1;
+    char *const after = strchr(at, '\n');
+    size_t const n = strlen(instead);
+
+    memmove(at + n, after, long_size - (size_t)(after - long_text) + 1);
+    memcpy(at, instead, n);
+    long_size = long_size - (size_t)(after - at) + n;
+}
+
+static void put_ended_long_file(int polygons_every)
+{
+    put_long_file(polygons_every);
+    long_text[long_size] = 0;
+}
+
+static void count_tasks(void *user, int32_t count, bvx_task_fn *task, void *task_user)
+{
+    *(int *)user += count;
+    for (int32_t i = 0; i < count; i++) task(task_user, i, i % 3);
+}
+
+/* The pieces of a long text are handed to threads. */
+static void check_read_in_pieces(void)
+{
+    bvx_context_options o = suite_options(3, BVX_CPU_BEST);
+    bvx_context *const plain = ctx;
+    int tasks = 0;
+    bvx_mesh m;
+
+    o.parallel = count_tasks;
+    o.parallel_user = &tasks;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(long_text, long_size, PLY, &m));
+    bvx_mesh_free(ctx, &m);
+    bvx_context_destroy(ctx);
+    ctx = plain;
+    TEST_ASSERT_TRUE_MESSAGE(tasks >= 8, "counted, vertices, faces");
+}
+
+static void test_read_ply_threads_do_not_show(void)
+{
+    bvx_mesh m;
+
+    long_text = malloc(LONG_ROOM);
+    for (int polygons_every = 0; polygons_every <= 3000; polygons_every += 1500) {
+        put_ended_long_file(polygons_every);
+        TEST_ASSERT_TRUE(long_size > 3 << 19 && long_size < LONG_ROOM);
+        check_same_with_threads(long_text, long_size, PLY);
+        check_read_in_pieces();
+
+        /* without the last line's end, then with trailing words */
+        check_same_with_threads(long_text, long_size - 1, PLY);
+        put_long("\n\nwords\n 1 2 3");
+        check_same_with_threads(long_text, long_size, PLY);
+    }
+
+    /* The corners of the last polygon of all are where its face says. */
+    put_ended_long_file(LONG_VERTICES - 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(long_text, long_size, PLY, &m));
+    TEST_ASSERT_EQUAL_UINT64(LONG_VERTICES + 2, m.triangle_count);
+    bvx_mesh_free(ctx, &m);
+    check_same_with_threads(long_text, long_size, PLY);
+    free(long_text);
+}
+
+/* Rows that are not lines, in each part of the file: as many lines as rows there, or not. */
+static void test_read_ply_threads_and_rows_that_are_not_lines(void)
+{
+    static const char *const vertices[] = {"", "1 2 3 4 5\n6 0", "1 2 3 4 5 6 0 1 2 3 4 5 6 0",
+                                           "1 2 3 4 5 6 0 1 2 3 4 5 6 0\n", "1 2 3 4 5 6 0 1 2\n3 4 5 6 0"};
+    static const char *const faces[] = {
+        "", "3 0 1\n2", "3 0 1 2 3 2 3 4", "3 0 1 2 3 2 3 4\n", "3 0 1 2 3\n2 3 4", "3 0\r1 2"};
+
+    long_text = malloc(LONG_ROOM);
+    for (int i = 0; i < 5; i++)
+        for (int k = 0; k < 4; k++) {
+            put_ended_long_file(i % 2 * 700);
+            change_line(0.1 + 0.13 * k, vertices[i]);
+            check_same_with_threads(long_text, long_size, PLY);
+        }
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < 3; k++) {
+            put_ended_long_file(i % 2 * 700);
+            change_line(0.8 + 0.07 * k, faces[i]);
+            check_same_with_threads(long_text, long_size, PLY);
+        }
+
+    /* lines that end with a carriage return alone, and with both */
+    put_ended_long_file(0);
+    for (size_t i = (size_t)(strstr(long_text, "end_header") - long_text) + 11; i < long_size; i++)
+        if (long_text[i] == '\n') long_text[i] = '\r';
+    check_same_with_threads(long_text, long_size, PLY);
+    put_ended_long_file(0);
+    for (size_t i = 1; i < long_size; i++)
+        if (long_text[i] == '\n' && long_text[i - 1] == ' ') long_text[i - 1] = '\r';
+    check_same_with_threads(long_text, long_size, PLY);
+    free(long_text);
+}
+
+/* The message is that of the first row that is wrong, with its line. */
+static void test_read_ply_threads_and_damage(void)
+{
+    static const char *const vertices[] = {"1 2 x 4 5 6 0", "1 2 nan 4 5 6 0", "1 2 3 4 5 6 -1",
+                                           "1 1e400 3 4 5 6 0"};
+    static const char *const faces[] = {"3 0 1 40000", "2 0 1", "3 0 -1 2", "3 0 1 2.5"};
+
+    long_text = malloc(LONG_ROOM);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 3; k++) {
+            put_ended_long_file(k * 900);
+            change_line(0.98, faces[i]);
+            change_line(0.8 + 0.06 * k, faces[(i + 1) % 4]);
+            check_same_with_threads(long_text, long_size, PLY);
+            change_line(0.1 + 0.2 * k, vertices[i]);
+            check_same_with_threads(long_text, long_size, PLY);
+        }
+    put_ended_long_file(0);
+    for (int k = 1; k < 12; k++) check_same_with_threads(long_text, long_size / 12 * (size_t)k, PLY);
+    free(long_text);
+}
+
 static void test_read_ply_real_file(void)
 {
     static const char *const name = "../shared/meshes/two-boxes-bad-self-union.ply";
@@ -996,6 +1170,9 @@ int main(void)
     RUN_TEST(test_read_ply_every_prefix);
     RUN_TEST(test_read_ply_every_byte_changed);
     RUN_TEST(test_read_ply_cancels);
+    RUN_TEST(test_read_ply_threads_do_not_show);
+    RUN_TEST(test_read_ply_threads_and_rows_that_are_not_lines);
+    RUN_TEST(test_read_ply_threads_and_damage);
     RUN_TEST(test_read_ply_real_file);
     return UNITY_END();
 }
