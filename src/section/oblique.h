@@ -290,9 +290,10 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
-/* oblique_handles.c: *settled: handles that no contour needs and that are gone; the surface is made anew.
- * owner: the tetrahedra of its triangles, from the first that is no plain cell's. */
-bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled);
+/* oblique_handles.c: handles that no contour needs are filled (added to settled[0]) and cut (to settled[1]);
+ * the surface is to be made anew. owner: the tetrahedra of its triangles, from the first that is no plain
+ * cell's. */
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t settled[2]);
 
 /* fans.c: how many of the vertices requested (asked) have triangles that are not one closed fan. */
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
@@ -313,6 +314,8 @@ bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n
                           uint32_t *number);
 /* The tetrahedra round an edge of one of them, into o->ring; *closed: they go all the way round. */
 bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, int *closed);
+/* No tetrahedron has the stamp that o->stamps is after it. */
+void bvxi_tetra_new_stamp(bvxi_oblique *o);
 /* Those round a vertex, into o->star. */
 bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex);
 /* Put a new vertex m into the edge a b of a tetrahedron, and into all others round it. */

@@ -3,21 +3,22 @@
  * What of the surface lies between the same contours is a patch. A patch that is a disc with a handle, or a
  * tube with one, has it from the lattice: tetrahedra between planes that are close together may have all
  * corners on planes, whose signs are fixed, so that a bridge of the body runs along an edge from plane to
- * plane and nothing can be changed. Such edges get a vertex; then vertices on no plane that lie near each
- * other, and whose numbers are small, are put on one side at once, the fewest first, until the patch has a
- * handle less.
+ * plane and nothing can be changed. Such edges get a vertex. Then one side of the patch, the body or what is
+ * outside, is thinned: vertices on no plane whose numbers are small change to the other side one by one, as
+ * long as nothing opens, joins or parts. A handle is a thread then; it is cut at the vertex with the smallest
+ * number that leaves the side in as many stretches as before. Last all that was thinned comes back, but for
+ * what would close the cut: little more than the cut has changed.
  *
  * Source: Bertrand, Malandain. A new characterization of three-dimensional simple points. 1994 (the numbers
  * of stretches on both sides around a point say what its change does to the Euler number).
  *
- * No vertex of a plane or contour changes; what would join, part or open anything, or tear a contour's
- * surface, is taken back. */
+ * No vertex of a plane or contour changes; a cut that would tear a contour's surface is taken back. A handle
+ * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
 #include "section/oblique.h"
 
-#define HANDLE_REACH  2.5    /* cells: what is looked at around a change */
 #define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
 
-enum { HANDLE_TETRA = 20000, HANDLE_SIZES = 3, HANDLE_DEPTHS = 3 };
+enum { HANDLE_TETRA = 20000, HANDLE_DEPTHS = 3, HANDLE_TRIES = 64 };
 
 typedef struct handle_work {
     bvxi_oblique *o;
@@ -27,11 +28,13 @@ typedef struct handle_work {
     int32_t *euler, *loops;
     bvxi_edge_map pair;
     uint64_t triangles;
-    /* what is looked at around a vertex */
-    uint32_t *number, *tetra, *member, *joined, *flip, *seed;
-    uint8_t *known; /* bits: 1 to be changed; 2, 4 a stretch that was counted */
-    uint64_t tetra_room, member_room, joined_room, flip_room, seed_room, known_room;
-    uint32_t tetras, members, flips, seeds;
+    /* what is looked at around a patch */
+    uint32_t *number, *tetra, *member, *joined, *flip;
+    uint64_t *loose; /* vertices that may change, by the size of their numbers */
+    uint8_t *back;   /* of each in flip: it came back */
+    uint64_t tetra_room, member_room, joined_room, flip_room, back_room, loose_room, loose_count;
+    uint32_t tetras, members, flips;
+    int strict; /* contours hold at every step, else at the end */
     bvxi_look look;
 } handle_work;
 
@@ -130,22 +133,13 @@ static int is_either_side(const bvxi_oblique *o, uint32_t v)
     return o->vertex[v].sign != 0 && bvxi_first_plane(o, v) == BVXI_NONE;
 }
 
-static bvx_status add_handle_seed(handle_work *w, uint32_t v)
-{
-    BVXI_TRY(bvxi_oblique_grow(w->o, &w->seed, w->seeds, &w->seed_room, 4, "the vertices of a handle"));
-    w->seed[w->seeds++] = v;
-    return BVX_OK;
-}
-
 /* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
-static bvx_status loosen_tetrahedron(handle_work *w, uint32_t t)
+static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
-    bvxi_oblique *const o = w->o;
-
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
-            int const inside = o->vertex[x].sign > 0;
+            int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
             uint64_t shared = 0;
             double at[3];
             uint32_t m;
@@ -153,145 +147,115 @@ static bvx_status loosen_tetrahedron(handle_work *w, uint32_t t)
             /* An edge within a plane must not be cut: what is on the plane is fixed. */
             for (uint32_t k = 0; k < o->plane_words; k++)
                 shared |= bvxi_tetra_on(o, x)[k] & bvxi_tetra_on(o, y)[k];
-            if (shared != 0 || inside != (o->vertex[y].sign > 0) || bvxi_first_plane(o, x) == BVXI_NONE ||
-                bvxi_first_plane(o, y) == BVXI_NONE)
+            if (shared != 0 || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+                bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
                 continue;
             for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[x].at[k] + o->vertex[y].at[k]);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
             o->vertex[m].sign = inside ? 1 : -1;
             o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
-            BVXI_TRY(add_handle_seed(w, m));
         }
-    return BVX_OK;
-}
-
-static bvx_status find_handle_seeds(handle_work *w, const uint32_t *owner, uint32_t patch)
-{
-    bvxi_oblique *const o = w->o;
-    uint32_t last = BVXI_NONE, kept = 0;
-
-    w->seeds = 0;
-    for (uint32_t t = 0; t < w->triangles; t++) {
-        /* Triangles of one tetrahedron follow each other: it is looked at once. */
-        if (bvxi_root(w->patch, t) != patch || owner[t] == last) continue;
-        last = owner[t];
-        BVXI_TRY(loosen_tetrahedron(w, last));
-        for (int k = 0; k < 4; k++)
-            if (is_either_side(o, o->tetra[last].v[k])) BVXI_TRY(add_handle_seed(w, o->tetra[last].v[k]));
-    }
-
-    /* Splitting may have made more vertices than there were numbers for. */
-    bvxi_drop(o->ctx, w->number);
-    w->number = NULL;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the vertices of a handle", &w->number));
-    memset(w->number, 0xff, (size_t)o->vertex_count * 4);
-    for (uint32_t i = 0; i < w->seeds; i++) {
-        uint32_t const v = w->seed[i];
-        if (w->number[v] != BVXI_NONE) continue;
-        w->number[v] = 0;
-        w->seed[kept++] = v;
-    }
-    /* The numbers served to find what was there twice; they begin anew for what is looked at. */
-    for (uint32_t i = 0; i < kept; i++) w->number[w->seed[i]] = BVXI_NONE;
-    w->seeds = kept;
     return BVX_OK;
 }
 
 /* ---- what lies around ---- */
 
-static double square_apart(const bvxi_oblique *o, uint32_t a, uint32_t b)
+static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 {
-    double square = 0.0;
-
-    for (int k = 0; k < 3; k++) {
-        double const d = o->vertex[a].at[k] - o->vertex[b].at[k];
-        square += d * d;
-    }
-    return square;
-}
-
-/* The tetrahedra between the same planes as a vertex, as far as the reach; their vertices get numbers. */
-static bvx_status look_around_handle(handle_work *w, uint32_t v)
-{
-    static const char what[] = "the tetrahedra of a handle";
     bvxi_oblique *const o = w->o;
 
-    w->tetras = w->members = 0;
-    /* The vertex's own tetrahedra first, then neighbours through faces. */
-    BVXI_TRY(bvxi_tetra_star(o, v));
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, what));
-        w->tetra[w->tetras++] = o->star[i];
+    if (o->stamp[t] == o->stamps) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, "the tetrahedra of a handle"));
+    o->stamp[t] = o->stamps;
+    w->tetra[w->tetras++] = t;
+    return BVX_OK;
+}
+
+/* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
+static int is_face_on_plane(const bvxi_oblique *o, const bvxi_tetra *t, int corner)
+{
+    uint64_t on_plane = 0;
+
+    for (uint32_t word = 0; word < o->plane_words; word++) {
+        uint64_t on = UINT64_MAX;
+        for (int c = 0; c < 4; c++)
+            if (c != corner) on &= bvxi_tetra_on(o, t->v[c])[word];
+        on_plane |= on;
     }
-    for (uint32_t i = 0; i < w->tetras && w->tetras < HANDLE_TETRA; i++)
+    return on_plane != 0;
+}
+
+/* The tetrahedra that a patch runs through, and others between the same planes, the nearest first. */
+static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t most;
+
+    w->tetras = 0;
+    bvxi_tetra_new_stamp(o);
+    for (uint32_t t = 0; t < w->triangles; t++)
+        if (bvxi_root(w->patch, t) == patch) BVXI_TRY(add_handle_tetra(w, owner[t]));
+    most = w->tetras + HANDLE_TETRA;
+    for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
-            uint64_t on_plane = 0;
-            int far = 0;
-
-            if (next == BVXI_NONE || o->stamp[next] == o->stamps) continue;
-            /* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
-            for (uint32_t word = 0; word < o->plane_words; word++) {
-                uint64_t on = UINT64_MAX;
-                for (int c = 0; c < 4; c++)
-                    if (c != k) on &= bvxi_tetra_on(o, o->tetra[t].v[c])[word];
-                on_plane |= on;
-            }
-            for (int c = 0; c < 4; c++)
-                far |= square_apart(o, o->tetra[next].v[c], v) > HANDLE_REACH * HANDLE_REACH;
-            if (far || on_plane != 0) continue;
-            o->stamp[next] = o->stamps;
-            BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, what));
-            w->tetra[w->tetras++] = next;
+            if (next != BVXI_NONE && !is_face_on_plane(o, &o->tetra[t], k))
+                BVXI_TRY(add_handle_tetra(w, next));
         }
+    return BVX_OK;
+}
+
+/* The same, with a vertex in all edges from plane to plane; their vertices get numbers. */
+static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
+{
+    static const char what[] = "the vertices of a handle";
+    bvxi_oblique *const o = w->o;
+    uint64_t const before = o->vertex_count;
+
+    BVXI_TRY(gather_patch(w, owner, patch));
+    for (uint32_t i = 0; i < w->tetras; i++) BVXI_TRY(loosen_tetrahedron(o, w->tetra[i]));
+    /* Halves of tetrahedra that were split are no part of what was gathered. */
+    if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
+    bvxi_drop(o->ctx, w->number);
+    w->number = NULL;
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, what, &w->number));
+    memset(w->number, 0xff, (size_t)o->vertex_count * 4);
+    w->members = 0;
     for (uint32_t i = 0; i < 4 * w->tetras; i++) {
         uint32_t const x = o->tetra[w->tetra[i / 4]].v[i % 4];
         if (w->number[x] != BVXI_NONE) continue;
         BVXI_TRY(bvxi_oblique_grow(o, &w->member, w->members, &w->member_room, 4, what));
         BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->members, &w->joined_room, 4, what));
-        BVXI_TRY(bvxi_oblique_grow(o, &w->known, w->members, &w->known_room, 1, what));
-        w->known[w->members] = 0;
         w->member[w->members] = x;
         w->number[x] = w->members++;
     }
     return BVX_OK;
 }
 
-/* Stretches of each side in what was looked at: all of them, and those that are more than what changes. */
-static void count_handle_stretches(handle_work *w, int32_t all[2], int32_t lasting[2])
+/* Stretches of a side in what was looked at. */
+static uint32_t count_handle_stretches(handle_work *w, int inside)
 {
     const bvxi_oblique *const o = w->o;
+    uint32_t stretches = 0;
 
-    for (uint32_t i = 0; i < w->members; i++) {
-        w->joined[i] = i;
-        w->known[i] &= 1;
-    }
+    for (uint32_t i = 0; i < w->members; i++) w->joined[i] = i;
     for (uint32_t i = 0; i < w->tetras; i++) {
         const uint32_t *const v = o->tetra[w->tetra[i]].v;
+        uint32_t last = BVXI_NONE;
         /* Vertices of one side that share an edge are one stretch: in a tetrahedron the surface parts the
          * sides. */
-        for (int a = 0; a < 4; a++)
-            for (int b = a + 1; b < 4; b++)
-                if ((o->vertex[v[a]].sign > 0) == (o->vertex[v[b]].sign > 0))
-                    bvxi_join(w->joined, w->number[v[a]], w->number[v[b]]);
+        for (int k = 0; k < 4; k++) {
+            if ((o->vertex[v[k]].sign > 0) != inside) continue;
+            if (last != BVXI_NONE) bvxi_join(w->joined, w->number[last], w->number[v[k]]);
+            last = v[k];
+        }
     }
-    all[0] = all[1] = lasting[0] = lasting[1] = 0;
-    for (uint32_t i = 0; i < w->members; i++) {
-        int const inside = o->vertex[w->member[i]].sign > 0;
-        uint8_t *const root = &w->known[bvxi_root(w->joined, i)];
-        /* Each stretch once, at its root; it lasts if any vertex of it does not change. */
-        if (!(*root & 2)) all[inside]++;
-        if (!(*root & 4) && !(w->known[i] & 1)) lasting[inside]++;
-        *root |= (uint8_t)(w->known[i] & 1 ? 2 : 6);
-    }
+    for (uint32_t i = 0; i < w->members; i++)
+        stretches += w->joined[i] == i && (o->vertex[w->member[i]].sign > 0) == inside;
+    return stretches;
 }
 
 /* ---- changes ---- */
-
-static void take_changes_back(const handle_work *w)
-{
-    for (uint32_t i = 0; i < w->flips; i++) bvxi_flip_sign(w->o, w->flip[i]);
-}
 
 /* Whether the surface meets the contours around a vertex once, as before. */
 static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
@@ -315,82 +279,167 @@ static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
     return BVX_OK;
 }
 
-/* Vertices of the other side that may change, near a vertex, with numbers that are small. */
-static bvx_status choose_changes(handle_work *w, uint32_t seed, double size, double depth, int inside)
+/* Changes the side of a vertex that has so many stretches of its own side around it, two being more, and one
+ * of the other: with one nothing is opened, joined or parted. *around: how many; 0: nothing changes, as it is
+ * not so or, where they are to hold at every step, contours would not. */
+static bvx_status change_side(handle_work *w, uint32_t v, uint32_t wanted, uint32_t *around)
 {
     bvxi_oblique *const o = w->o;
+    int const inside = o->vertex[v].sign > 0;
+    uint32_t stretches[2];
+    int hold = 1;
 
-    w->flips = 0;
+    *around = 0;
+    if (!bvxi_look_link(o, &w->look, v)) return BVX_OK;
+    bvxi_look_stretches(o, &w->look, v, stretches);
+    if (stretches[!inside] != 1 || (wanted == 1 ? stretches[inside] != 1 : stretches[inside] < 2))
+        return BVX_OK;
+    bvxi_flip_sign(o, v);
+    if (w->strict) BVXI_TRY(contours_hold(w, v, &hold));
+    if (hold) *around = stretches[inside];
+    else bvxi_flip_sign(o, v);
+    return BVX_OK;
+}
+
+/* Vertices of a side that may change and have small numbers, the smallest first. */
+static bvx_status list_loose(handle_work *w, double depth, int inside)
+{
+    bvxi_oblique *const o = w->o;
+    uint64_t n = 0;
+
     for (uint32_t i = 0; i < w->members; i++) {
         uint32_t const x = w->member[i];
-        /* Only what no plane and no contour has fixed, and what can change without a tear. */
-        w->known[i] = 0;
-        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) == inside ||
-            bvxi_absolute(o->vertex[x].value) > depth || square_apart(o, x, seed) > size * size ||
+        float const size = (float)bvxi_absolute(o->vertex[x].value);
+        uint32_t bits;
+
+        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth ||
             !bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x))
             continue;
-        w->known[i] = 1;
-        BVXI_TRY(bvxi_oblique_grow(o, &w->flip, w->flips, &w->flip_room, 4, "the vertices of a handle"));
-        w->flip[w->flips++] = x;
+        BVXI_TRY(bvxi_oblique_grow(o, &w->loose, n, &w->loose_room, 8, "the vertices of a handle"));
+        /* Floats from 0 on have the order of their bits. */
+        memcpy(&bits, &size, 4);
+        w->loose[n++] = (uint64_t)bits << 32 | x;
     }
-    return BVX_OK;
-}
-
-/* All at once, if that leaves fewer handles and what hangs together as it was; *gain: how many fewer. */
-static bvx_status try_changes(handle_work *w, int inside, int32_t *gain)
-{
-    int32_t before[2], after[2], lasting[2], stay[2];
-    int hold;
-
-    *gain = 0;
-    count_handle_stretches(w, before, lasting);
-    for (uint32_t i = 0; i < w->flips; i++) {
-        uint32_t around[2] = {0, 0};
-        if (bvxi_look_link(w->o, &w->look, w->flip[i]))
-            bvxi_look_stretches(w->o, &w->look, w->flip[i], around);
-        /* What the Euler number of the inside gains by this vertex alone, those before it being changed. */
-        *gain += inside ? (int32_t)around[0] - (int32_t)around[1] : (int32_t)around[1] - (int32_t)around[0];
-        bvxi_flip_sign(w->o, w->flip[i]);
-    }
-    if (*gain > 0) {
-        /* Stretches that come or go change it as well, and are no handles. */
-        count_handle_stretches(w, after, stay);
-        *gain -= after[0] - before[0] + (after[1] - before[1]);
-        hold = lasting[0] == stay[0] && lasting[1] == stay[1] && *gain > 0;
-        for (uint32_t i = 0; i < w->flips && hold; i++) BVXI_TRY(contours_hold(w, w->flip[i], &hold));
-        if (hold) return BVX_OK;
-    }
-    take_changes_back(w);
-    *gain = 0;
-    return BVX_OK;
-}
-
-/* Small places and small numbers first: as little as possible changes. */
-static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done, uint64_t *settled)
-{
-    static const double size[HANDLE_SIZES] = {0.15, 0.4, 1.0}; /* cells */
-    static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5};
-
-    for (int k = 0; k < HANDLE_SIZES * HANDLE_DEPTHS; k++)
-        for (uint32_t i = 0; i < w->seeds; i++) {
-            /* A patch may have thousands of seeds: the call can be stopped between them. */
-            if (i % 16 == 0) BVXI_TRY(bvxi_progress(w->o->ctx, "surface", done));
-            BVXI_TRY(look_around_handle(w, w->seed[i]));
-            for (int inside = 1; inside >= 0 && handles > 0; inside--) {
-                int32_t gain = 0;
-                BVXI_TRY(
-                    choose_changes(w, w->seed[i], size[k / HANDLE_DEPTHS], depth[k % HANDLE_DEPTHS], inside));
-                if (w->flips > 0) BVXI_TRY(try_changes(w, inside, &gain));
-                handles -= gain;
-                *settled += (uint64_t)gain;
-            }
-            for (uint32_t m = 0; m < w->members; m++) w->number[w->member[m]] = BVXI_NONE;
-            if (handles <= 0) return BVX_OK;
+    w->loose_count = n;
+    /* By insertion with growing steps back (Shell 1959). */
+    for (uint64_t gap = n / 2; gap > 0; gap /= 2)
+        for (uint64_t i = gap; i < n; i++) {
+            uint64_t const x = w->loose[i];
+            uint64_t j = i;
+            for (; j >= gap && w->loose[j - gap] > x; j -= gap) w->loose[j] = w->loose[j - gap];
+            w->loose[j] = x;
         }
     return BVX_OK;
 }
 
-static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *settled)
+/* Takes the side's vertices away one by one while that changes nothing but where the surface is: what stays
+ * of a bridge is a thread of vertices. */
+static bvx_status thin_side(handle_work *w, int inside, double done)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t before;
+
+    w->flips = 0;
+    do {
+        before = w->flips;
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", done));
+        for (uint64_t i = 0; i < w->loose_count; i++) {
+            uint32_t const v = (uint32_t)w->loose[i];
+            uint32_t around = 0;
+
+            if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
+            if (around == 0) continue;
+            BVXI_TRY(bvxi_oblique_grow(o, &w->flip, w->flips, &w->flip_room, 4, "the vertices of a handle"));
+            BVXI_TRY(bvxi_oblique_grow(o, &w->back, w->flips, &w->back_room, 1, "the vertices of a handle"));
+            w->flip[w->flips++] = v;
+        }
+    } while (w->flips > before);
+    return BVX_OK;
+}
+
+/* What was taken away comes back, the last first, but for what would close a cut again. */
+static bvx_status thicken_side(handle_work *w)
+{
+    memset(w->back, 0, w->flips);
+    for (int again = 1; again;) {
+        again = 0;
+        for (uint32_t i = w->flips; i-- > 0;) {
+            uint32_t around = 0;
+            if (!w->back[i]) BVXI_TRY(change_side(w, w->flip[i], 1, &around));
+            if (around == 0) continue;
+            w->back[i] = 1;
+            again = 1;
+        }
+    }
+    return BVX_OK;
+}
+
+/* Whether contours hold round a vertex that was cut and those that did not come back. */
+static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
+{
+    *hold = 1;
+    BVXI_TRY(contours_hold(w, v, hold));
+    for (uint32_t i = 0; i < w->flips && *hold; i++)
+        if (!w->back[i]) BVXI_TRY(contours_hold(w, w->flip[i], hold));
+    return BVX_OK;
+}
+
+/* A thread whose cut leaves as many stretches as there were was a handle. It is cut where that moves the
+ * surface least, and thickened again; one that the contours would not bear is left. */
+static bvx_status cut_thread(handle_work *w, int inside, double done, int32_t *gain)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t const stretches = count_handle_stretches(w, inside);
+    int tries = 0;
+
+    for (uint64_t i = 0; i < w->loose_count && tries < HANDLE_TRIES; i++) {
+        uint32_t const v = (uint32_t)w->loose[i];
+        uint32_t around;
+        int hold = 0;
+
+        if ((o->vertex[v].sign > 0) != inside) continue;
+        BVXI_TRY(change_side(w, v, 2, &around));
+        if (around == 0) continue;
+        tries++;
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", done));
+        if (count_handle_stretches(w, inside) == stretches) {
+            BVXI_TRY(thicken_side(w));
+            BVXI_TRY(cut_holds(w, v, &hold));
+            if (hold) {
+                *gain = (int32_t)around - 1;
+                return BVX_OK;
+            }
+            for (uint32_t k = 0; k < w->flips; k++)
+                if (w->back[k]) bvxi_flip_sign(o, w->flip[k]);
+        }
+        bvxi_flip_sign(o, v);
+    }
+    for (uint32_t k = 0; k < w->flips; k++) bvxi_flip_sign(o, w->flip[k]);
+    *gain = 0;
+    return BVX_OK;
+}
+
+/* Small numbers first: as little as possible changes. */
+static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done, uint64_t settled[2])
+{
+    static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
+
+    for (int k = 0; k < 4 * HANDLE_DEPTHS && handles > 0;) {
+        int const inside = (k & 1) == 0;
+        int32_t gain;
+
+        w->strict = (k & 2) == 0;
+        BVXI_TRY(list_loose(w, depth[k / 4], inside));
+        BVXI_TRY(thin_side(w, inside, done));
+        BVXI_TRY(cut_thread(w, inside, done, &gain));
+        handles -= gain;
+        settled[inside] += (uint64_t)gain;
+        if (gain == 0) k++;
+    }
+    return BVX_OK;
+}
+
+static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t settled[2])
 {
     BVXI_TRY(find_surface_patches(w));
     for (uint32_t t = 0; t < w->triangles; t++) {
@@ -399,25 +448,24 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
         int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
 
         if (w->patch[t] != t || handles <= 0) continue;
-        BVXI_TRY(find_handle_seeds(w, owner, t));
+        BVXI_TRY(look_around_patch(w, owner, t));
         BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles, settled));
     }
     return BVX_OK;
 }
 
-bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t settled[2])
 {
     handle_work w;
     bvx_status status;
 
-    *settled = 0;
     memset(&w, 0, sizeof w);
     w.o = o;
     w.triangles = o->triangle_count - o->plain_triangles;
     status = settle_handles(&w, owner, settled);
     bvxi_edge_free(o, &w.pair);
-    bvxi_drop(o->ctx, w.known);
-    bvxi_drop(o->ctx, w.seed);
+    bvxi_drop(o->ctx, w.loose);
+    bvxi_drop(o->ctx, w.back);
     bvxi_drop(o->ctx, w.flip);
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.member);

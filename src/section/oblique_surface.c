@@ -240,13 +240,14 @@ static bvx_status march_again(bvxi_oblique *o)
 static bvx_status close_handles(bvxi_oblique *o)
 {
     int64_t handles;
-    uint64_t settled = 1;
+    uint64_t settled[2] = {0, 0}, before = UINT64_MAX;
 
-    for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
+    for (int round = 0; round < HANDLE_ROUNDS && settled[0] + settled[1] != before; round++) {
+        before = settled[0] + settled[1];
         BVXI_TRY(count_handles(o, &handles));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
-                            bvxi_oblique_handles(o, o->owner, &settled)));
+                            bvxi_oblique_handles(o, o->owner, settled)));
         /* Vertices may have been added, which change nothing but must be marched over. */
         BVXI_TRY(
             BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));

@@ -206,7 +206,7 @@ bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t
     return BVX_OK;
 }
 
-static void next_stamp(bvxi_oblique *o)
+void bvxi_tetra_new_stamp(bvxi_oblique *o)
 {
     if (++o->stamps != 0) return;
     memset(o->stamp, 0, (size_t)o->tetra_count * 4);
@@ -225,7 +225,7 @@ static bvx_status add_to_star(bvxi_oblique *o, uint32_t tetra)
 bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex)
 {
     o->star_count = 0;
-    next_stamp(o);
+    bvxi_tetra_new_stamp(o);
     BVXI_TRY(add_to_star(o, o->vertex[vertex].tetra));
     /* Neighbours over all faces that hold the vertex, each once by its stamp. */
     for (uint64_t i = 0; i < o->star_count; i++) {

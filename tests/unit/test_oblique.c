@@ -439,6 +439,25 @@ static void test_a_torus_through_random_planes(void)
     }
 }
 
+/* Handles of the lattice that few vertices at once could not settle: bridges and holes that run along contours, as
+ * long as a cell or more. */
+static void test_long_handles_between_planes_are_settled(void)
+{
+    static const uint64_t seed[] = {1060, 3060, 4060, 10060};
+
+    for (size_t i = 0; i < (quick ? 1 : sizeof seed / sizeof *seed); i++) {
+        uint64_t s = seed[i];
+        stack_oblique(&stack);
+        for (int k = 0; k < 60; k++) trace_body(stack_any_plane(&stack, &s, 0.7), outside_torus);
+        o.cells = 32;
+        build_good();
+        assert_no_crossings();
+        assert_lost_points_are_counted();
+        TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+        TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
+    }
+}
+
 /* Sixty planes through a torus, whose contours' chords contradict each other in places: where they leave a surface
  * torn there is a refusal and no mesh, else it is closed and each point that is not kept is counted. */
 static void test_a_torn_surface_is_not_handed_out(void)
@@ -796,6 +815,7 @@ int main(void)
     RUN_TEST(test_two_balls_that_merge);
     RUN_TEST(test_a_plane_that_misses_the_body);
     RUN_TEST(test_a_torus_through_random_planes);
+    RUN_TEST(test_long_handles_between_planes_are_settled);
     RUN_TEST(test_a_torn_surface_is_not_handed_out);
     RUN_TEST(test_sixty_planes);
     RUN_TEST(test_planes_that_only_touch_the_body);
