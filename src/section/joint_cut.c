@@ -43,11 +43,21 @@ static int is_chord(const bvxi_oblique *o, const uint32_t v[2])
            bvxi_edge_find(&o->contour_edge, v[0], v[1]) == BVXI_NONE;
 }
 
+static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
+{
+    int n = 0;
+
+    for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
+    return n;
+}
+
 /* Edges and faces on planes between vertices of contours get a vertex, which has what the plane says there.
  * Without it a region would be joined to its like beyond an edge by that edge alone. */
 static bvx_status open_plane_faces(bvxi_oblique *o)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
+        /* Most tetrahedra are next to no contour. */
+        if (corners_on_contours(o, &o->tetra[t]) < 2) continue;
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
                 /* Splitting an edge moves the new half behind the others, so that the loop comes to it
@@ -133,13 +143,15 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
 
     /* A contour's vertex lies between what the planes say around it. */
-    for (uint64_t t = 0; t < o->tetra_count; t++)
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        if (corners_on_contours(o, &o->tetra[t]) == 0) continue;
         for (int a = 0; a < 4; a++)
             for (int b = 0; b < 4; b++) {
                 uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
                 if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && are_on_a_plane(o, v, 2))
                     cut->among[v[0]] |= cut->among[v[1]];
             }
+    }
     return BVX_OK;
 }
 
@@ -175,9 +187,9 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     return BVX_OK;
 }
 
-/* The bodies that the surface of all may be of where it crosses an edge, whose tetrahedra are in the ring: its
- * own and those around it. Where others close around the edge, its own would be a hole in them that leads to
- * the outside, and only those are left. */
+/* The bodies that the surface of all may be of where it crosses an edge, whose tetrahedra are in the ring:
+ * its own and those around it. Where others close around the edge, its own would be a hole in them that leads
+ * to the outside, and only those are left. */
 static uint64_t bodies_at_crossing(const bvxi_oblique *o, const bvxi_joint_cut *cut, const uint32_t v[2],
                                    uint32_t m)
 {
@@ -243,12 +255,28 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
 typedef bvx_status (*cut_fn)(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, uint32_t a, uint32_t b,
                              int *made);
 
+/* Most tetrahedra are of one kind: a body that all corners have but those that are only outside, and no edge
+ * from a corner inside to one of these. */
+static int has_edges_to_cut(const bvxi_joint_cut *cut, const bvxi_tetra *t)
+{
+    uint64_t common = ~(uint64_t)JOINT_OUTSIDE;
+    int inside = 0, outside = 0;
+
+    for (int k = 0; k < 4; k++) {
+        uint64_t const among = cut->among[t->v[k]];
+        inside |= (among & JOINT_OUTSIDE) == 0;
+        outside |= among == JOINT_OUTSIDE;
+        if (among != JOINT_OUTSIDE) common &= among;
+    }
+    return common == 0 || (inside && outside);
+}
+
 /* All edges that are to be cut, those of what the cuts make too: each cut puts a vertex with more kinds in
  * place of a corner, so this ends. */
 static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        int again = 1;
+        int again = has_edges_to_cut(cut, &o->tetra[t]);
         if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
         /* A cut replaces a corner of this tetrahedron, so its edges are looked at once more. */
         while (again) {
@@ -298,11 +326,19 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
     w->lead[root] += (cut->among[other] >> w->beside[root] & 1) != 0 ? 1 : UINT32_MAX;
 }
 
+static int crossings_of(const bvxi_tetra *t, uint64_t first)
+{
+    int n = 0;
+
+    for (int k = 0; k < 4; k++) n += t->v[k] >= first;
+    return n;
+}
+
 static void find_surface_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, surface_work *w,
                                 uint64_t first)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int a = 0; a < 4; a++)
+        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 1; a++)
             for (int b = 0; b < a; b++) {
                 uint32_t const v = o->tetra[t].v[a], x = o->tetra[t].v[b];
                 if (v >= first && x >= first && cut->among[v] == cut->among[x]) bvxi_join(w->joined, v, x);
@@ -312,7 +348,7 @@ static void find_surface_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut
         w->count[root]++;
     }
     for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int a = 0; a < 4; a++)
+        for (int a = 0; a < 4 && crossings_of(&o->tetra[t], first) > 0; a++)
             for (int b = 0; b < 4; b++)
                 look_at_surface_edge(cut, w, first, o->tetra[t].v[a], o->tetra[t].v[b]);
 }

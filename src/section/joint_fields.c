@@ -9,6 +9,8 @@
 
 #include <math.h>
 
+enum { SURROUNDING_PLACES = 16 }; /* on each plane: from where the next planes are looked for */
+
 #define BESIDE_CONTOUR 1e-3 /* cells: where it is looked at what lies beside a contour */
 
 /* ---- kinds ---- */
@@ -33,22 +35,27 @@ int bvxi_joint_kind(const bvxi_oblique *o, uint32_t plane, const double at[3], c
                     uint32_t count)
 {
     double most = -1e300;
-    int kind = 0;
+    int kind = 0, near = 0;
 
     if (bvxi_joint_is_beyond(o, plane, at)) return 0;
     /* Between planes the number of all bodies together decides about the outside, before any of one body. */
     if (plane == BVXI_NONE && !(number_of(o, plane, at, heard, count) > 0.0)) return 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
+        const bvxi_oblique *const b = &o->body[i];
+        int const is_near = plane != BVXI_NONE || bvxi_oblique_is_near(b, at);
         double uv[2], number;
 
         /* On a plane only bodies that enclose the place; of two that overlap by a hair the deeper one. */
         if (plane != BVXI_NONE) {
-            if (o->body[i].plane[plane].plane.contour_count == 0) continue;
-            bvxi_oblique_uv(&o->body[i].plane[plane], at, uv);
-            if (!bvxi_oblique_encloses(&o->body[i], plane, uv)) continue;
+            bvxi_oblique_uv(&b->plane[plane], at, uv);
+            if (!bvxi_oblique_in_bounds(&b->plane[plane], uv, 0.0) || !bvxi_oblique_encloses(b, plane, uv))
+                continue;
         }
-        number = number_of(&o->body[i], plane, at, heard, count);
-        if (number <= most) continue;
+        /* Bodies that are far do not count where one is near: each place is compared with few. */
+        if (near && !is_near) continue;
+        number = number_of(b, plane, at, heard, count);
+        if (number <= most && near == is_near) continue;
+        near = is_near;
         most = number;
         kind = (int)i + 1;
     }
@@ -101,6 +108,58 @@ double bvxi_joint_lead(const bvxi_oblique *o, uint32_t plane, const double at[3]
 
 /* ---- each body by itself ---- */
 
+/* The farther of the next planes on both sides of a plane, from a place on it and along its normal. */
+static double way_to_next_planes(const bvxi_oblique *b, uint32_t plane, const double at[3])
+{
+    const bvxi_oblique_plane *const p = &b->plane[plane];
+    double way[2] = {1e300, 1e300}, most = 0.0;
+
+    for (uint32_t i = 0; i < b->plane_count; i++) {
+        const double *const n = b->plane[i].normal;
+        double const along = (n[0] * p->normal[0] + n[1] * p->normal[1]) + n[2] * p->normal[2];
+        double const height = bvxi_oblique_height(&b->plane[i], at);
+        double *const side = &way[(height < 0.0) == (along < 0.0)];
+
+        /* A plane along the normal is next to nothing. */
+        if (i == plane || !(bvxi_absolute(along) > 1e-6)) continue;
+        if (bvxi_absolute(height / along) < *side) *side = bvxi_absolute(height / along);
+    }
+    /* On a side without a plane the body ends as all do. */
+    for (int k = 0; k < 2; k++)
+        if (way[k] < 1e300 && way[k] > most) most = way[k];
+    return most;
+}
+
+/* A body's number is made around its contours, as far as the next planes on which it may not be, or as all
+ * bodies may bulge. */
+static void bound_surroundings(bvxi_oblique *b)
+{
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
+    double margin = b->longest / 8.0;
+
+    for (uint32_t i = 0; i < b->plane_count; i++) {
+        const bvxi_plane *const p = &b->plane[i].plane;
+        uint32_t const stride = p->point_count / SURROUNDING_PLACES + 1;
+
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            double at[3], way;
+            bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
+            for (int k = 0; k < 3; k++) {
+                low[k] = at[k] < low[k] ? at[k] : low[k];
+                high[k] = at[k] > high[k] ? at[k] : high[k];
+            }
+            way = n % stride == 0 ? way_to_next_planes(b, i, at) : 0.0;
+            margin = way > margin ? way : margin;
+        }
+    }
+    /* Whole cells, within the lattice. */
+    for (int k = 0; k < 3; k++) {
+        double const first = floor(low[k] - margin) - 3.0, last = floor(high[k] + margin) + 4.0;
+        b->near_low[k] = first > 0.0 ? first : 0.0;
+        b->near_high[k] = last < b->side[k] ? last : b->side[k];
+    }
+}
+
 static bvx_status make_field(bvxi_oblique *o)
 {
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_raster(o)));
@@ -122,6 +181,7 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
     b->end[0] = b->end[1] = BVXI_NONE;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_oblique_take_planes(b)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_oblique_settle(b)));
+    bound_surroundings(b);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.3, 1.0, make_field(b)));
 
     /* Counts are those of all bodies. */
@@ -171,8 +231,8 @@ static int look_beside(const bvxi_oblique *o, uint32_t plane, uint32_t a, uint32
     int in;
 
     memcpy(middle, half, sizeof half);
-    /* A body without contours on the plane touches nothing there. */
-    if (other->plane[plane].plane.contour_count == 0) return 0;
+    /* A body whose contours on the plane are elsewhere touches nothing there. */
+    if (!bvxi_oblique_in_bounds(&other->plane[plane], half, BESIDE_CONTOUR)) return 0;
     depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
     in = bvxi_oblique_encloses(other, plane, left);
 

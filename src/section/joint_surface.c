@@ -13,6 +13,18 @@
 /* Faces of a positive tetrahedron opposite each corner, seen counter-clockwise from outside. */
 static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
+/* The faces of all bodies, those of one body together and in the order of their tetrahedra. */
+typedef struct joint_list {
+    uint64_t first[BVXI_JOINT_BODIES + 2]; /* of each kind's; the outside has none */
+    uint32_t *face;                        /* 4 times the tetrahedron and the corner opposite */
+} joint_list;
+
+/* Edges at which a body touches itself. */
+typedef struct pinched_edges {
+    uint32_t (*edge)[2];
+    uint64_t count, room;
+} pinched_edges;
+
 /* The faces of the body at hand. Side 3 f + k of face f runs from its corner k to the next one. */
 typedef struct joint_faces {
     bvxi_oblique *o;
@@ -22,8 +34,9 @@ typedef struct joint_faces {
     uint32_t *from;        /* 4 times the tetrahedron and the corner opposite; BVXI_NONE: a cell beyond it */
     uint32_t *next;        /* [3 a face] sides of one edge */
     uint32_t *joined;      /* [3 a face] corners that are one vertex */
-    uint32_t *number;      /* [3 a face] at roots: of the vertex */
-    uint64_t count, room;
+    uint32_t
+        *number; /* [3 a face] at roots: of the vertex; before that 1: a later side begins its edge's list */
+    uint64_t count;
     bvxi_edge_map side; /* the first side of each edge */
     uint32_t *point;    /* [vertex] 1 more than the point given that it is; 0: none */
     uint8_t *used;      /* [vertex] the last body that has it */
@@ -40,20 +53,41 @@ static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int ag
     f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
 }
 
-/* What is on both sides of a face, from its first tetrahedron. */
-static int has_face(const joint_faces *f, uint32_t t, int k, int *against)
+/* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is beyond
+ * it but cells of one kind, that kind. Every other face is seen from both sides. */
+static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
 {
-    uint32_t const n = f->o->tetra[t].n[k];
-    int const own = f->cut->kind[t] == f->kind;
-    int other;
+    uint32_t const n = o->tetra[t].n[k];
+    int const own = cut->kind[t];
+    int const other = n != BVXI_NONE ? cut->kind[n] : bvxi_joint_border_kind(o, &o->tetra[t], k);
 
-    *against = 0;
-    if (n != BVXI_NONE) return own && f->cut->kind[n] != f->kind;
+    kind[0] = own != other ? own : 0;
+    kind[1] = own != other && n == BVXI_NONE ? other : 0;
+}
 
-    /* Beyond the cells with tetrahedra are some of one kind: their side of the face is seen from here. */
-    other = bvxi_joint_border_kind(f->o, &f->o->tetra[t], k) == f->kind;
-    *against = other;
-    return own != other;
+/* All tetrahedra are looked at twice, however many bodies there are: to count, then to fill. */
+static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cut, joint_list *list)
+{
+    uint64_t *const next = list->first + 1; /* next[kind]: where its faces begin, and end once they are in */
+
+    memset(list->first, 0, sizeof list->first);
+    for (int fill = 0; fill < 2; fill++) {
+        for (uint64_t t = 0; t < o->tetra_count; t++)
+            for (int k = 0; k < 4; k++) {
+                int kind[2];
+                kinds_of_face(o, cut, t, k, kind);
+                for (int i = 0; i < 2; i++) {
+                    if (kind[i] == 0) continue;
+                    if (fill) list->face[next[kind[i] - 1]++] = (uint32_t)(4 * t) + (uint32_t)k;
+                    else next[kind[i]]++;
+                }
+            }
+        if (fill) break;
+        for (uint32_t i = 0; i < o->body_count; i++) next[i + 1] += next[i];
+        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->body_count] + 1) * 4, "the faces of bodies",
+                            &list->face));
+    }
+    return BVX_OK;
 }
 
 static bvx_status open_faces(joint_faces *f)
@@ -61,11 +95,11 @@ static bvx_status open_faces(joint_faces *f)
     static const char what[] = "the faces of a body";
     bvx_context *const ctx = f->o->ctx;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 4, what, &f->from));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->next));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->joined));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->room + 1) * 12, what, &f->number);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 4, what, &f->from));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->next));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->joined));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->number);
 }
 
 static void close_faces(joint_faces *f)
@@ -91,28 +125,32 @@ static bvx_status list_sides(joint_faces *f)
         uint32_t *first;
         BVXI_TRY(bvxi_edge_add(f->o, &f->side, v[i % 3], v[(i + 1) % 3], &first));
         f->next[i] = *first;
+        if (*first != BVXI_NONE) f->number[*first] = 1;
+        f->number[i] = 0;
         *first = (uint32_t)i;
     }
     return BVX_OK;
 }
 
-static bvx_status take_faces(joint_faces *f, int kind)
+/* The side that its edge's list begins with. */
+static int is_first_side(const joint_faces *f, uint64_t side)
 {
-    const bvxi_oblique *const o = f->o;
-    int against;
+    return f->number[side] == 0;
+}
 
-    /* Counted first, so that the arrays are taken once. */
+static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
+{
+    const uint32_t *const face = list->face + list->first[kind - 1];
+
     f->kind = kind;
-    f->count = f->room = 0;
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int k = 0; k < 4; k++) f->room += (uint64_t)has_face(f, (uint32_t)t, k, &against);
-    if (f->room > UINT32_MAX / 3)
-        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: a body has more than 2^30 triangles; take fewer cells", o->function);
+    f->count = list->first[kind] - list->first[kind - 1];
+    if (f->count > UINT32_MAX / 3)
+        return bvxi_fail_for(f->o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
     BVXI_TRY(open_faces(f));
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int k = 0; k < 4; k++)
-            if (has_face(f, (uint32_t)t, k, &against)) fill_face(f, f->count++, (uint32_t)t, k, against);
+    /* Where the tetrahedron is not the body's, the body lies beyond the face. */
+    for (uint64_t i = 0; i < f->count; i++)
+        fill_face(f, i, face[i] / 4, (int)(face[i] % 4), f->cut->kind[face[i] / 4] != kind);
     return list_sides(f);
 }
 
@@ -146,32 +184,28 @@ static int is_pinched(const joint_faces *f, uint32_t first)
 }
 
 /* Vertices of a pinched edge may be one fan at both ends: one in between is two. */
-static bvx_status open_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, int kind)
+static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint_list *list, int kind,
+                               pinched_edges *pinched)
 {
     joint_faces f;
-    uint32_t(*edge)[2] = NULL;
-    uint64_t count = 0, room = 0;
     bvx_status status;
 
     memset(&f, 0, sizeof f);
     f.o = o;
     f.cut = cut;
-    status = take_faces(&f, kind);
+    status = take_faces(&f, list, kind);
     for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
         const uint32_t *const v = f.corner[i / 3];
-        uint32_t const a = v[i % 3], b = v[(i + 1) % 3];
+
         /* Each edge once, at the side that its list begins with. */
-        if (bvxi_edge_find(&f.side, a, b) != i || !is_pinched(&f, (uint32_t)i)) continue;
-        status = bvxi_oblique_grow(o, &edge, count, &room, sizeof *edge, "the edges of a body");
+        if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
+        status = bvxi_oblique_grow(o, &pinched->edge, pinched->count, &pinched->room, sizeof *pinched->edge,
+                                   "the edges of a body");
         if (status != BVX_OK) break;
-        edge[count][0] = a;
-        edge[count++][1] = b;
+        pinched->edge[pinched->count][0] = v[i % 3];
+        pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
-    /* Cuts change the tetrahedra that the faces are taken from, so those go first. */
     close_faces(&f);
-    for (uint64_t i = 0; i < count && status == BVX_OK; i++)
-        status = cut_pinched_edge(o, cut, edge[i][0], edge[i][1]);
-    bvxi_drop(o->ctx, edge);
     return status;
 }
 
@@ -274,11 +308,10 @@ static void find_fans(const joint_faces *f)
 {
     for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
     for (uint64_t i = 0; i < 3 * f->count; i++) {
-        const uint32_t *const v = f->corner[i / 3];
-        uint32_t const first = bvxi_edge_find(&f->side, v[i % 3], v[(i + 1) % 3]);
+        uint32_t const first = (uint32_t)i;
 
         /* Two faces at an edge belong together; of more it has to be found out which. */
-        if (first != i) continue;
+        if (!is_first_side(f, i)) continue;
         if (is_pinched(f, first)) join_pinched(f, first);
         else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
     }
@@ -410,12 +443,12 @@ static bvx_status check_joint_mesh(const bvxi_oblique *o, const bvx_mesh *mesh, 
                          o->function, (int64_t)label);
 }
 
-static bvx_status make_joint_mesh(joint_faces *f, int kind, bvx_mesh *mesh)
+static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int kind, bvx_mesh *mesh)
 {
     bvxi_oblique *const o = f->o;
     int32_t const label = o->body[kind - 1].options.label;
 
-    BVXI_TRY(take_faces(f, kind));
+    BVXI_TRY(take_faces(f, list, kind));
     if (f->count == 0)
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
                              "%s: no point of the lattice lies inside label %d; take more cells", o->function,
@@ -426,23 +459,45 @@ static bvx_status make_joint_mesh(joint_faces *f, int kind, bvx_mesh *mesh)
     return check_joint_mesh(o, mesh, label);
 }
 
+/* All cuts before all faces: a cut for one body changes faces that another shares. */
+static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *list)
+{
+    int const count = (int)o->body_count;
+    pinched_edges pinched;
+
+    memset(&pinched, 0, sizeof pinched);
+    for (int kind = 1; kind <= count; kind++)
+        BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
+                            find_pinched(o, cut, list, kind, &pinched)));
+    for (uint64_t i = 0; i < pinched.count; i++)
+        BVXI_TRY(cut_pinched_edge(o, cut, pinched.edge[i][0], pinched.edge[i][1]));
+
+    /* Numbers of faces are those of the tetrahedra before the cuts. */
+    if (pinched.count != 0) {
+        bvxi_drop(o->ctx, list->face);
+        BVXI_TRY(list_all_faces(o, cut, list));
+    }
+    bvxi_drop(o->ctx, pinched.edge);
+    return BVX_OK;
+}
+
 bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *meshes)
 {
     int const count = (int)o->body_count;
+    joint_list list;
     joint_faces f;
 
-    /* All cuts before all faces: a cut for one body changes faces that another shares. */
-    for (int kind = 1; kind <= count; kind++)
-        BVXI_TRY(
-            BVXI_SHARE(o->ctx, 0.4 * (kind - 1) / count, 0.4 * kind / count, open_pinched(o, cut, kind)));
+    BVXI_TRY(list_all_faces(o, cut, &list));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, cut_pinched(o, cut, &list)));
     memset(&f, 0, sizeof f);
     f.o = o;
     f.cut = cut;
     BVXI_TRY(find_points(&f));
     for (int kind = 1; kind <= count; kind++) {
         BVXI_TRY(BVXI_SHARE(o->ctx, 0.4 + 0.6 * (kind - 1) / count, 0.4 + 0.6 * kind / count,
-                            make_joint_mesh(&f, kind, &meshes[kind - 1])));
+                            make_joint_mesh(&f, &list, kind, &meshes[kind - 1])));
         close_faces(&f);
     }
+    bvxi_drop(o->ctx, list.face);
     return BVX_OK;
 }

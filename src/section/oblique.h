@@ -56,8 +56,9 @@ typedef struct bvxi_tetra_vertex {
     int8_t lattice;
 } bvxi_tetra_vertex;
 
-/* A grid of nodes over the lattice: node (1, 1, 1) is at its first vertex. */
+/* A grid of nodes over the lattice, or of one of several bodies over its surroundings. */
 typedef struct bvxi_smooth {
+    double low[3]; /* of node (1, 1, 1) */
     int32_t size[3];
     double scale; /* nodes a cell */
     double *node;
@@ -98,6 +99,9 @@ typedef struct bvxi_oblique {
     uint32_t plane_count;
     uint32_t plane_words;   /* of a set of planes */
     double low[3], high[3]; /* box of the contours, in cells */
+    /* Where the number is made: the lattice; of one of several bodies its contours and what is around
+     * them. */
+    double near_low[3], near_high[3];
     double origin[3], step; /* world = origin + step * cells */
     double agree;           /* cells */
     uint32_t point_count;   /* of all planes' contours */
@@ -396,6 +400,21 @@ static inline void bvxi_flip_sign(const bvxi_oblique *o, uint32_t vertex)
 static inline int bvxi_corner_of(const bvxi_tetra *t, uint32_t vertex)
 {
     return t->v[0] == vertex ? 0 : t->v[1] == vertex ? 1 : t->v[2] == vertex ? 2 : t->v[3] == vertex ? 3 : 4;
+}
+
+/* 1: where the number is made. */
+static inline int bvxi_oblique_is_near(const bvxi_oblique *o, const double at[3])
+{
+    for (int k = 0; k < 3; k++)
+        if (at[k] < o->near_low[k] || at[k] > o->near_high[k]) return 0;
+    return 1;
+}
+
+/* 0: too far from a plane's contours to lie within them. */
+static inline int bvxi_oblique_in_bounds(const bvxi_oblique_plane *p, const double uv[2], double margin)
+{
+    return p->plane.contour_count != 0 && uv[0] >= p->low[0] - margin && uv[0] <= p->high[0] + margin &&
+           uv[1] >= p->low[1] - margin && uv[1] <= p->high[1] + margin;
 }
 
 static inline double bvxi_oblique_height(const bvxi_oblique_plane *p, const double at[3])

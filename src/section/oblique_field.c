@@ -75,21 +75,21 @@ bvx_status bvxi_oblique_rest(bvxi_oblique *o)
 
 /* ---- the number ---- */
 
-/* How far a place lies beyond the contours' box. */
-static double beyond_box(const bvxi_oblique *o, const double at[3])
+/* How far a place lies beyond a box. */
+static double beyond_box(const double low[3], const double high[3], const double at[3])
 {
     double sum = 0.0;
 
     for (int k = 0; k < 3; k++) {
-        double const below = o->low[k] - at[k], above = at[k] - o->high[k];
+        double const below = low[k] - at[k], above = at[k] - high[k];
         double const off = below > 0.0 ? below : above > 0.0 ? above : 0.0;
         sum += off * off;
     }
     return sum > 0.0 ? sqrt(sum) : 0.0;
 }
 
-double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
-                                 uint32_t count)
+/* At a place where the number is made. */
+static double near_number(const bvxi_oblique *o, const double at[3], const uint32_t *plane, uint32_t count)
 {
     double const smooth = bvxi_smooth_at(&o->smooth, at), beyond = 1.0 / o->reach;
     double sum = 0.0, weights = beyond * beyond * beyond;
@@ -109,7 +109,21 @@ double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], cons
                                            : bvxi_oblique_raster_at(p, p->rest, at));
         weights += weight;
     }
-    return smooth + sum / weights - beyond_box(o, at);
+    return smooth + sum / weights - beyond_box(o->low, o->high, at);
+}
+
+double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
+                                 uint32_t count)
+{
+    double near[3];
+
+    if (bvxi_oblique_is_near(o, at)) return near_number(o, at, plane, count);
+    /* Farther away it falls by the way to where it ends, which no other body's surroundings do. */
+    for (int k = 0; k < 3; k++) {
+        near[k] = at[k] < o->near_low[k] ? o->near_low[k] : at[k];
+        near[k] = near[k] > o->near_high[k] ? o->near_high[k] : near[k];
+    }
+    return near_number(o, near, plane, count) - beyond_box(o->near_low, o->near_high, at);
 }
 
 double bvxi_oblique_number(const bvxi_oblique *o, const double at[3])

@@ -82,6 +82,8 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
         o->origin[k] = low[k] - (pad + shift[k]) * o->step;
         o->low[k] = (low[k] - o->origin[k]) / o->step;
         o->high[k] = (high[k] - o->origin[k]) / o->step;
+        o->near_low[k] = 0.0;
+        o->near_high[k] = o->side[k];
     }
 
     /* One number for both, as cells are cubes; the report has two for grids over sections. */
@@ -421,7 +423,8 @@ int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv
 
     /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
     for (uint32_t i = 0; i < o->body_count; i++)
-        if (o->body[i].plane[plane].plane.contour_count != 0 && bvxi_oblique_encloses(&o->body[i], plane, uv))
+        if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&
+            bvxi_oblique_encloses(&o->body[i], plane, uv))
             return 1;
     return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
 }

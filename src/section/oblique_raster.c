@@ -47,10 +47,11 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
         int32_t size[2];
 
         if (p->plane.contour_count == 0) continue;
-        /* what the plane has of the lattice's box, from the box's corners */
+        /* what the plane has of the box where the number is made, from the box's corners */
         for (int corner = 0; corner < 8; corner++) {
-            double const at[3] = {corner & 1 ? o->side[0] : 0.0, corner & 2 ? o->side[1] : 0.0,
-                                  corner & 4 ? o->side[2] : 0.0};
+            double const at[3] = {(corner & 1 ? o->near_high : o->near_low)[0],
+                                  (corner & 2 ? o->near_high : o->near_low)[1],
+                                  (corner & 4 ? o->near_high : o->near_low)[2]};
             double uv[2];
             bvxi_oblique_uv(p, at, uv);
             for (int k = 0; k < 2; k++) {

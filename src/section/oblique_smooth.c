@@ -4,9 +4,9 @@
  * Hestenes, Stiefel. Methods of conjugate gradients for solving linear systems. 1952; Keys. Cubic convolution
  * interpolation for digital image processing. 1981 (between the nodes).
  *
- * A coarse grid of nodes covers the lattice. Where one of its lines crosses a plane, the cubic through four
- * nodes of the line is tied to the plane's distance there; between planes the sum of all squared second
- * differences is a minimum. Ties weaken where a plane says that its contours are far: what a distance is
+ * A coarse grid of nodes covers the lattice, or the surroundings of one of several bodies. Where one of its
+ * lines crosses a plane, the cubic through four nodes of the line is tied to the plane's distance there;
+ * between planes the sum of all squared second differences is a minimum. Ties weaken where a plane says that its contours are far: what a distance is
  * there depends on the plane, and only the surface matters. The system is solved on grids of a quarter and of
  * half the nodes along each side first, each the start of the next.
  *
@@ -58,8 +58,8 @@ double bvxi_smooth_at(const bvxi_smooth *g, const double at[3])
     const double *node = g->node;
 
     for (int k = 0; k < 3; k++) {
-        /* Node 1 stands at the lattice's origin: one node lies before it, for the cubic's four. */
-        double const x = at[k] * g->scale + 1.0;
+        /* Node 1 stands at the box's corner: one node lies before it, for the cubic's four. */
+        double const x = (at[k] - g->low[k]) * g->scale + 1.0;
         int32_t i = x > 1.0 ? (int32_t)x : 1;
 
         /* Places on the border take the last cell that has a node beyond it. */
@@ -118,10 +118,10 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
         for (int32_t i = 1; i < g->size[b] - 1; i++) {
             double node[3], at[3], value, off;
 
-            at[b] = (i - 1) / g->scale;
-            at[c] = (j - 1) / g->scale;
+            at[b] = (i - 1) / g->scale + g->low[b];
+            at[c] = (j - 1) / g->scale + g->low[c];
             at[axis] = (p->offset - (p->normal[b] * at[b] + p->normal[c] * at[c])) / p->normal[axis];
-            node[axis] = at[axis] * g->scale + 1.0;
+            node[axis] = (at[axis] - g->low[axis]) * g->scale + 1.0;
             /* Beyond the nodes that have two neighbours on either side the cubic is not defined. */
             if (!(node[axis] >= 1.0 && node[axis] < g->size[axis] - 2)) continue;
             node[b] = i;
@@ -319,7 +319,8 @@ static void lay_smooth_level(smooth_work *w, double spacing)
     w->grid.scale = 1.0 / spacing;
     w->nodes = 1;
     for (int k = 0; k < 3; k++) {
-        w->grid.size[k] = (int32_t)((w->o->side[k] - 1) / spacing) + 4;
+        w->grid.low[k] = w->o->near_low[k];
+        w->grid.size[k] = (int32_t)((w->o->near_high[k] - w->o->near_low[k] - 1.0) / spacing) + 4;
         w->step[k] = (int64_t)w->nodes;
         w->nodes *= (uint64_t)w->grid.size[k];
     }
@@ -335,8 +336,9 @@ static void begin_with(const smooth_work *w, const bvxi_smooth *coarser)
     for (int32_t k = 0; k < w->grid.size[2]; k++)
         for (int32_t j = 0; j < w->grid.size[1]; j++)
             for (int32_t i = 0; i < w->grid.size[0]; i++) {
-                double const at[3] = {(i - 1) / w->grid.scale, (j - 1) / w->grid.scale,
-                                      (k - 1) / w->grid.scale};
+                double const at[3] = {(i - 1) / w->grid.scale + w->grid.low[0],
+                                      (j - 1) / w->grid.scale + w->grid.low[1],
+                                      (k - 1) / w->grid.scale + w->grid.low[2]};
                 w->grid.node[n++] = bvxi_smooth_at(coarser, at);
             }
 }
