@@ -1041,7 +1041,7 @@ typedef struct bvx_repair_report {
     uint64_t overlaps; /**< voxels in more than one turn of the surface: overlapping parts. Counted with
                             measure 1, and where volume or area of a closed, oriented mesh changed by over 5
                             % */
-    uint64_t parts_kept, parts_dropped; /**< connected parts of the solid */
+    uint64_t parts_kept, parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
     uint64_t cavities_kept, cavities_dropped;
     uint64_t searched;                  /**< target_triangles: resolutions that the search tried */
     bvx_distance_report distance;       /**< measure 1: a is the input, b the result */
@@ -1102,7 +1102,9 @@ typedef struct bvx_repair_options {
                                     frame, whatever the other options are [Limit: 0..1] [Default: 0] */
     int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     int32_t reserved0;
-    uint64_t reserved[1];
+    uint64_t
+        keep_largest; /**< of what least_part leaves so many of the largest parts are kept, by voxels that
+                                join through faces, as in bvx_keep_options [Limit: any] [Default: 0, all] */
 } bvx_repair_options;
 
 BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
@@ -1186,7 +1188,7 @@ typedef struct bvx_levels_options {
     uint64_t measure_samples; /**< as in bvx_simplify_options [Limit: 0..2^31-1] [Default: 0] */
     int32_t strict;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
     int32_t source; /**< BVX_LEVELS_... [Default: BVX_LEVELS_AUTO; MEASURED where a lattice, a resolution, a
-                         sign, least_part, least_cavity or outer is given] */
+                         sign, least_part, keep_largest, least_cavity or outer is given] */
     const bvx_lattice *lattice; /**< measured: to work on [Default: NULL, fitted by resolution] */
     int32_t resolution;         /**< measured: along the longest axis [Limit: 0..2^24] [Default: 0, by
                                      bvx_plan_levels] */
@@ -1204,7 +1206,8 @@ typedef struct bvx_levels_options {
     int32_t reserved0;
     double colour_weight; /**< as in bvx_simplify_options; a measured surface takes the colours of the nearest
                                points [Limit: 0..1] [Default: 0] */
-    uint64_t reserved[2];
+    uint64_t keep_largest; /**< measured: as in bvx_repair_options [Limit: any] [Default: 0, all] */
+    uint64_t reserved[1];
 } bvx_levels_options;
 
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
@@ -1258,7 +1261,7 @@ typedef struct bvx_boolean_report {
     int32_t advised_resolution;       /**< where few is not 0: the resolution to take */
     int32_t thin_kept; /**< BVX_KEPT_... of the meshes whose thin walls were kept; others' are lost */
     uint64_t crumbs;   /**< small parts and pockets that neither mesh has a part for: dropped and filled */
-    uint64_t parts_dropped;            /**< below least_part */
+    uint64_t parts_dropped;            /**< by least_part and keep_largest */
     bvx_solid_report solid_a, solid_b; /**< how each was filled, before walls are kept */
 } bvx_boolean_report;
 
@@ -1287,7 +1290,7 @@ typedef struct bvx_boolean_options {
                                 [Default: 0] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
     uint64_t least_part;        /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t reserved[1];
+    uint64_t keep_largest;      /**< as in bvx_repair_options [Limit: any] [Default: 0, all] */
     int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
                        BVX_THIN_DROP [Limit: 1..2] [Default: BVX_THIN_KEEP] */
     int32_t reserved1;

@@ -119,8 +119,8 @@ const cli_argument cli_takes_trees[] = {{.also = cli_takes_states}, {.also = cli
 
 const cli_argument cli_takes_keep_largest[] = {
     LONG("--keep-largest", "N", SHARED(keep_largest), 1, 1e15,
-         "of voxels, of a volume's or a grid's (voxelize: also those it makes):\n"
-         "keep so many of the largest parts, through faces [all]"),
+         "keep so many of the largest parts, voxels joined through faces: of a grid or\n"
+         "volume, or of what the command makes of a mesh [all]"),
     {0}};
 
 const cli_argument cli_takes_kept_parts[] = {

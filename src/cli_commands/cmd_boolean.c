@@ -51,6 +51,7 @@ static const cli_argument boolean_rows[] = {
            "walls of the meshes too thin for the voxels. keep: whole, about as thick\n"
            "as they are; drop: lost where no centre lies in them, with a warning [keep]"),
     {.also = cli_takes_least_part},
+    {.also = cli_takes_keep_largest},
     {.also = cli_takes_output_origin},
     {.also = cli_takes_all},
     {0}};
@@ -88,10 +89,10 @@ static const cli_rule boolean_rules[] = {
      .given = "--resolution --spacing",
      .message = "%o is for two meshes; a grid brings its own lattice"},
     {.when = HAS_GRID,
-     .given = "--interpolation --sharp --no-sharp --least-part --thin",
+     .given = "--interpolation --sharp --no-sharp --least-part --keep-largest --thin",
      .message = "%o is for two meshes that become a mesh"},
     {.when = CLI_TO_GRID,
-     .given = "--interpolation --sharp --no-sharp --least-part --thin",
+     .given = "--interpolation --sharp --no-sharp --least-part --keep-largest --thin",
      .message = "%o is for two meshes that become a mesh"},
     {.when = HAS_GRIDS, .given = "--fill", .message = "%o is for meshes"},
     {.unless = HAS_GRIDS, .given = "--resample", .message = "%o is for two grids"},
@@ -197,6 +198,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
+    o.keep_largest = (uint64_t)run->options->keep_largest;
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");

@@ -48,7 +48,7 @@ static const cli_argument lod_rows[] = {
            "what levels are made from. mesh: the mesh itself, which must be closed,\n"
            "manifold and oriented; measured: its surface, measured as repair does;\n"
            "auto: the mesh where it is that and does not cross itself [auto; measured with\n"
-           "--resolution, --sign, --least-part, --least-cavity, --outer-hull]"),
+           "--resolution, --sign, --least-part, --keep-largest, --least-cavity, --outer-hull]"),
     CHOICE("--open", "WHAT", SHARED(open), open_names, BVX_OPEN_SHELL,
            "what becomes of open sheets. shell: thin closed shells; keep: they stay\n"
            "open, with their borders, and what joins three triangles at an edge is\n"
@@ -114,11 +114,11 @@ static const cli_rule method_rules[] = {
      .message = "%o is for --method collapse, and %b for edge-ratio and coverage; leave one of them out"},
     /* Of a grid's parts it says which stay; of a mesh it is for the measured surface. */
     {.unless = COLLAPSES | CLI_OF_GRID,
-     .given = "--least-part",
+     .given = "--least-part --keep-largest",
      .beside = OF_SOLID,
      .message = "%o is for --method collapse, and %b for edge-ratio and coverage; leave one of them out"},
     {.unless = COLLAPSES | CLI_OF_GRID,
-     .given = "--least-part",
+     .given = "--least-part --keep-largest",
      .message = "%o is for --method collapse, or for grids and volumes"},
     {.when = COVERS, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for coverage"},
     {.unless = COLLAPSES, .given = OF_COLLAPSE, .message = "%o is for --method collapse, not for edge-ratio"},

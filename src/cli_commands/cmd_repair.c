@@ -34,6 +34,7 @@ static const cli_argument repair_rows[] = {
            "they are; shell: pieces without a voxel become shells, other walls are\n"
            "lost where no centre lies in them, with a warning; drop: lost [keep]"),
     {.also = cli_takes_shells},
+    {.also = cli_takes_keep_largest},
     FLAG("--if-needed", OWN(if_needed), "copy a mesh that needs nothing, its positions as they are"),
     FLAG("--measure", OWN(measure), "report distances between input and result, and overlaps"),
     {.also = cli_takes_normals},
@@ -214,8 +215,10 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    ": what is thinner than a voxel broke, or cavities closed; take a "
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
-    /* What follows compares sizes, and these have one only as a body without overlaps. */
-    if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0) {
+    /* What follows compares sizes, and these have one only as a body without overlaps; parts that were to be
+     * dropped are missed by nobody. */
+    if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
+        r->parts_dropped > r->crumbs) {
         cli_advise_thickened(r, "the result", remedy, made);
         return;
     }
@@ -277,6 +280,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     if (cli_given(run, "--shell")) o->shell = c->shell;
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     o->keep_crumbs = cli_given(run, "--least-part");
+    o->keep_largest = (uint64_t)c->keep_largest;
     if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
 }
 

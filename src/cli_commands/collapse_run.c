@@ -219,12 +219,12 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
                    "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
                    ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
                    s->components, in->components);
-    else if (cli_is_sound(in) && s->components < in->components)
+    else if (!c->chosen && cli_is_sound(in) && s->components < in->components)
         cli_advise(made,
                    "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
                    ": parts that touch became one, and what is thinner than a voxel may be lost",
                    s->components, s->components == 1 ? "" : "s", in->components);
-    if (in->closed && in->oriented) {
+    if (in->closed && in->oriented && !c->chosen) {
         double const change = volume_change(s->volume, in);
 
         warn_of_volume(made, "the measured surface", change, "the input",
@@ -262,7 +262,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
         cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
                    l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
     /* An open input has no volume to compare with; its measured surface has. */
-    if (in->closed && in->oriented && fabs(of_surface) > VOLUME_CHANGE)
+    if (in->closed && in->oriented && !c->chosen && fabs(of_surface) > VOLUME_CHANGE)
         warn_of_volume(made, what, volume_change(l->certificate.volume, in), "the input", "");
     else if (s->closed && s->oriented)
         warn_of_volume(made, what, of_surface, "the surface that it was made from",

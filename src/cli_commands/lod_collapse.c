@@ -13,7 +13,9 @@ typedef struct lod_collapse {
 
 /* ---- Options ---- */
 
-#define OF_MEASURED "--resolution --sign --least-part --least-cavity --outer-hull --sharp --no-sharp --shell"
+#define OF_MEASURED                                                                                   \
+    "--resolution --sign --least-part --keep-largest --least-cavity --outer-hull --sharp --no-sharp " \
+    "--shell"
 
 /* Facts of the line. */
 enum {
@@ -77,6 +79,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (o->sharp || o->no_sharp) b->sharp = o->sharp;
     if (cli_given(run, "--shell")) b->shell = o->shell;
     b->least_part = (uint64_t)o->least_part;
+    b->keep_largest = (uint64_t)o->keep_largest;
     b->least_cavity = (uint64_t)o->least_cavity;
     b->report = &l->report;
     b->reports = l->run.level;
@@ -146,6 +149,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     /* the solid's are not in its surface */
     c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
+    c->chosen = is_measured(l) && l->report.repair.parts_dropped > l->report.repair.crumbs;
     c->source = is_measured(l) ? "measured" : "mesh";
     if (is_measured(l)) {
         run->report.lattice = l->report.repair.lattice;

@@ -127,6 +127,8 @@ void cli_tell_volume(const cli_volume *volume, const bvx_volume_report *report, 
 
 /* Parts of fewer voxels may go (CLI_KEEPS_PARTS); 0: none for this. */
 uint64_t cli_least_part(const cli_run *run);
+/* So many of the largest parts stay (CLI_KEEPS_PARTS); 0: all. */
+uint64_t cli_keep_largest(const cli_run *run);
 /* Refuse these options for meshes of commands that read grids. */
 int cli_check_parts(cli_run *run);
 /* Keep the parts requested, of a grid in itself or in another one, and count them for the report. */

@@ -5,14 +5,22 @@
 #include <inttypes.h>
 #include <string.h>
 
+/* Of a mesh, lod takes them for the surface that it measures. */
+static int keeps_measured_parts(const cli_run *run)
+{
+    return run->command->bit == CLI_LOD &&
+           cli_kind_of_format(cli_input_format(run, run->options->input[0])) == CLI_MESH;
+}
+
 uint64_t cli_least_part(const cli_run *run)
 {
-    const cli_options *const o = run->options;
+    int64_t const least = run->options->least_part;
+    return least > 0 && !keeps_measured_parts(run) ? (uint64_t)least : 0;
+}
 
-    /* Of a mesh, lod takes it for the surface that it measures. */
-    if (run->command->bit == CLI_LOD && cli_kind_of_format(cli_input_format(run, o->input[0])) == CLI_MESH)
-        return 0;
-    return o->least_part > 0 ? (uint64_t)o->least_part : 0;
+uint64_t cli_keep_largest(const cli_run *run)
+{
+    return keeps_measured_parts(run) ? 0 : (uint64_t)run->options->keep_largest;
 }
 
 int cli_check_parts(cli_run *run)
@@ -39,7 +47,7 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     bvx_status status;
 
     bvx_keep_options_init(&o, sizeof o);
-    o.largest = (uint64_t)run->options->keep_largest;
+    o.largest = cli_keep_largest(run);
     o.at_least = cli_least_part(run);
     o.report = &report;
     if (own) cli_stage_begin(run, "keep");

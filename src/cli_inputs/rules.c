@@ -89,7 +89,7 @@ static uint32_t facts_of_options(const cli_run *run)
     return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
            fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
            fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
-           fact_if(o->keep_largest != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS);
+           fact_if(cli_keep_largest(run) != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS);
 }
 
 static uint32_t facts_of_output(const char *path)

@@ -125,8 +125,8 @@ int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, doubl
 static const char boolean_name[] = "bvx_boolean";
 
 static const bvx_boolean_options boolean_defaults = {
-    0,   NULL,          256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0,
-    {0}, BVX_THIN_KEEP, 0};
+    0, NULL,          256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0,
+    0, BVX_THIN_KEEP, 0};
 
 void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
 {
@@ -180,7 +180,6 @@ static const bvxi_option boolean_rows[] = {
     BVXI_SWITCH(bvx_boolean_options, local_frame),
     BVXI_SWITCH(bvx_boolean_options, keep_crumbs),
     BVXI_AMONG(bvx_boolean_options, thin, 1 << BVX_THIN_KEEP | 1 << BVX_THIN_DROP),
-    BVXI_RESERVED(bvx_boolean_options, reserved),
     BVXI_RESERVED(bvx_boolean_options, reserved1),
 };
 
@@ -520,7 +519,7 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
     return BVX_OK;
 }
 
-/* By crumbs and by least_part. */
+/* By crumbs and by size. */
 static bvx_status drop_boolean_parts(boolean_job *job)
 {
     const bvx_boolean_options *const o = job->options;
@@ -530,9 +529,10 @@ static bvx_status drop_boolean_parts(boolean_job *job)
     if (job->report.voxels == 0) return BVX_OK;
     /* Crumbs first: they are sorted out by shape, parts by size alone. */
     if (!o->keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
-    if (o->least_part > 1) {
+    if (o->least_part > 1 || o->keep_largest != 0) {
         bvx_keep_options_init(&keep, sizeof keep);
         keep.at_least = o->least_part;
+        keep.largest = o->keep_largest;
         keep.report = &report;
         BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
         job->report.parts_dropped = report.dropped;

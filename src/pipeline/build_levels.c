@@ -80,7 +80,7 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
 static int wants_measured(const bvx_levels_options *o)
 {
     return o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->least_part != 0 ||
-           o->least_cavity != 0 || o->outer;
+           o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
 }
 
 /* ---- The plan ---- */
@@ -262,6 +262,7 @@ static bvx_repair_options repair_options(levels_job *job, int32_t resolution, in
     r.shell = o->shell;
     r.least_part = o->least_part;
     r.keep_crumbs = o->least_part != 0;
+    r.keep_largest = o->keep_largest;
     r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
     /* Positions of the surface are those of the levels. */
     r.position_type = o->position_type;
@@ -724,16 +725,16 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     /* Before anything is read: options that contradict each other. */
     if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: a lattice, a resolution, a sign, least_part, least_cavity and outer need a "
-                             "measured surface; "
-                             "source is BVX_LEVELS_MESH",
-                             levels_name);
+        return bvxi_fail_for(
+            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: a lattice, a resolution, a sign, least_part, keep_largest, least_cavity and "
+            "outer need a measured surface; source is BVX_LEVELS_MESH",
+            levels_name);
     if (o.open != BVX_OPEN_SHELL && (o.source == BVX_LEVELS_MEASURED || wants_measured(&o)))
         return bvxi_fail_for(
             context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
-            "lattice, a resolution, a sign, least_part, least_cavity and outer",
+            "lattice, a resolution, a sign, least_part, keep_largest, least_cavity and outer",
             levels_name, (int64_t)o.open);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
     /* No level may be the mesh itself. */

@@ -32,7 +32,7 @@ static const bvx_repair_options repair_defaults = {0,
                                                    0,
                                                    BVX_THIN_KEEP,
                                                    0,
-                                                   {0}};
+                                                   0};
 
 void bvx_repair_options_init(bvx_repair_options *options, size_t size)
 {
@@ -52,7 +52,6 @@ static const bvxi_option repair_rows[] = {
     BVXI_SWITCH(bvx_repair_options, if_needed),
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_SHELL, BVX_THIN_DROP),
     BVXI_RESERVED(bvx_repair_options, reserved0),
-    BVXI_RESERVED(bvx_repair_options, reserved),
 };
 
 static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_options *o)

@@ -1,5 +1,5 @@
-/* small_parts.c - small parts of a solid and small cavities: dropped and filled below a size, or as crumbs
- * that no mesh has a part for.
+/* small_parts.c - small parts of a solid and small cavities: dropped and filled below a size, all but so many
+ * of the largest parts, or as crumbs that no mesh has a part for.
  *
  * Acute edges and narrow grooves leave crumbs, where centres lie inside here and there. Guarantee: a part
  * that a piece of a mesh has for itself stays. */
@@ -12,15 +12,30 @@
 
 /* ---- By size ---- */
 
-/* Small parts of a solid dropped, small cavities filled.
- *
- * Parts are connected through faces, cavities through faces too (with marching cubes' face rule SEPARATE a
+/* Parts are connected through faces, cavities through faces too (with marching cubes' face rule SEPARATE a
  * cavity's empty corners may touch beyond; they stay cavities of their own). A space of empty voxels is a
  * cavity when it does not touch the window's sides. */
 
-/* Mark the spaces below least; *kept and *gone count parts or cavities. */
-static void judge_parts(const uint64_t *voxels, uint8_t *marks, uint64_t count, uint64_t least,
-                        uint64_t *kept, uint64_t *gone)
+static bvx_status keep_large_parts(bvxi_repair_job *job)
+{
+    const bvx_repair_options *const o = job->options;
+    bvx_repair_report *const r = &job->report;
+    bvx_keep_report report;
+    bvx_keep_options keep;
+
+    bvx_keep_options_init(&keep, sizeof keep);
+    keep.at_least = o->least_part;
+    keep.largest = o->keep_largest;
+    keep.report = &report;
+    BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
+    r->parts_kept = report.kept;
+    r->parts_dropped = report.dropped;
+    return BVX_OK;
+}
+
+/* Mark the cavities below least; *kept and *gone count them. */
+static void judge_cavities(const uint64_t *voxels, uint8_t *marks, uint64_t count, uint64_t least,
+                           uint64_t *kept, uint64_t *gone)
 {
     *kept = *gone = 0;
 
@@ -32,23 +47,21 @@ static void judge_parts(const uint64_t *voxels, uint8_t *marks, uint64_t count, 
     }
 }
 
-/* Spaces below least change: parts (empty 0) are dropped, cavities (1) filled. */
-static bvx_status clean_spaces(bvxi_repair_job *job, int32_t empty, uint64_t least, uint64_t *kept,
-                               uint64_t *gone)
+static bvx_status fill_small_cavities(bvxi_repair_job *job)
 {
+    bvx_repair_report *const r = &job->report;
     bvxi_spaces spaces;
     uint64_t *voxels = NULL;
     uint8_t *marks = NULL; /* at a side of the window at first: that is no cavity */
 
     BVXI_TRY(
-        bvxi_spaces_open(job->ctx, bvxi_repair_name, "repair", &job->inside, empty, BVXI_CONNECT_6, &spaces));
+        bvxi_spaces_open(job->ctx, bvxi_repair_name, "repair", &job->inside, 1, BVXI_CONNECT_6, &spaces));
     uint64_t const count = spaces.count;
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of parts", &voxels));
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of parts", &marks));
-    /* Parts need no look at the sides: they are cut off by none. */
-    bvxi_spaces_measure(&spaces, voxels, empty ? marks : NULL);
-    judge_parts(voxels, marks, count, least, kept, gone);
-    if (*gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of cavities", &voxels));
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of cavities", &marks));
+    bvxi_spaces_measure(&spaces, voxels, marks);
+    judge_cavities(voxels, marks, count, job->options->least_cavity, &r->cavities_kept, &r->cavities_dropped);
+    if (r->cavities_dropped != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
     bvxi_drop(job->ctx, marks);
     bvxi_drop(job->ctx, voxels);
     bvxi_spaces_free(&spaces);
@@ -67,10 +80,9 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
             bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty, &source, 1, &crumbs[empty]));
     r->crumbs = crumbs[0] + crumbs[1];
 
-    if (o->least_part > 1 || o->report != NULL)
-        BVXI_TRY(clean_spaces(job, 0, o->least_part, &r->parts_kept, &r->parts_dropped));
-    if (o->least_cavity > 1 || o->report != NULL)
-        BVXI_TRY(clean_spaces(job, 1, o->least_cavity, &r->cavities_kept, &r->cavities_dropped));
+    /* Parts before cavities: one that goes may have had cavities of its own. */
+    if (o->least_part > 1 || o->keep_largest != 0 || o->report != NULL) BVXI_TRY(keep_large_parts(job));
+    if (o->least_cavity > 1 || o->report != NULL) BVXI_TRY(fill_small_cavities(job));
     r->parts_dropped += crumbs[0];
     r->cavities_dropped += crumbs[1];
     return BVX_OK;

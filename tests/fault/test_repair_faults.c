@@ -21,6 +21,7 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
     bvx_repair_options_init(&o, sizeof o);
     o.resolution = 14;
     o.least_part = 5;
+    o.keep_largest = 1;
     o.least_cavity = 5;
     o.sharp = 1;
     o.measure = 1;

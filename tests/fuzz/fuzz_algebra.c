@@ -115,6 +115,7 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.position_type = BVX_F64;
     o.thin = fuzz_range(in, BVX_THIN_KEEP, BVX_THIN_DROP);
+    o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
     o.report = &report;
     if (!fuzz_good(ctx, bvx_boolean(ctx, &a->view, &b->view, operation, &o, &mesh))) return;
     fuzz_certified(ctx, &mesh, "a boolean that is not certified");

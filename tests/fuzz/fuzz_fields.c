@@ -121,6 +121,7 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     o.sharp = fuzz_range(in, -1, 1);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
     o.least_part = (uint64_t)fuzz_range(in, 0, 3);
+    o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
     o.least_cavity = (uint64_t)fuzz_range(in, 0, 3);
     o.position_type = BVX_F64;
     if (!fuzz_good(ctx, bvx_repair(ctx, &m->view, &o, &mesh))) return;

@@ -24,6 +24,7 @@ static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *t
     o->shell = fuzz_range(in, 0, 3) == 0 ? 0 : fuzz_range(in, 6, 16) / 4.0;
     if (!o->outer) o->least_cavity = (uint64_t)fuzz_range(in, 0, 9);
     o->least_part = (uint64_t)fuzz_range(in, 0, 9);
+    o->keep_largest = (uint64_t)fuzz_range(in, 0, 2);
 }
 
 static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_level_report *r, int whole)

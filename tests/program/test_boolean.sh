@@ -35,6 +35,16 @@ certified 'interpolation' union blocks.ply "$knot" --resolution 48 --interpolati
 certified 'fill' union blocks.ply "$knot" --resolution 48 --fill winding
 certified 'spacing' union blocks.ply "$knot" --spacing 0.2
 
+# A slot through a block leaves two parts, one of which stays.
+printf 'v %s\n' '0 0 0' '9 0 0' '0 4 0' '9 4 0' '0 0 4' '9 0 4' '0 4 4' '9 4 4' >block.obj
+printf 'v %s\n' '3 -1 -1' '4 -1 -1' '3 5 -1' '4 5 -1' '3 -1 5' '4 -1 5' '3 5 5' '4 5 5' >slot.obj
+for box in block slot; do printf 'f %s\n' '1 3 4' '1 4 2' '5 6 8' '5 8 7' '1 2 6' '1 6 5' '3 7 8' '3 8 4' '1 5 7' '1 7 3' '2 4 8' '2 8 6' >>$box.obj; done
+certified 'the largest part of two' difference block.obj slot.obj --resolution 54 --keep-largest 1
+run boolean difference block.obj slot.obj -o result.ply --resolution 54 --keep-largest 1 --json
+grep -q '"parts_dropped": 1' out && grep -q '"components": 1, "volume": \(80\|79.9[0-9]*\|80.0[0-9]*\),' out && grep -q '"warnings": \[\]' out
+result 'the other part is counted' $?
+refuses 2 '--keep-largest is for two meshes' difference block.obj slot.obj -o result.bvx --keep-largest 1
+
 # A plate thinner than a voxel less a bar: a plate with a hole, and a word where it is lost.
 printf 'v %s\n' '0 0 -.04' '9 0 -.04' '0 9 -.04' '9 9 -.04' '0 0 .02' '9 0 .02' '0 9 .02' '9 9 .02' >plate.obj
 printf 'v %s\n' '2 2 -1' '7 2 -1' '2 6 -1' '7 6 -1' '2 2 .9' '7 2 .9' '2 6 .9' '7 6 .9' >bar.obj

@@ -132,6 +132,8 @@ why 'as options ask' hollow.obj --resolution 64 --outer-hull
 holds '--outer-hull: the inner shell is gone' says '^filled: 1 of 1 cavities'
 why 'as options ask' speck.obj --resolution 256 --least-part 100
 holds '--least-part: the speck is gone' says '^dropped: 1 of 2 parts'
+why 'as options ask' speck.obj --keep-largest 1
+holds '--keep-largest: the speck is gone' says '^dropped: 1 of 2 parts'
 why 'since it is open' flat.obj
 holds 'a triangle becomes a shell' says '^made into shells: 1 triangles that enclose nothing'
 why 'since it is open' flat.obj --shell 4 --no-sharp

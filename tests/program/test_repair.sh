@@ -107,6 +107,21 @@ refuses 1 'No such file' missing.ply -o result.ply
 "$program" repair "$knot" -o needed.ply --if-needed --json >needed.json 2>/dev/null && grep -q '"needs": "nothing", "copied": true' needed.json
 result 'a sound mesh is copied' $?
 certified 'parts are kept' "$knot" --resolution 24 --least-part 0
+# Two boxes apart: the smaller one goes without a word about the volume that is gone with it.
+printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '1 1 0' '0 0 1' '1 0 1' '0 1 1' '1 1 1' '3 0 0' '3.9 0 0' '3 1 0' '3.9 1 0' '3 0 1' '3.9 0 1' '3 1 1' '3.9 1 1' >boxes.obj
+for k in 0 8; do printf 'f %d %d %d\nf %d %d %d\n' $((1+k)) $((3+k)) $((4+k)) $((1+k)) $((4+k)) $((2+k)) $((5+k)) $((6+k)) $((8+k)) $((5+k)) $((8+k)) $((7+k)) \
+    $((1+k)) $((2+k)) $((6+k)) $((1+k)) $((6+k)) $((5+k)) $((3+k)) $((7+k)) $((8+k)) $((3+k)) $((8+k)) $((4+k)) \
+    $((1+k)) $((5+k)) $((7+k)) $((1+k)) $((7+k)) $((3+k)) $((2+k)) $((4+k)) $((8+k)) $((2+k)) $((8+k)) $((6+k)); done >>boxes.obj
+run repair boxes.obj -o result.ply --resolution 64 --keep-largest 1 --json
+[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"parts_kept": 1, "parts_dropped": 1' out && grep -q '"components": 1, "volume": \(1\|0.99[0-9]*\|1.00[0-9]*\),' out
+result 'the largest part is kept' $?
+run repair boxes.obj -o result.ply --resolution 64 --keep-largest 2 --json
+[ $status = 0 ] && grep -q '"parts_kept": 2, "parts_dropped": 0' out
+result 'both parts are kept' $?
+run repair boxes.obj -o result.ply --resolution 64 --keep-largest 1
+grep -q '^  dropped     1 of 2 parts' out
+result 'the dropped part is told' $?
+refuses 2 'a whole number from 1' boxes.obj -o result.ply --keep-largest 0
 refuses 2 '--sharp and --no-sharp exclude' "$knot" -o result.ply --sharp --no-sharp
 refuses 2 'a mesh format' "$knot" -o result.npy
 refuses 1 'shell is 1; 0, or 1.5 to 1000000 are possible' "$knot" -o result.ply --shell 1

@@ -88,6 +88,7 @@ gives 'parts of some size' 0 'kept        2 of 3 parts; 1 voxels went' voxelize 
 gives 'levels of parts of some size' 0 'written: kept_0.ply, kept_1.ply' lod "$waves" -o kept_%d.ply --level 80 --levels 24,12 --samples 0 --least-part 44
 gives 'levels of parts of no size' 1 'the grid is empty' lod "$waves" -o kept_%d.ply --level 80 --levels 24,12 --samples 0 --least-part 20000
 gives 'levels of parts of a mesh by samples' 2 '--least-part is for --method collapse, and --levels for edge-ratio' lod "$fixtures/knot.ply" -o kept_%d.ply --levels 24,12 --least-part 44
+gives 'the largest part of a mesh by samples' 2 '--keep-largest is for --method collapse, and --levels for edge-ratio' lod "$fixtures/knot.ply" -o kept_%d.ply --levels 24,12 --keep-largest 1
 gives 'parts of no size' 0 'the result is empty' voxelize "$waves" -o kept.bvx --level 80 --least-part 20000
 run voxelize "$waves" -o all.obj --level 80
 gives 'the surface of the largest part' 0 'kept.obj: 14488 triangles, closed, manifold, volume 15497.2, 1 part' voxelize "$waves" -o kept.obj --level 80 --keep-largest 1

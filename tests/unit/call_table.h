@@ -447,7 +447,7 @@ static bvx_status boolean(const world *w)
 {
     TAKE_OPTIONS(boolean, o);
     o.resolution = 8;
-    TAKE_RESERVED(o.reserved[0]);
+    TAKE_RESERVED(o.reserved1);
     SPOIL(o);
     return bvx_boolean(w->ctx, w->mesh, w->mesh, BVX_BOOLEAN_UNION, &o, (bvx_mesh *)w->out);
 }
@@ -491,7 +491,7 @@ static bvx_status repair(const world *w)
 {
     TAKE_OPTIONS(repair, o);
     o.resolution = 8;
-    TAKE_RESERVED(o.reserved[0]);
+    TAKE_RESERVED(o.reserved0);
     SPOIL(o);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
@@ -512,7 +512,7 @@ static bvx_status plan_levels(const world *w)
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[1]);
+    TAKE_RESERVED(o.reserved0);
     SPOIL(o);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }

@@ -379,6 +379,24 @@ static void test_a_body_within_another(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * 1000, 1000, c.volume);
 }
 
+/* A slot through a box leaves two parts; of them so many of the largest stay. */
+static void test_the_largest_parts_are_kept(void)
+{
+    static const double low_a[3] = {0, 0, 0}, high_a[3] = {10, 10, 10};
+    static const double low_b[3] = {3, -1, -1}, high_b[3] = {4, 11, 11};
+    static const double volume[4] = {900, 600, 900, 900};
+    bvx_boolean_options o = with(60);
+
+    make_boxes(low_a, high_a, low_b, high_b);
+    for (uint64_t n = 0; n < 4; n++) {
+        o.keep_largest = n;
+        run(BVX_BOOLEAN_DIFFERENCE, &o);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume[n], volume[n], check().volume);
+        TEST_ASSERT_EQUAL_UINT64(n == 1 ? 1 : 0, report.parts_dropped);
+        TEST_ASSERT_EQUAL_UINT64(n == 1 ? 36 * 60 * 60 : 54 * 60 * 60, report.voxels);
+    }
+}
+
 static void test_given_lattice_cuts_the_bodies(void)
 {
     static const double low_a[3] = {0, 0, 0};
@@ -468,7 +486,7 @@ static void test_refusals(void)
     refuse(0, &o, BVX_ERR_ARGUMENT, "position_type");
     o = with(16), o.sharp = 2;
     refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");
-    o = with(16), o.reserved[0] = 1;
+    o = with(16), o.reserved1 = 1;
     refuse(0, &o, BVX_ERR_ARGUMENT, "reserved");
     memset(&none, 0, sizeof none);
     o = with(16), o.lattice = &none;
@@ -545,6 +563,7 @@ int main(void)
     RUN_TEST(test_sharp_volumes_of_boxes);
     RUN_TEST(test_identities);
     RUN_TEST(test_a_body_within_another);
+    RUN_TEST(test_the_largest_parts_are_kept);
     RUN_TEST(test_given_lattice_cuts_the_bodies);
     RUN_TEST(test_threads_and_code_paths_are_not_seen);
     RUN_TEST(test_open_meshes_are_filled_by_winding);

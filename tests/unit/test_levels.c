@@ -381,6 +381,16 @@ static void test_outer_and_parts_and_cavities(void)
     build(&o, 1);
     check_levels("no cavity", &target, 1, 2, 1);
     o.least_part = o.least_cavity = 0;
+    o.keep_largest = 1;
+    build(&o, 1);
+    check_levels("the largest", &target, 1, 4, 2);
+    TEST_ASSERT_EQUAL_UINT64(1, found.repair.parts_dropped);
+    /* It asks for a measured surface by itself, and contradicts what has none. */
+    o.resolution = 0;
+    build(&o, 1);
+    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    o.resolution = 60;
+    o.keep_largest = 0;
     o.outer = 1;
     build(&o, 1);
     check_levels("outer", &target, 1, 2, 1);

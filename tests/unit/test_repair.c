@@ -299,6 +299,71 @@ static void test_cavities_and_parts(void)
     bvx_mesh_free(ctx, &out);
 }
 
+/* Three balls apart, the largest neither first nor last: so many of them stay, with a report and without. */
+static void test_the_largest_parts_are_kept(void)
+{
+    static const double centre[3][3] = {{0, 0, 0}, {4, 0, 0}, {8, 0, 0}}, radius[3] = {0.9, 1.4, 0.5};
+    double const first = ball_volume(0.9), largest = ball_volume(1.4),
+                 all = first + largest + ball_volume(0.5);
+    double const volume[5] = {all, largest, first + largest, all, all};
+    bvx_repair_options o = defaults(80);
+    bvx_repair_report *const wanted = o.report;
+    bvx_mesh_view view;
+
+    for (int i = 0; i < 3; i++) make_ball(centre[i], radius[i]);
+    view = maker_view(&mesh);
+    for (uint64_t n = 0; n < 5; n++)
+        for (int told = 0; told < 2; told++) {
+            uint64_t const kept = n == 0 || n > 3 ? 3 : n;
+            bvx_mesh_view made;
+            bvx_certificate c;
+            bvx_mesh out;
+
+            o.keep_largest = n;
+            o.report = told ? wanted : NULL;
+            out = repaired_by(ctx, &view, &o);
+            bvx_mesh_view_of(&out, &made);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &made, 0, &c));
+            TEST_ASSERT_EQUAL_UINT64(kept, c.components);
+            TEST_ASSERT_DOUBLE_WITHIN(0.03 * volume[n], volume[n], c.volume);
+            if (told) TEST_ASSERT_EQUAL_UINT64(kept, report.parts_kept);
+            if (told) TEST_ASSERT_EQUAL_UINT64(3 - kept, report.parts_dropped);
+            bvx_mesh_free(ctx, &out);
+        }
+
+    /* Of what least_part leaves: the second largest is gone before the largest are counted. */
+    o.report = wanted;
+    o.keep_largest = 2;
+    o.least_part = 2500;
+    bvx_mesh out = repaired_by(ctx, &view, &o);
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
+    TEST_ASSERT_EQUAL_UINT64(2, report.parts_dropped);
+    bvx_mesh_free(ctx, &out);
+}
+
+/* A ball in the cavity of another goes, and the cavity that it had stays empty. */
+static void test_a_part_in_a_cavity_is_not_the_largest(void)
+{
+    static const double a[3] = {0, 0, 0};
+    bvx_repair_options o = defaults(64);
+    bvx_mesh_view view;
+    bvx_mesh out;
+
+    make_ball(a, 2);
+    size_t const first = mesh.triangles;
+    make_ball(a, 1.5);
+    maker_flip(&mesh, first, mesh.triangles);
+    make_ball(a, 0.8);
+    view = maker_view(&mesh);
+    o.keep_largest = 1;
+    out = repaired_by(ctx, &view, &o);
+    assert_certified(&out);
+    TEST_ASSERT_EQUAL_UINT64(1, report.parts_dropped);
+    TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2) - ball_volume(1.5), report.after.volume);
+    bvx_mesh_free(ctx, &out);
+}
+
 /* ---- Sheets ---- */
 
 static void make_plate(double wide)
@@ -541,7 +606,6 @@ static void test_bad_options(void)
     o.sharp = 2, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
     o.resolution = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
     o.measure = 1, o.measure_samples = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
-    o.reserved[0] = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
     o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),
@@ -607,6 +671,8 @@ int main(void)
     RUN_TEST(test_cavities_are_not_turned);
     RUN_TEST(test_overlapping_parts_are_one);
     RUN_TEST(test_cavities_and_parts);
+    RUN_TEST(test_the_largest_parts_are_kept);
+    RUN_TEST(test_a_part_in_a_cavity_is_not_the_largest);
     RUN_TEST(test_sheet_becomes_a_shell);
     RUN_TEST(test_sheet_without_shells_is_an_error);
     RUN_TEST(test_bodies_and_sheets_together);

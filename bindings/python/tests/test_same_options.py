@@ -47,6 +47,9 @@ class Files(Folder):
         self.small.save(self / "small.ply")
         moved = bitvox.Mesh(self.small.vertices + np.array([0.5, 0.25, 0.125], np.float32), self.small.faces)
         moved.save(self / "moved.ply")
+        # Two bodies apart, the second the smaller one.
+        pair = np.concatenate([self.small.vertices, self.small.vertices * np.float32(0.5) + np.float32(6)])
+        bitvox.Mesh(pair, np.concatenate([self.small.faces, np.asarray(self.small.faces) + len(self.small.vertices)])).save(self / "pair.ply")
         colors = np.stack([(self.small.vertices[:, a] > 0) * 200 for a in range(3)], axis=1).astype(np.uint8)
         bitvox.Mesh(self.small.vertices, self.small.faces, colors=colors).save(self / "colored.ply")
         bitvox.Mesh(self.small.vertices, self.small.faces[40:]).save(self / "torn.ply")
@@ -135,6 +138,7 @@ ROWS = {
          lambda at: bitvox.lod(at / "colored.ply", triangles=(400, 100), carry=True, color_weight=0.05)),
         ("small.ply --triangles 400 --source measured --resolution 30 --sign winding --shell 2 --least-part 9 --least-cavity 5 --sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, made_from="measured", resolution=30, sign="winding", shell=2, least_part=9, least_cavity=5, sharp=True)),
+        ("pair.ply --triangles 400 --keep-largest 1", "ply", lambda at: bitvox.lod(at / "pair.ply", triangles=400, keep_largest=1)),
         ("small.ply --triangles 400 --source measured --resolution 30 --outer-hull --no-sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, made_from="measured", resolution=30, outer_hull=True, sharp=False)),
         ("torn.ply --triangles 400 --open keep", "ply", lambda at: bitvox.lod(at / "torn.ply", triangles=400, open="keep")),
@@ -158,6 +162,7 @@ ROWS = {
     "repair": (
         ("torn.ply --resolution 30 --sign vote --interpolation scalar --sharp --thin shell --shell 2 --least-part 9 --least-cavity 5", "ply",
          lambda at: bitvox.repair(at / "torn.ply", resolution=30, sign="vote", interpolation="scalar", sharp=True, thin="shell", shell=2, least_part=9, least_cavity=5)),
+        ("pair.ply --resolution 60 --keep-largest 1", "ply", lambda at: bitvox.repair(at / "pair.ply", resolution=60, keep_largest=1)),
         ("small.ply --if-needed --normals --output-origin 1,2,3", "ply", lambda at: only(bitvox.repair(at.small, if_needed=True), normals=True, origin=(1, 2, 3))),
         ("colored.ply --resolution 30 --no-sharp --carry", "ply", lambda at: bitvox.repair(at / "colored.ply", resolution=30, sharp=False, carry=True)),
         ("torn.ply --resolution 30 --triangles 500", "ply", lambda at: bitvox.repair(at / "torn.ply", resolution=30, triangles=500)),
@@ -232,6 +237,8 @@ ROWS = {
          lambda at: bitvox.boolean(at.small, at / "moved.ply", "difference", resolution=30, interpolation="scalar", sharp=True, thin="drop", least_part=9)),
         ("union small.ply moved.ply --resolution 30 --fill nonzero --no-sharp --output-origin 1,2,3", "ply",
          lambda at: only(bitvox.boolean(at.small, at / "moved.ply", "union", resolution=30, fill="nonzero", sharp=False), origin=(1, 2, 3))),
+        ("union small.ply pair.ply --resolution 60 --keep-largest 1", "ply",
+         lambda at: bitvox.boolean(at.small, at / "pair.ply", "union", resolution=60, keep_largest=1)),
         ("intersection small.ply moved.ply --resolution 30 --triangles 300", "ply",
          lambda at: bitvox.boolean(at.small, at / "moved.ply", "intersection", resolution=30, triangles=300)),
         ("xor small.ply moved.ply --resolution 30 --error 1% --error-kind max", "ply",

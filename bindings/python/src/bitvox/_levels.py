@@ -339,6 +339,7 @@ def lod(
     outer_hull: bool = False,
     shell: float | None = None,
     least_part: int | None = None,
+    keep_largest: int | None = None,
     least_cavity: int | None = None,
     even: float | None = None,
     color_weight: float = 0.0,
@@ -406,6 +407,8 @@ def lod(
         measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
     least_part, least_cavity
         measured: smaller pieces are dropped, smaller cavities filled [voxels].
+    keep_largest
+        measured: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
     color_weight
@@ -457,7 +460,7 @@ def lod(
     """
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
-                   "least_cavity": least_cavity, "even": even, "color_weight": color_weight or None, "strict": strict or None, "samples": samples}
+                   "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "color_weight": color_weight or None, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
@@ -492,6 +495,7 @@ def lod(
         if shell is not None:
             options.shell = float(shell)
         options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+        options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
         options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
         reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
         options.reports, options.report = reports, report

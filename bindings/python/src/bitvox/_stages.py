@@ -679,6 +679,7 @@ def repair(
     shell: float | None = None,
     thin: Thin = "keep",
     least_part: int | None = None,
+    keep_largest: int | None = None,
     least_cavity: int = 0,
     if_needed: bool = False,
     triangles: int | None = None,
@@ -719,6 +720,9 @@ def repair(
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
         pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.
+    keep_largest
+        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves (the report's
+        ``parts_kept``, ``parts_dropped``); None: all.
     if_needed
         a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
         ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
@@ -777,6 +781,7 @@ def repair(
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
     options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
     options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
     targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
@@ -837,6 +842,7 @@ def boolean(
     sharp: bool | None = None,
     thin: Thin = "keep",
     least_part: int | None = None,
+    keep_largest: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
     error_kind: ErrorKind | None = None,
@@ -872,6 +878,8 @@ def boolean(
         ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
     least_part
         smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
+    keep_largest
+        this many of the largest parts are kept, as for `repair`; None: all.
     triangles, error, error_kind
         most triangles of the result, or its distance to what it would be without: as for `repair`.
     face_rule, dtype, local_frame
@@ -913,6 +921,7 @@ def boolean(
     options.local_frame = int(bool(local_frame))
     options.keep_crumbs = int(least_part is not None)
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
     report = ffi.new("bvx_boolean_report *")
     options.report = report
     targets = level_target(triangles, error, error_kind)
