@@ -120,6 +120,8 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
  * else. */
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user);
+/* The same without reports, for what is short beside the time between two of them. */
+void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
 /* 0: none */
 uint64_t bvxi_memory_limit(const bvx_context *ctx);
 int32_t bvxi_threads(const bvx_context *ctx);

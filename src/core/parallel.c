@@ -222,10 +222,15 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
     }
 }
 
+void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user)
+{
+    if (count > 0) run(ctx, 0, count, task, user);
+}
+
 /* Without a callback nobody is asked between batches, so there is one. */
 static bvx_status run_all(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user)
 {
-    if (count > 0) run(ctx, 0, count, task, user);
+    bvxi_tasks(ctx, count, task, user);
     return BVX_OK;
 }
 

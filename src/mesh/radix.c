@@ -1,11 +1,32 @@
 /* radix.c - least significant digit first, eight bits a digit.
  *
  * One pass counts all eight digits of all keys; a digit that is the same everywhere is skipped. Each further
- * pass moves elements between two pairs of arrays without changing the order of equal digits.
- * Cost: O(count) for each digit that differs. */
+ * pass moves elements between two pairs of arrays without changing the order of equal digits. Many elements
+ * are moved by several threads: pieces of them, whose elements of one digit go side by side, in the order of
+ * the pieces.
+ * Cost: O(count) for each digit that differs.
+ * Guarantee: the order is that of one thread. */
 #include "mesh/mesh.h"
 
-enum { RADIX_DIGITS = 8, RADIX_VALUES = 256 };
+enum { RADIX_DIGITS = 8, RADIX_VALUES = 256, RADIX_GRAIN = 1 << 16, RADIX_PIECES = 16 };
+
+/* Both pairs of arrays; elements lie in from. */
+typedef struct radix_arrays {
+    uint64_t *key_from, *key_to;
+    uint32_t *number_from, *number_to;
+    uint64_t count;
+} radix_arrays;
+
+static void swap_radix_arrays(radix_arrays *a)
+{
+    uint64_t *const keys = a->key_from;
+    uint32_t *const numbers = a->number_from;
+
+    a->key_from = a->key_to;
+    a->key_to = keys;
+    a->number_from = a->number_to;
+    a->number_to = numbers;
+}
 
 static void count_radix_digits(const uint64_t *keys, uint64_t count,
                                uint32_t table[RADIX_DIGITS][RADIX_VALUES])
@@ -31,11 +52,98 @@ static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
     return 1;
 }
 
-bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, uint64_t count)
+static void sort_radix_alone(radix_arrays *a)
 {
     uint32_t table[RADIX_DIGITS][RADIX_VALUES];
-    uint64_t *spare_keys, *key_from = keys, *key_to, *key_swap;
-    uint32_t *spare_numbers, *number_from = numbers, *number_to, *number_swap;
+
+    count_radix_digits(a->key_from, a->count, table);
+    for (int d = 0; d < RADIX_DIGITS; d++) {
+        /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
+        if (!radix_counts_to_places(table[d], a->count)) continue;
+        for (uint64_t i = 0; i < a->count; i++) {
+            uint32_t const place = table[d][a->key_from[i] >> 8 * d & 255]++;
+            a->key_to[place] = a->key_from[i];
+            a->number_to[place] = a->number_from[i];
+        }
+        swap_radix_arrays(a);
+    }
+}
+
+/* ---- several threads ---- */
+
+typedef struct radix_pass {
+    radix_arrays all;
+    int32_t pieces, shift; /* of the digit in a key */
+    uint32_t place[RADIX_PIECES][RADIX_VALUES];
+} radix_pass;
+
+static void count_radix_piece(void *user, int32_t index, int32_t worker)
+{
+    radix_pass *const p = user;
+    uint32_t *const count = p->place[index];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
+    memset(count, 0, sizeof p->place[index]);
+    for (uint64_t i = begin; i < end; i++) count[p->all.key_from[i] >> p->shift & 255]++;
+}
+
+static void move_radix_piece(void *user, int32_t index, int32_t worker)
+{
+    radix_pass *const p = user;
+    uint32_t *const place = p->place[index];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t const to = place[p->all.key_from[i] >> p->shift & 255]++;
+        p->all.key_to[to] = p->all.key_from[i];
+        p->all.number_to[to] = p->all.number_from[i];
+    }
+}
+
+/* Counts of each piece become places: values one after the other, in each the pieces in order. Returns 0 when
+ * one value has all elements. */
+static int place_radix_pieces(radix_pass *p)
+{
+    uint32_t sum = 0;
+
+    for (int v = 0; v < RADIX_VALUES; v++) {
+        uint32_t const before = sum;
+        for (int32_t i = 0; i < p->pieces; i++) {
+            uint32_t const n = p->place[i][v];
+            p->place[i][v] = sum;
+            sum += n;
+        }
+        if (sum - before == p->all.count) return 0;
+    }
+    return 1;
+}
+
+static void sort_radix_pieces(bvx_context *ctx, radix_arrays *a)
+{
+    int32_t const pieces = bvxi_piece_count(a->count, RADIX_GRAIN);
+    radix_pass p;
+
+    p.all = *a;
+    p.pieces = pieces < RADIX_PIECES ? pieces : RADIX_PIECES;
+    for (p.shift = 0; p.shift < 8 * RADIX_DIGITS; p.shift += 8) {
+        /* Counted anew for each digit: what a piece holds changes from pass to pass. */
+        bvxi_tasks(ctx, p.pieces, count_radix_piece, &p);
+        if (!place_radix_pieces(&p)) continue;
+        bvxi_tasks(ctx, p.pieces, move_radix_piece, &p);
+        swap_radix_arrays(&p.all);
+    }
+    *a = p.all;
+}
+
+bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, uint64_t count)
+{
+    radix_arrays a = {.key_from = keys, .number_from = numbers, .count = count};
+    uint64_t *spare_keys;
+    uint32_t *spare_numbers;
     bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
@@ -44,29 +152,15 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
         bvxi_drop(ctx, spare_keys);
         return status;
     }
-    key_to = spare_keys;
-    number_to = spare_numbers;
-    count_radix_digits(keys, count, table);
-    for (int d = 0; d < RADIX_DIGITS; d++) {
-        /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
-        if (!radix_counts_to_places(table[d], count)) continue;
-        for (uint64_t i = 0; i < count; i++) {
-            uint32_t const place = table[d][key_from[i] >> 8 * d & 255]++;
-            key_to[place] = key_from[i];
-            number_to[place] = number_from[i];
-        }
-        key_swap = key_from;
-        key_from = key_to;
-        key_to = key_swap;
-        number_swap = number_from;
-        number_from = number_to;
-        number_to = number_swap;
-    }
+    a.key_to = spare_keys;
+    a.number_to = spare_numbers;
+    if (bvxi_threads(ctx) > 1 && count >= 2 * RADIX_GRAIN) sort_radix_pieces(ctx, &a);
+    else sort_radix_alone(&a);
 
     /* After an odd number of passes the result lies in the spare arrays. */
-    if (key_from != keys) {
-        memcpy(keys, key_from, (size_t)count * sizeof *keys);
-        memcpy(numbers, number_from, (size_t)count * sizeof *numbers);
+    if (a.key_from != keys) {
+        memcpy(keys, a.key_from, (size_t)count * sizeof *keys);
+        memcpy(numbers, a.number_from, (size_t)count * sizeof *numbers);
     }
     bvxi_drop(ctx, spare_numbers);
     bvxi_drop(ctx, spare_keys);

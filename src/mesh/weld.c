@@ -14,7 +14,10 @@
  * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
  * Cost: O(vertices). */
 
-enum { WELD_ASKS = 1 << 20 }; /* vertices between asking progress */
+enum {
+    WELD_ASKS = 1 << 20, /* vertices between asking progress */
+    WELD_BATCH = 64      /* vertices whose places are asked from memory before the first is looked at */
+};
 
 static inline bvx_status weld_ask(bvx_context *ctx, const bvx_mesh_view *v, uint64_t i)
 {
@@ -45,22 +48,41 @@ static uint64_t weld_table_size(uint64_t vertices)
     return vertices + vertices / 2 + 1;
 }
 
+/* Where the searches of n vertices begin in the table. Both it and the vertices found there may lie anywhere
+ * in memory, so that all of them are asked for before the first is needed. */
+static void weld_slots(const bvx_mesh_view *v, const uint32_t *table, uint64_t size, uint64_t first,
+                       uint64_t n, uint64_t *slot)
+{
+    double p[3];
+
+    for (uint64_t k = 0; k < n; k++) {
+        bvxi_view_position(v, first + k, p);
+        /* The high bits of the hash times the size spread over the table without a division. */
+        slot[k] = (uint64_t)weld_hash(p) * size >> 31; /* size < 2^33 */
+        BVXI_PREFETCH(&table[slot[k]]);
+    }
+    for (uint64_t k = 0; k < n; k++) {
+        uint32_t const other = table[slot[k]];
+        BVXI_PREFETCH(bvxi_view_position_at(v, other - (other != 0)));
+    }
+}
+
 /* table[slot] is a vertex index plus 1, or 0. *different becomes 0 when it was searched too long. */
 static bvx_status weld_into(bvx_context *ctx, const bvx_mesh_view *v, uint32_t *table, uint64_t size,
                             uint32_t *representative, uint64_t *different)
 {
     uint64_t const limit = bvxi_probe_limit(v->vertex_count);
-    uint64_t found = 0, probes = 0;
+    uint64_t found = 0, probes = 0, slots[WELD_BATCH];
     double p[3], q[3];
 
     *different = 0;
     for (uint64_t i = 0; i < v->vertex_count; i++) {
-        BVXI_TRY(weld_ask(ctx, v, i));
-        bvxi_view_position(v, i, p);
+        uint64_t const left = v->vertex_count - i;
 
-        /* The high bits of the hash times the size spread over the table without a division. */
-        uint64_t slot = (uint64_t)weld_hash(p) * size >> 31; /* size < 2^33 */
-        for (;; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
+        BVXI_TRY(weld_ask(ctx, v, i));
+        if (i % WELD_BATCH == 0) weld_slots(v, table, size, i, left < WELD_BATCH ? left : WELD_BATCH, slots);
+        bvxi_view_position(v, i, p);
+        for (uint64_t slot = slots[i % WELD_BATCH];; slot = slot + 1 == size ? 0 : slot + 1, probes++) {
             uint32_t const other = table[slot];
             if (other == 0) {
                 table[slot] = (uint32_t)(i + 1);

@@ -23,6 +23,8 @@ typedef struct closest_builder {
     uint64_t *keys;
     int32_t pieces;
     int unnumbered; /* 1: the numbers of triangles, vertices and corners do not show */
+    /* places of the first run of equal keys of each piece, and the end */
+    uint64_t run[BVXI_MOST_PIECES + 1];
 } closest_builder;
 
 /* Bounds of a triangle in box units. */
@@ -137,22 +139,78 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
     }
 }
 
+/* Where the run of equal keys at a place ends. */
+static uint64_t end_of_run(const closest_builder *b, uint64_t first)
+{
+    uint64_t end = first + 1;
+
+    while (end < b->tree->triangle_count && b->keys[end] == b->keys[first]) end++;
+    return end;
+}
+
+/* Their keys are equal and no longer needed: the hashes take their place. */
+static void hash_run(const closest_builder *b, uint64_t first, uint64_t end)
+{
+    for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
+}
+
+/* Runs that begin in a piece and are short; it begins with the first place of a run. */
+static void order_short_runs(void *user, int32_t index, int32_t worker)
+{
+    const closest_builder *const b = user;
+    uint64_t end;
+
+    (void)worker;
+    /* Few share a key, so a look at the neighbours is all that most of them cost. */
+    for (uint64_t first = b->run[index]; first < b->run[index + 1]; first = end) {
+        end = end_of_run(b, first);
+        if (end - first == 1) continue;
+        hash_run(b, first, end);
+        order_few(b->keys + first, b->tree->order + first, end - first);
+    }
+}
+
+/* 1 when more than twice CLOSEST_FEW triangles have one key: of so many, two that are CLOSEST_FEW apart stand
+ * at multiples of it. */
+static int has_long_run(const closest_builder *b)
+{
+    for (uint64_t i = CLOSEST_FEW; i < b->tree->triangle_count; i += CLOSEST_FEW)
+        if (b->keys[i] == b->keys[i - CLOSEST_FEW]) return 1;
+    return 0;
+}
+
+static bvx_status order_all_runs(bvx_context *ctx, const closest_builder *b)
+{
+    uint64_t end;
+
+    for (uint64_t first = 0; first < b->tree->triangle_count; first = end) {
+        end = end_of_run(b, first);
+        if (end - first == 1) continue;
+        hash_run(b, first, end);
+        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
+        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+    }
+    return BVX_OK;
+}
+
 /* Triangles of equal keys by a hash of their positions; keys are used up. */
 static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 {
     uint64_t const n = b->tree->triangle_count;
-    uint64_t end;
 
-    for (uint64_t first = 0; first < n; first = end) {
-        /* Few share a key, so a look at the neighbours is all that most of them cost. */
-        for (end = first + 1; end < n && b->keys[end] == b->keys[first]; end++) {}
-        if (end - first == 1) continue;
+    /* Long runs take memory to be sorted, which tasks cannot request. Meshes have none, unless most of their
+     * triangles lie in a speck. */
+    if (has_long_run(b)) return order_all_runs(ctx, b);
 
-        /* Their keys are equal and no longer needed: the hashes take their place. */
-        for (uint64_t i = first; i < end; i++) b->keys[i] = hash_of_corners(b->view, b->tree->order[i]);
-        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
-        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+    /* Known before a piece begins, as keys of others change under its hands: where its first run does. */
+    for (int32_t i = 0; i <= b->pieces; i++) {
+        uint64_t begin = n, end;
+
+        if (i < b->pieces) bvxi_piece(n, b->pieces, i, &begin, &end);
+        while (begin > 0 && begin < n && b->keys[begin] == b->keys[begin - 1]) begin++;
+        b->run[i] = begin;
     }
+    bvxi_tasks(ctx, b->pieces, order_short_runs, b);
     return BVX_OK;
 }
 
@@ -194,18 +252,31 @@ static void fill_lowest_boxes(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Boxes around the nodes of the level below; slots counts what those nodes hold. */
-static void fill_box_level(bvxi_closest_tree *tree, int32_t level, uint64_t slots)
-{
-    const bvxi_closest_node *const from = tree->nodes + tree->level_first[level - 1];
-    bvxi_closest_node *const to = tree->nodes + tree->level_first[level];
+/* A level above the lowest; slots counts what the nodes of the level below hold. */
+typedef struct box_level {
+    bvxi_closest_tree *tree;
+    uint64_t slots;
+    int32_t level, pieces;
+} box_level;
 
-    memset(to, 0, (size_t)tree->level_nodes[level] * sizeof *to);
+/* Boxes around the nodes of the level below. */
+static void fill_box_level(void *user, int32_t index, int32_t worker)
+{
+    const box_level *const l = user;
+    bvxi_closest_tree *const tree = l->tree;
+    const bvxi_closest_node *const from = tree->nodes + tree->level_first[l->level - 1];
+    bvxi_closest_node *const to = tree->nodes + tree->level_first[l->level];
+    uint64_t const below = tree->level_nodes[l->level - 1];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(tree->level_nodes[l->level], l->pieces, index, &begin, &end);
+    memset(to + begin, 0, (size_t)(end - begin) * sizeof *to);
 
     /* A node of this level holds the boxes of four below, each around all that its own four hold. */
-    for (uint64_t i = 0; i < tree->level_nodes[level - 1]; i++) {
+    for (uint64_t i = begin * BVXI_CLOSEST_WIDTH; i < end * BVXI_CLOSEST_WIDTH && i < below; i++) {
         bvxi_closest_node *const node = &to[i / BVXI_CLOSEST_WIDTH];
-        int const used = bvxi_closest_children(slots, i * BVXI_CLOSEST_WIDTH);
+        int const used = bvxi_closest_children(l->slots, i * BVXI_CLOSEST_WIDTH);
         for (int a = 0; a < 3; a++) {
             float low = from[i].low[a][0], high = from[i].high[a][0];
             for (int j = 1; j < used; j++) {
@@ -281,11 +352,13 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
                         &tree->corners));
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
 
-    /* Higher levels are a third of the lowest in all, too little to share. */
     b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
     BVXI_TRY(bvxi_parallel(call.ctx, call.stage, middle, call.to, b->pieces, fill_lowest_boxes, b));
-    for (int32_t l = 1; l < tree->level_count; l++)
-        fill_box_level(tree, l, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2]);
+    for (int32_t l = 1; l < tree->level_count; l++) {
+        box_level level = {tree, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2], l,
+                           bvxi_piece_count(tree->level_nodes[l], CLOSEST_GRAIN)};
+        bvxi_tasks(call.ctx, level.pieces, fill_box_level, &level);
+    }
     return BVX_OK;
 }
 

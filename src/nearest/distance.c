@@ -43,16 +43,34 @@ static double distance_random(uint64_t key, uint64_t counter)
     return (double)(distance_mix(key + (counter + 1) * UINT64_C(0x9e3779b97f4a7c15)) >> 11) * 0x1p-53;
 }
 
-static void add_curve_areas(const bvxi_closest_tree *tree, double *area_before)
-{
-    double t[3][3], n[3], sum = 0.0;
+typedef struct area_work {
+    const bvxi_closest_tree *tree;
+    double *area_before;
+    int32_t pieces;
+} area_work;
 
-    /* One after the other, since sums of doubles depend on their order. */
-    for (uint64_t i = 0; i < tree->triangle_count; i++) {
-        bvxi_closest_corners(tree, i, t);
-        sum += bvxi_facet_normal((const double(*)[3])t, n);
-        area_before[i] = sum;
+static void compute_curve_areas(void *user, int32_t index, int32_t worker)
+{
+    const area_work *const w = user;
+    double t[3][3], n[3];
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(w->tree->triangle_count, w->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_closest_corners(w->tree, i, t);
+        w->area_before[i] = bvxi_facet_normal((const double(*)[3])t, n);
     }
+}
+
+static void add_curve_areas(bvx_context *ctx, const bvxi_closest_tree *tree, double *area_before)
+{
+    area_work w = {tree, area_before, bvxi_piece_count(tree->triangle_count, 4096)};
+    double sum = 0.0;
+
+    bvxi_tasks(ctx, w.pieces, compute_curve_areas, &w);
+    /* One after the other, since sums of doubles depend on their order. */
+    for (uint64_t i = 0; i < tree->triangle_count; i++) area_before[i] = sum += area_before[i];
 }
 
 /* Which place of the curve owns a share of the area; never that of a triangle without area. */
@@ -148,7 +166,7 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, from->triangle_count * sizeof *areas, "the distance's areas", &areas));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)blocks * sizeof *sums, "the distance's sums", &sums));
-    add_curve_areas(from, areas);
+    add_curve_areas(ctx, from, areas);
     w.area_before = areas;
     w.sums = sums;
     BVXI_TRY(bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w));

@@ -54,6 +54,41 @@ static void test_sort_is_a_stable_sort(void)
     bvx_context_destroy(ctx);
 }
 
+/* Many elements in few and in many digits, sorted by pieces: as by one thread. */
+static void test_sort_by_threads_is_that_of_one(void)
+{
+    enum { MANY = 300001 };
+    static const uint64_t masks[] = {UINT64_MAX, 0xff, 0xff00000000000003, 0x0f0f0f000000, 0};
+    uint64_t *const key = malloc(2 * MANY * sizeof *key), *const other_key = key + MANY;
+    uint32_t *const number = malloc(2 * MANY * sizeof *number), *const other_number = number + MANY;
+    bvx_context_options o;
+    bvx_context *alone, *many;
+    uint64_t seed = 5;
+
+    bvx_context_options_init(&o, sizeof o);
+    o.threads = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &alone));
+    o.threads = 4;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &many));
+    for (size_t m = 0; m < sizeof masks / sizeof *masks; m++)
+        for (size_t n = MANY; n > 100000; n -= 90001) {
+            for (size_t i = 0; i < n; i++) {
+                key[i] = other_key[i] = maker_random(&seed) & masks[m];
+                number[i] = other_number[i] = (uint32_t)i;
+            }
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_radix_sort(alone, key, number, n));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_radix_sort(many, other_key, other_number, n));
+            TEST_ASSERT_EQUAL_INT(0, memcmp(key, other_key, n * sizeof *key));
+            TEST_ASSERT_EQUAL_INT(0, memcmp(number, other_number, n * sizeof *number));
+            for (size_t i = 1; i < n; i++)
+                TEST_ASSERT_TRUE(key[i - 1] < key[i] || (key[i - 1] == key[i] && number[i - 1] < number[i]));
+        }
+    bvx_context_destroy(many);
+    bvx_context_destroy(alone);
+    free(number);
+    free(key);
+}
+
 static bvx_status sort_some(void *user, bvx_context *ctx)
 {
     (void)user;
@@ -75,6 +110,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_sort_is_a_stable_sort);
+    RUN_TEST(test_sort_by_threads_is_that_of_one);
     RUN_TEST(test_every_allocation_may_fail);
     return UNITY_END();
 }
