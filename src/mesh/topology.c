@@ -15,7 +15,8 @@
 enum {
     TOPOLOGY_ASKS = 1 << 20, /* corners between asking progress */
     TOPOLOGY_GRAIN = 8192,   /* vertices in a range, at least */
-    TOPOLOGY_RANGES = 64
+    TOPOLOGY_RANGES = 64,
+    BUCKET_RANGES = 4 /* more would read more than they share */
 };
 #define TOPOLOGY_NONE UINT32_MAX /* no corner */
 /* larger buckets are heap-sorted: a fan of a million triangles is harmless */
@@ -111,35 +112,72 @@ static void entries_sort(uint64_t *e, size_t n)
     }
 }
 
-/* Counting sort of the half-edges by their lower vertex. */
+/* Counting sort of the half-edges by their lower vertex. A task reads all triangles and takes what belongs to
+ * its range of vertices, so that each bucket is filled in the order of the half-edges. That costs a read for
+ * each task: there are as many as threads, which show nowhere. */
+typedef struct bucket_ranges {
+    topology *topology;
+    int32_t count;
+} bucket_ranges;
+
+static void count_buckets(void *user, int32_t range, int32_t worker)
+{
+    const bucket_ranges *const r = user;
+    const topology *const c = r->topology;
+    uint64_t from, to;
+
+    (void)worker;
+    bvxi_piece(c->vertex_count, r->count, range, &from, &to);
+    memset(c->bucket_end + from, 0, (size_t)(to - from) * sizeof *c->bucket_end);
+    if (!c->edges_alone) memset(c->corner_of + from, 255, (size_t)(to - from) * 4); /* TOPOLOGY_NONE */
+    uint64_t const size = to - from;
+    for (const uint32_t *t = c->corners, *const end = t + 3 * c->triangle_count; t < end; t += 3) {
+        uint32_t const ab = t[0] < t[1] ? t[0] : t[1];
+        uint32_t const bc = t[1] < t[2] ? t[1] : t[2];
+        uint32_t const ca = t[2] < t[0] ? t[2] : t[0];
+
+        if (ab - from < size) c->bucket_end[ab]++;
+        if (bc - from < size) c->bucket_end[bc]++;
+        if (ca - from < size) c->bucket_end[ca]++;
+    }
+}
+
+static void fill_buckets(void *user, int32_t range, int32_t worker)
+{
+    const bucket_ranges *const r = user;
+    const topology *const c = r->topology;
+    const uint32_t *t = c->corners;
+    uint64_t from, to;
+
+    (void)worker;
+    bvxi_piece(c->vertex_count, r->count, range, &from, &to);
+    uint64_t const size = to - from;
+    for (uint64_t h = 0; h < 3 * c->triangle_count; h += 3, t += 3)
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t const a = t[k], b = t[k == 2 ? 0 : k + 1];
+            uint32_t const lower = a < b ? a : b, higher = a < b ? b : a;
+
+            if (lower - from < size) c->entries[c->bucket_end[lower]++] = (uint64_t)higher << 32 | (h + k);
+            if (a - from < size && !c->edges_alone) c->corner_of[a] = (uint32_t)h + k;
+        }
+}
+
 static void fill_edge_buckets(topology *c)
 {
-    uint64_t const half_edges = 3 * c->triangle_count;
+    bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
     uint32_t sum = 0;
-    const uint32_t *t = c->corners;
 
+    if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
+    if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
     /* Counted by the lower vertex first, so that every bucket has its place. */
-    memset(c->bucket_end, 0, (size_t)c->vertex_count * sizeof *c->bucket_end);
-    for (uint64_t h = 0; h < half_edges; h += 3, t += 3) {
-        c->bucket_end[t[0] < t[1] ? t[0] : t[1]]++;
-        c->bucket_end[t[1] < t[2] ? t[1] : t[2]]++;
-        c->bucket_end[t[2] < t[0] ? t[2] : t[0]]++;
-    }
+    bvxi_tasks(c->ctx, r.count, count_buckets, &r);
     /* ends as they are before anything is filled in: the starts */
     for (uint64_t v = 0; v < c->vertex_count; v++) {
         uint32_t const n = c->bucket_end[v];
         c->bucket_end[v] = sum;
         sum += n;
     }
-    t = c->corners;
-    for (uint64_t h = 0; h < half_edges; h += 3, t += 3) {
-        for (uint32_t k = 0; k < 3; k++) {
-            uint32_t const a = t[k], b = t[k == 2 ? 0 : k + 1];
-            uint32_t const lower = a < b ? a : b, higher = a < b ? b : a;
-            c->entries[c->bucket_end[lower]++] = (uint64_t)higher << 32 | (h + k);
-            if (!c->edges_alone) c->corner_of[a] = (uint32_t)h + k;
-        }
-    }
+    bvxi_tasks(c->ctx, r.count, fill_buckets, &r);
 }
 
 /* Triangles of one edge whose three vertices an earlier one has too. Each triangle is looked at once: on the
@@ -430,7 +468,6 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's corners", &c->corner_of));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->triangle_count * 4, "the check's components", &c->parent));
-    memset(c->corner_of, 255, (size_t)c->vertex_count * 4); /* TOPOLOGY_NONE */
     return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
 }
 
