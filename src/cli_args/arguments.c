@@ -210,7 +210,8 @@ static int take_input(cli_run *run, const char *name)
         return cli_usage(run, "'%s' is one input too many; %s takes 1, or several with --output-dir", name,
                          run->command->name);
     if (o->inputs == most)
-        return cli_usage(run, "'%s' is one input too many; %s takes %d", name, run->command->name, most);
+        return cli_usage(run, "'%s' is one input too many: bitvox %s %s", name, run->command->name,
+                         run->command->usage);
     for (int i = 0; i < o->inputs; i++)
         if (strcmp(name, "-") == 0 && strcmp(o->input[i], "-") == 0)
             return cli_usage(run, "standard input can be read only once");

@@ -66,7 +66,8 @@ static int count_solid(cli_run *run, const cli_chain *c)
     return cli_fail(run,
                     c->kind == CLI_GRID
                         ? "%s: the grid is empty; there is nothing to make levels from"
-                        : "%s: no voxel's centre lies inside the mesh; nothing remains to make levels of",
+                        : "%s: no voxel's centre lies inside the mesh; --method collapse makes levels of its "
+                          "surface",
                     cli_input_name(run->options->input[0]));
 }
 

@@ -342,7 +342,11 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
     errno = 0;
     if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
     if (stopped) return cli_fail_interrupted(run);
-    if (error != 0) return cli_fail(run, "%s: cannot be written: %s", o->path, strerror(error));
+    /* It is the only output, so nothing of another one is half done. */
+    if (error != 0 && standard) cli_end_without_reader();
+    if (error != 0)
+        return cli_fail(run, "%s: cannot be written: %s", standard ? "standard output" : o->path,
+                        strerror(error));
     return CLI_DONE;
 }
 

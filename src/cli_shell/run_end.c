@@ -15,9 +15,7 @@
 #include <unistd.h>
 #endif
 
-/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal
- * and without a word. All files are written by now. */
-static void end_without_reader(void)
+void cli_end_without_reader(void)
 {
 #if END_POSIX
     struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
@@ -32,7 +30,7 @@ static void end_without_reader(void)
 int cli_end_of_output(cli_run *run)
 {
     if (fflush(stdout) == 0 && !ferror(stdout)) return CLI_DONE;
-    end_without_reader();
+    cli_end_without_reader();
     return cli_fail(run, "standard output cannot be written");
 }
 
@@ -44,6 +42,6 @@ int cli_end_of_run(cli_run *run, int status)
         return status == CLI_DONE ? cli_end_of_output(run) : status;
 
     if (status != CLI_DONE) return status;
-    end_without_reader();
+    cli_end_without_reader();
     return cli_fail(run, "standard output cannot be written");
 }

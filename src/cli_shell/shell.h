@@ -293,6 +293,9 @@ struct cli_run {
 
 /* The report of --json or what is left of the text; returns the exit status. */
 int cli_end_of_run(cli_run *run, int status);
+/* A reader that has seen enough, as head has, is not a failure: the program ends as others do, by the signal
+ * and without a word. Only to be called where no file is still to be written. Returns where there is a reader. */
+void cli_end_without_reader(void);
 /* All text has gone to standard output. */
 int cli_end_of_output(cli_run *run);
 

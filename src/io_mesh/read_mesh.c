@@ -3,14 +3,15 @@
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
 
-/* Text of two bytes a letter, of which readers would find no word; a byte order mark is before its first
- * letter. */
+/* Text of two bytes a letter, of which readers would find no word: by its byte order mark, or by letters of
+ * which every other byte is 0. */
 static int is_utf16(const bvxi_source *source)
 {
     const unsigned char *const b = (const unsigned char *)source->begin;
 
     if (source->end - source->begin < 4) return 0;
-    return (b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0);
+    if ((b[0] == 0xff && b[1] == 0xfe && b[3] == 0) || (b[0] == 0xfe && b[1] == 0xff && b[2] == 0)) return 1;
+    return (b[0] == 0) != (b[1] == 0) && (b[0] == 0) == (b[2] == 0) && (b[1] == 0) == (b[3] == 0);
 }
 
 static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)

@@ -143,6 +143,13 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
             n = !by_spacing && a == longest ? o.resolution : least_cover(extent[a], spacing[a]);
         }
 
+        /* A side of a few of the least doubles, divided. */
+        if (!(spacing[a] > 0))
+            return bvxi_fail_for(
+                context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                "%s: an extent of %g is too small for a double to hold a voxel's side; scale "
+                "it up",
+                name, extent[longest]);
         /* Compared as doubles, before the cast: counts may be far beyond 32 bits. */
         if (!(n + 2.0 * o.padding <= BVXI_MAX_SIDE))
             return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,

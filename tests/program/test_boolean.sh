@@ -43,6 +43,7 @@ certified 'the largest part of two' difference block.obj slot.obj --resolution 5
 run boolean difference block.obj slot.obj -o result.ply --resolution 54 --keep-largest 1 --json
 grep -q '"parts_dropped": 1' out && grep -q '"components": 1, "volume": \(80\|79.9[0-9]*\|80.0[0-9]*\),' out && grep -q '"warnings": \[\]' out
 result 'the other part is counted' $?
+refuses 2 'one input too many: bitvox boolean OPERATION A B -o OUT' union block.obj slot.obj slot.obj -o result.ply
 refuses 2 '--keep-largest is for two meshes' difference block.obj slot.obj -o result.bvx --keep-largest 1
 
 # A plate thinner than a voxel less a bar: a plate with a hole, and a word where it is lost.

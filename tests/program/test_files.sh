@@ -119,7 +119,15 @@ for how in '' --json; do
     { sleep 1; "$program" info knot.obj $how; echo $? >code; } 2>err | :
     if [ ! -s err ] && [ "$(cat code)" = 141 ]; then ok "a reader that leaves $how"; else not_ok "a reader that leaves $how" "status $(cat code)"; fi
 done
+if streams; then
+    { sleep 1; "$program" faces knot.obj -o - --resolution 20 --quiet; echo $? >code; } 2>err | :
+    if [ ! -s err ] && [ "$(cat code)" = 141 ]; then ok 'a reader of the result that leaves'; else not_ok 'a reader of the result that leaves' "status $(cat code): $(cat err)"; fi
+else
+    skip 'a reader of the result that leaves' 'its signal does not reach the program'
+fi
 if device /dev/full; then
+    "$program" faces knot.obj -o - --resolution 20 --quiet >/dev/full 2>err
+    holds 'a full disk is told by its name' grep -q ': standard output: cannot be written' err
     "$program" info knot.obj >/dev/full 2>err
     holds 'a full disk is told' grep -q 'standard output cannot be written' err
 else
@@ -217,6 +225,8 @@ refuses 1 'each of the 1 triangles has a corner that is not finite' repair none.
 refuses 1 'each of the 1 triangles has a corner that is not finite' info none.obj
 
 printf '\377\376v\0 \0001\0' >wide.obj
+refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
+printf 'v\0 \0001\0' >wide.obj
 refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.obj
 printf '\376\377\0v\0 \0001' >wide.off
 refuses 1 'the file is text in UTF-16; save it as UTF-8' info wide.off

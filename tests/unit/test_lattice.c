@@ -365,6 +365,13 @@ static void test_fit_refuses_what_has_no_bounds(void)
     TEST_ASSERT_EQUAL_INT32(4, lattice.fraction_bits);
     o.spacing[2] = DBL_MIN * DBL_EPSILON; /* the division overflows */
     ASSERT_REFUSED(BVX_ERR_RANGE, fit(&o, &lattice), "voxels");
+    o = fit_options(); /* a side that its resolution divides to 0 */
+    triangle_over(low, low);
+    mesh.p[0] = 5e-324;
+    o.resolution = 256;
+    ASSERT_REFUSED(BVX_ERR_RANGE, fit(&o, &lattice), "extent of 5e-324 is too small");
+    o = fit_options();
+    o.spacing[0] = o.spacing[1] = 1;
     triangle_over(low, low); /* a single point is no trouble for a spacing */
     o.spacing[2] = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, fit(&o, &lattice));
