@@ -175,7 +175,9 @@ static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
 {
     const cli_mesh_entry *const e = &run->report.mesh[n];
     const bvx_certificate *const c = &e->certificate;
-    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " part%s\n", e->path,
+
+    /* A part with a cavity has two surfaces: parts are counted where some are dropped. */
+    cli_tell(made, "  %s: %" PRIu64 " triangles, %s, volume %.6g, %" PRIu64 " surface%s\n", e->path,
              c->triangles, cli_is_sound(c) ? "closed, manifold" : "NOT closed", c->volume, c->components,
              c->components == 1 ? "" : "s");
 }

@@ -91,12 +91,12 @@ gives 'levels of parts of a mesh by samples' 2 '--least-part is for --method col
 gives 'the largest part of a mesh by samples' 2 '--keep-largest is for --method collapse, and --levels for edge-ratio' lod "$fixtures/knot.ply" -o kept_%d.ply --levels 24,12 --keep-largest 1
 gives 'parts of no size' 0 'the result is empty' voxelize "$waves" -o kept.bvx --level 80 --least-part 20000
 run voxelize "$waves" -o all.obj --level 80
-gives 'the surface of the largest part' 0 'kept.obj: 14488 triangles, closed, manifold, volume 15497.2, 1 part' voxelize "$waves" -o kept.obj --level 80 --keep-largest 1
+gives 'the surface of the largest part' 0 'kept.obj: 14488 triangles, closed, manifold, volume 15497.2, 1 surface' voxelize "$waves" -o kept.obj --level 80 --keep-largest 1
 grep '^v ' all.obj | sort >all.txt
 grep '^v ' kept.obj | sort >kept.txt
 if [ "$(wc -l <kept.txt)" -gt 7000 ] && [ -z "$(comm -13 all.txt kept.txt)" ]; then ok 'its vertices are where they were'
 else not_ok 'its vertices are where they were' "$(comm -13 all.txt kept.txt | wc -l) others"; fi
-gives 'the surface of a range' 0 '2 parts' voxelize "$waves" -o kept.ply --range 80,184 --least-part 40
+gives 'the surface of a range' 0 '2 surfaces' voxelize "$waves" -o kept.ply --range 80,184 --least-part 40
 gives 'below a level' 0 'kept        1 of ' voxelize "$waves" -o kept.ply --level 20 --below --keep-largest 1
 gives 'no surface is left' 1 'each of the 3 parts has fewer voxels than --least-part' voxelize "$waves" -o none.ply --level 80 --least-part 20000
 gives 'nothing to drop is no change' 0 '14680 triangles' voxelize "$waves" -o kept.ply --level 80 --least-part 1
