@@ -8,14 +8,18 @@
  * sections of a dipping lens that branches, with a barren core and satellites, 2 to 5 loops of 60 to 220
  * points each. The least of several runs: processor time of one thread, time of day of two. Distances from
  * the contours (their points and three places on every segment) to the mesh tell what each way of crossing
- * keeps. Writes FOLDER/ore.csv for other programs and the table as Markdown to standard output. */
+ * keeps. Writes FOLDER/ore.csv for other programs and the table as Markdown to standard output.
+ *
+ * A second table is of bodies made at once (bvx_build_bodies): three sectors of a ball, and as many columns as
+ * there may be, on 12 parallel planes; what they take beside the ball alone tells what bodies that touch cost. */
 #include "bench.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ORE_SECTIONS = 100, ORE_POINTS = 100000, ORE_LOOPS = 600, ORE_PLACES = 4 };
+enum { JOINT_SECTIONS = 12, JOINT_ARC = 32, JOINT_MOST = 63, JOINT_ACROSS = 9 };
+enum { ORE_SECTIONS = 100, ORE_POINTS = 100000, ORE_LOOPS = 800, ORE_PLACES = 4 };
 
 static double ore_point[3 * ORE_POINTS], ore_position[ORE_SECTIONS];
 static bvx_section_loop ore_loop[ORE_LOOPS];
@@ -187,6 +191,125 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bvx_mesh_free(ctx, &mesh);
 }
 
+/* ---- bodies at once ---- */
+
+static void add_joint_point(bvx_sections *s, double x, double y, double z)
+{
+    double *const p = s->points + 3 * s->point_count++;
+
+    p[0] = x;
+    p[1] = y;
+    p[2] = z;
+    s->loops[s->loop_count - 1].point_count++;
+}
+
+static void add_joint_loop(bvx_sections *s, uint32_t section, int32_t label)
+{
+    bvx_section_loop *const l = &s->loops[s->loop_count++];
+
+    memset(l, 0, sizeof *l);
+    l->first_point = s->point_count;
+    l->section = section;
+    l->label = label;
+}
+
+/* What a sector of a ball has on a plane: the middle and an arc; one sector is the whole circle. */
+static void add_sector(bvx_sections *s, uint32_t section, int number, int sectors)
+{
+    double const z = s->positions[section], r = sqrt(1.0 - z * z);
+    int const points = 3 * JOINT_ARC / sectors;
+
+    add_joint_loop(s, section, number + 1);
+    if (sectors > 1) add_joint_point(s, 0.0, 0.0, z);
+    for (int i = 0; i < points + (sectors > 1); i++) {
+        int const of = (number * points + i) % (sectors * points);
+        double const a = 2.0 * 3.14159265358979323846 * of / (sectors * points);
+        add_joint_point(s, r * cos(a), r * sin(a), z);
+    }
+}
+
+static void add_column(bvx_sections *s, uint32_t section, int number)
+{
+    static const int corner[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+
+    add_joint_loop(s, section, number + 1);
+    for (int i = 0; i < 4; i++)
+        add_joint_point(s, (number % JOINT_ACROSS + corner[i][0]) / 5.0,
+                        (number / JOINT_ACROSS + corner[i][1]) / 5.0, s->positions[section]);
+}
+
+static void make_joint(bvx_sections *s, int bodies)
+{
+    memset(s, 0, sizeof *s);
+    s->points = ore_point;
+    s->loops = ore_loop;
+    s->positions = ore_position;
+    s->normal[2] = 1.0;
+    s->section_count = JOINT_SECTIONS;
+    for (uint32_t k = 0; k < JOINT_SECTIONS; k++) {
+        s->positions[k] = -0.9 + 1.8 * k / (JOINT_SECTIONS - 1);
+        for (int i = 0; i < bodies; i++) {
+            if (bodies == JOINT_MOST) add_column(s, k, i);
+            else add_sector(s, k, i, bodies);
+        }
+    }
+}
+
+static void show_joint_row(bvx_context *ctx, int bodies, int32_t cells, int runs)
+{
+    static bvx_mesh mesh[JOINT_MOST];
+    static bench_times times;
+    int32_t label[JOINT_MOST];
+    bvx_sections s;
+    bvx_sections_options o;
+    uint64_t triangles = 0;
+    int sound = 1, spheres = 0;
+
+    make_joint(&s, bodies);
+    memset(&times, 0, sizeof times);
+    bvx_sections_options_init(&o, sizeof o);
+    o.cells = cells;
+    for (int i = 0; i < bodies; i++) label[i] = i + 1;
+    bvx_memory_reset_peak(ctx);
+    for (int i = 0; i < runs; i++) {
+        double start;
+        for (int b = 0; b < bodies; b++) bvx_mesh_free(ctx, &mesh[b]);
+        start = bench_clock(1);
+        bench_try(ctx, bvx_build_bodies(ctx, &s, &o, label, (uint32_t)bodies, mesh), "bodies at once");
+        bench_add(&times, bench_clock(1) - start);
+    }
+    for (int b = 0; b < bodies; b++) {
+        bvx_certificate c;
+        bvx_mesh_view view;
+        bvx_mesh_view_of(&mesh[b], &view);
+        bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &c), "certificate");
+        sound &= c.closed && c.edge_manifold && c.vertex_manifold && c.oriented;
+        spheres += c.euler == 2;
+        triangles += mesh[b].triangle_count;
+    }
+    printf("| %d | %d | %.0f | %.0f | %llu | %s | %d |\n", bodies, (int)cells, bench_min(&times),
+           (double)bvx_memory_peak(ctx) / 1e6, (unsigned long long)triangles, sound ? "yes" : "NO", spheres);
+    fflush(stdout);
+    for (int b = 0; b < bodies; b++) bvx_mesh_free(ctx, &mesh[b]);
+}
+
+/* From the C library's heap: each body has blocks of its own, and there are many. */
+static void show_joint_table(int runs)
+{
+    static const int bodies[] = {1, 3, JOINT_MOST};
+    static const int32_t cells[] = {64, 128, 256};
+    bvx_context *const ctx = bench_context(1, BVX_CPU_BEST, NULL);
+
+    printf("\nBodies at once: sectors of a ball, then columns, on %d planes\n\n", JOINT_SECTIONS);
+    printf(
+        "| bodies | cells | ms | MB | triangles | closed, manifold | without handles |\n|--:|--:|--:|--:|--:|---|--:|\n");
+    for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++)
+        /* So many at 256 cells take 3.4 GB, which not every machine has. */
+        for (size_t k = 0; k < sizeof cells / sizeof *cells - (bodies[i] == JOINT_MOST); k++)
+            show_joint_row(ctx, bodies[i], cells[k], k == 0 ? runs : 1);
+    bvx_context_destroy(ctx);
+}
+
 int main(int argc, char **argv)
 {
     static const int32_t grids[] = {20, 40, 400};
@@ -209,6 +332,7 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
         for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
             show_row(ctx, &ore, grids[i], crossings, runs);
+    show_joint_table(runs < 3 ? runs : 3);
     bvx_context_destroy(ctx);
     bench_memory_release(&memory);
     return 0;

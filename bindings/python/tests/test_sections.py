@@ -256,6 +256,13 @@ def test_bodies_that_touch_share_their_faces():
         bitvox.Sections([bitvox.Loop(loop.points * [1.5, 1, 1] if loop.label == "a" else loop.points, loop.label) for loop in loops]).bodies(touching="shared")
 
 
+def test_sections_without_loops_have_no_bodies():
+    none = bitvox.Sections([])
+    assert none.bodies() == none.bodies(touching="shared") == {}
+    with pytest.raises(bitvox.ArgumentError, match="layers is not used"):
+        none.bodies(touching="shared", layers=2)
+
+
 def test_slanted_parts_are_joined_by_shifting():
     square = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
     squares = [square + [10 * k, 0, k] for k in range(4)]

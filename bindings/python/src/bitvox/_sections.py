@@ -187,7 +187,7 @@ class Sections:
         Returns
         -------
         dict
-            a `Mesh` for each label, in the order of ``labels``.
+            a `Mesh` for each label, in the order of ``labels``; none without loops.
 
         Examples
         --------
@@ -515,14 +515,7 @@ def from_sections(
         if len(grid) != 2:
             raise ArgumentError("grid must be two numbers of cells")
         options.grid = [in_range("grid", n, 2, 8192) for n in grid]
-    if spacing is not None:
-        options.spacing = float(spacing)
-    if cells is not None:
-        if spacing is not None:
-            raise ArgumentError("cells and spacing contradict each other; give one of them")
-        options.cells = in_range("cells", cells, 8, 1024)
-    if agree is not None:
-        options.agree = float(agree)
+    _set_cells(options, cells, spacing, agree)
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
@@ -557,14 +550,8 @@ def from_sections(
     return mesh
 
 
-def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int | None = None, agree: float | None = None,
-                  caps: Caps = "flat", dtype: Any = "float64", threads: int | None = None, memory_limit: int | None = None,
-                  progress: Progress = None, **others: Any) -> dict[str, Mesh]:
-    """All bodies by one call, with the same faces where two touch."""
-    build = function("bvx_build_bodies")
-    if others:
-        raise ArgumentError(f"{next(iter(others))} is not used with touching='shared', which makes bodies by cells")
-    options = options_of("sections_options")
+def _set_cells(options: Any, cells: int | None, spacing: float | None, agree: float | None) -> None:
+    """What decides the lattice's cells, and how far contours may be apart to be made to agree."""
     if cells is not None:
         if spacing is not None:
             raise ArgumentError("cells and spacing contradict each other; give one of them")
@@ -573,13 +560,26 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
         options.spacing = float(spacing)
     if agree is not None:
         options.agree = float(agree)
+
+
+def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int | None = None, agree: float | None = None,
+                  caps: Caps = "flat", dtype: Any = "float64", threads: int | None = None, memory_limit: int | None = None,
+                  progress: Progress = None, **others: Any) -> dict[str, Mesh]:
+    """All bodies by one call, with the same faces where two touch."""
+    build = function("bvx_build_bodies")
+    if others:
+        raise ArgumentError(f"{next(iter(others))} is not used with touching='shared', which makes bodies by cells")
+    options = options_of("sections_options")
+    _set_cells(options, cells, spacing, agree)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     options.position_type = position_type(dtype)
+    if not stack.labels:
+        return {}
     report = ffi.new("bvx_sections_report *")
     options.report = report
     numbers = stack._numbers()
-    labels = ffi.new("int32_t[]", [numbers[label] for label in stack.labels] or [0])
-    array = ffi.new("bvx_mesh[]", max(1, len(stack.labels)))
+    labels = ffi.new("int32_t[]", [numbers[label] for label in stack.labels])
+    array = ffi.new("bvx_mesh[]", len(stack.labels))
     with Run(threads=threads, memory_limit=memory_limit, progress=progress) as run:
         run.check(build(run.context, stack._struct(run), options, labels, len(stack.labels), array))
     made = {}
