@@ -155,10 +155,12 @@ static const cli_rule action_rules[] = {
     {0}};
 
 /* The word is the input's name. */
-static const cli_rule input_rules[] = {{.when = CLI_OF_GRID, .also = cli_grid_rules},
-                                       {.also = cli_lattice_rules},
-                                       {.also = cli_fill_rules},
-                                       {0}};
+static const cli_rule input_rules[] = {
+    {.when = CLI_OF_GRID, .also = cli_grid_rules},
+    {.when = CLI_OF_GRID, .given = "--sharp --no-sharp", .message = "%o is for meshes; %w is a grid"},
+    {.also = cli_lattice_rules},
+    {.also = cli_fill_rules},
+    {0}};
 
 static int check_morph_options(cli_run *run, morph_job *job)
 {

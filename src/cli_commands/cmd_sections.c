@@ -126,13 +126,14 @@ typedef struct sections_job {
 enum {
     READS_CONTOURS = 1 << CLI_FIRST_FACT,
     READS_CSV = 2 << CLI_FIRST_FACT,
-    STAYS_OPEN = 4 << CLI_FIRST_FACT,    /* --caps open */
-    MODEL_IS_CSV = 8 << CLI_FIRST_FACT,  /* --block-model */
-    HAS_BLOCKS = 16 << CLI_FIRST_FACT,   /* --block with sides above 0 */
-    ALL_LABELS = 32 << CLI_FIRST_FACT,   /* --label all */
-    HAS_NUMBER = 64 << CLI_FIRST_FACT,   /* %d in the output's name */
-    HAS_NUMBERS = 128 << CLI_FIRST_FACT, /* two */
-    SHARED_FACES = 256 << CLI_FIRST_FACT /* --touching shared */
+    STAYS_OPEN = 4 << CLI_FIRST_FACT,     /* --caps open */
+    MODEL_IS_CSV = 8 << CLI_FIRST_FACT,   /* --block-model */
+    HAS_BLOCKS = 16 << CLI_FIRST_FACT,    /* --block with sides above 0 */
+    ALL_LABELS = 32 << CLI_FIRST_FACT,    /* --label all */
+    HAS_NUMBER = 64 << CLI_FIRST_FACT,    /* %d in the output's name */
+    HAS_NUMBERS = 128 << CLI_FIRST_FACT,  /* two */
+    SHARED_FACES = 256 << CLI_FIRST_FACT, /* --touching shared */
+    ANY_DIRECTION = 512 << CLI_FIRST_FACT /* the file's planes are not parallel */
 };
 
 static int wants_all_labels(const cli_run *run)
@@ -200,6 +201,30 @@ static const cli_rule sections_rules[] = {
     {.when = STAYS_OPEN, .given = "--block-model", .message = "%o needs a closed body, not --caps open"},
     {.unless = HAS_BLOCKS, .given = "--block", .message = "%o: sides must be above 0"},
     {0}};
+
+/* What only the file says: how its planes lie. */
+static const cli_rule planes_rules[] = {
+    {.when = ANY_DIRECTION,
+     .given = "--grid --layers --blend --nesting --crossings --subdivide --mend --join",
+     .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
+    {.unless = ANY_DIRECTION | SHARED_FACES,
+     .given = "--cells",
+     .message = "%o is for planes that are not parallel; those of %i are, and --grid makes them finer"},
+    {.unless = ANY_DIRECTION,
+     .given = "--agree",
+     .message = "%o is for planes that are not parallel; those of %i do not cross"},
+    {0}};
+
+static int read_stack(cli_run *run, sections_job *job)
+{
+    const sections_options *const own = run->own;
+
+    CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
+    return cli_check_rules(run, planes_rules,
+                           (job->sections.normals != NULL ? ANY_DIRECTION : 0u) |
+                               (own->touching == TOUCHING_SHARED ? SHARED_FACES : 0u),
+                           NULL);
+}
 
 /* Looked at as what goes to this file. */
 static int check_body(cli_run *run, sections_job *job, const char *path)
@@ -502,7 +527,6 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
         cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
     /* The warnings below are of cells between parallel sections. */
     if (r->planes != 0) {
-        if (own->body.join > 0.0) cli_advise(made, "--join is for parallel planes; these are not");
         if (r->unkept_edges + r->unkept_points + r->gaps != 0)
             cli_advise(
                 made,
@@ -656,7 +680,7 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
 
     made->write = keep_bodies;
     made->untitled = 1;
-    CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
+    CLI_TRY(read_stack(run, job));
     label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
@@ -688,7 +712,7 @@ static int make_body(cli_run *run, void *work, cli_made *made)
     made->write = write_body;
     CLI_TRY(cli_open_output(run, run->options->output));
     if (model != NULL) CLI_TRY(cli_open_output(run, model));
-    CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
+    CLI_TRY(read_stack(run, job));
     CLI_TRY(build_body(run, job, own->body.label, run->options->output));
     if (model != NULL) CLI_TRY(make_blocks(run, job));
     return reduce_body(run, job);

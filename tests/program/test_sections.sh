@@ -115,6 +115,11 @@ sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 'contours moved at 1 places' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
+for option in '--grid 20x20' '--layers 2' '--blend cubic' '--nesting whole' '--crossings classic' '--subdivide 2' --mend '--join 1'; do
+    gives "planes that cross: $option" 2 "${option%% *} is for parallel planes; those of cross.csl are not" sections cross.csl -o x.ply $option
+done
+gives 'parallel planes: --cells' 2 '--cells is for planes that are not parallel; those of prism.csv are' sections prism.csv -o x.ply --cells 16
+gives 'parallel planes: --agree' 2 '--agree is for planes that are not parallel; those of prism.csv do not cross' sections prism.csv -o x.ply --agree 1
 gives 'no polylines in .csl' 2 '--close-gap is for .csv' sections off.csl -o x.ply --close-gap 1
 "$program" sections - --format csv -o piped.ply <prism.csv >out 2>err
 if [ $? = 0 ] && grep -q 'standard input' out; then ok 'contours from standard input'; else not_ok 'contours from standard input' "$(cat out)"; fi

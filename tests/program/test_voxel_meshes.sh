@@ -83,6 +83,9 @@ refuses 2 '--sharp is for meshes' voxelize points.xyz -o x.ply --spacing 1 --sha
 refuses 2 'nor in a mesh format' voxelize box.obj -o x.csl
 refuses 2 'makes a grid of a mesh' convert box.obj -o x.npy
 refuses 2 'would hold voxels' convert box.bvx -o x.npy --normals
+"$program" voxelize box.obj -o grid.bvx --resolution 20 --quiet
+refuses 2 '--sharp is for meshes; grid.bvx is a grid' morph dilate grid.bvx -o x.ply --sharp
+refuses 2 '--no-sharp is for meshes; grid.bvx is a grid' morph hollow grid.bvx -o x.ply --thickness 1 --no-sharp
 refuses 2 'distances are written as' morph distance box.obj -o x.ply
 refuses 1 'there is no surface to write' components box.bvx -o x.ply --at-least 5000
 counts
