@@ -34,6 +34,14 @@
  * rest is for curved ones [Units: largest spacings] */
 #define WALL_SAME 0.25
 
+/* How far out, step by step, the faces of a wall are looked for that stands on the nearest face; the cosine
+ * from which on two faces do not stand on each other; and that between the sides of such a wall, 14 degrees
+ * [Units: largest spacings] */
+#define WALL_STEP     0.3
+#define WALL_STANDING 0.7
+#define WALL_EVEN     0.97
+enum { WALL_STEPS_OUT = 3 };
+
 enum { WALL_GRAIN = 256, WALL_PIECES = 1024, WALL_BINS = 64, LIST_GRAIN = 1 << 14 };
 
 /* ---- The list of places ---- */
@@ -229,22 +237,23 @@ static int is_nothing_behind(const bvxi_walls *t, const double p[3], const doubl
 
 /* The wall behind the point of the mesh next to a centre, seen along out. */
 static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, const double out[3],
-                        const double front_normal[3], uint32_t *hint, bvxi_wall *found)
+                        const double front_normal[3], uint32_t *hint, bvxi_wall *found,
+                        bvx_closest_point *back)
 {
-    bvx_closest_point back;
     double behind[3], back_normal[3], facing, through, apart, square = 0, deep = 0;
     int is_wall;
 
     for (int a = 0; a < 3; a++) behind[a] = front->position[a] - out[a] * BVXI_WALL_DEPTH * t->unit;
+    *back = *front;
     /* a face seen from behind, through a hole */
     if (t->open == BVXI_WALLS_HOLES && wall_dot(out, front_normal) < 0) return;
 
     /* What is nearest to a point BVXI_WALL_DEPTH deep, seen from the front. */
-    bvxi_closest_ask(&t->closest, behind, hint, &back);
-    unit_normal(t, back.triangle, back_normal);
+    bvxi_closest_ask(&t->closest, behind, hint, back);
+    unit_normal(t, back->triangle, back_normal);
     /* How far apart both lie, and how far along the way. */
     for (int a = 0; a < 3; a++) {
-        double const d = front->position[a] - back.position[a];
+        double const d = front->position[a] - back->position[a];
 
         square += d * d;
         deep += d * out[a];
@@ -269,11 +278,47 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     }
 }
 
+/* A wall that stands on another part: next to that its face is nearer than the wall's front or back, and hides
+ * it. Further out along the face's normal the wall's own faces are the nearest ones; they go on down to
+ * the body, so that the centre is as far from the wall as from the plane of its front. Returns 1 when there is
+ * such a wall. */
+static int look_beside(const bvxi_walls *t, const double centre[3], const double normal[3], uint32_t hint[2],
+                       bvxi_wall *found)
+{
+    for (int step = 1; step <= WALL_STEPS_OUT; step++) {
+        bvxi_wall beside = *found;
+        bvx_closest_point front, back;
+        double from[3], way[3], n[3], off = 0;
+
+        for (int a = 0; a < 3; a++) from[a] = centre[a] + normal[a] * (WALL_STEP * step) * t->unit;
+        bvxi_closest_ask(&t->closest, from, &hint[0], &front);
+        unit_normal(t, front.triangle, n);
+        /* The body's face again, or one that goes on from it; further out there may be another. */
+        if (bvxi_absolute(wall_dot(n, normal)) > WALL_STANDING) continue;
+
+        for (int a = 0; a < 3; a++) {
+            off += (centre[a] - front.position[a]) * n[a];
+            way[a] = front.distance > 1e-6 * t->unit ? (from[a] - front.position[a]) / front.distance : n[a];
+        }
+        off = bvxi_absolute(off) / t->unit;
+        look_behind(t, &front, way, n, &hint[1], &beside, &back);
+        if (beside.wall == BVXI_NO_WALL || beside.sheet || off >= t->limit) continue;
+        /* Even ones: what is rough has places like these without a wall. */
+        unit_normal(t, back.triangle, way);
+        if (bvxi_absolute(wall_dot(n, way)) < WALL_EVEN) continue;
+        *found = beside;
+        found->triangle = front.triangle;
+        found->distance = (float)off;
+        return 1;
+    }
+    return 0;
+}
+
 static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2], bvxi_wall *found)
 {
     const bvx_grid *const g = &t->places;
-    bvx_closest_point front;
-    double centre[3], out[3], n[3];
+    bvx_closest_point front, back;
+    double centre[3], out[3], n[3], side = 0;
     int32_t at[3];
 
     bvxi_bit_centre(g, bit, at);
@@ -291,7 +336,15 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     /* On the surface the way is that of the normal. */
     for (int a = 0; a < 3; a++)
         out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
-    look_behind(t, &front, out, n, &hint[1], found);
+    look_behind(t, &front, out, n, &hint[1], found, &back);
+
+    /* Closed bodies only: through a hole the other side of the same face would be one that stands on it. */
+    if (!t->parts || t->open == BVXI_WALLS_HOLES || found->wall != BVXI_NO_WALL) return;
+    if (look_beside(t, centre, out, hint, found)) return;
+    unit_normal(t, back.triangle, n);
+    for (int a = 0; a < 3; a++) side += (centre[a] - back.position[a]) * n[a];
+    for (int a = 0; a < 3 && side < 0; a++) n[a] = -n[a];
+    look_beside(t, centre, n, hint, found);
 }
 
 static void ask_piece(void *user, int32_t piece, int32_t worker)

@@ -26,7 +26,7 @@ typedef struct bvxi_wall {
     int32_t sheet;
 } bvxi_wall;
 
-/* A search for them. The first eight are the caller's, the rest 0 before the first call. */
+/* A search for them. The first nine are the caller's, the rest 0 before the first call. */
 typedef struct bvxi_walls {
     bvx_context *ctx;
     const char *function;
@@ -35,6 +35,7 @@ typedef struct bvxi_walls {
     int32_t unoriented;        /* 1: normals may look to either side */
     int32_t open;              /* BVXI_WALLS_... */
     int32_t beside;            /* 1: centres around the places are looked at too */
+    int32_t parts;             /* 1: walls may stand on faces of other parts, which go on in them */
 
     double unit;      /* the largest spacing */
     double beyond[3]; /* of bvxi_lost_surface [Units: voxels] */

@@ -351,7 +351,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 
     /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
-    walls.beside = keep;
+    walls.beside = walls.parts = keep;
     status = bvxi_walls_open(&walls);
     if (status == BVX_OK) status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_MARK, bvxi_walls_gather(&walls));
     job->cost[i * BODY_STEPS + BODY_ASK] = BVXI_COST_ASK * (double)walls.count;

@@ -101,6 +101,21 @@ static int cut_by_planes(const unit_cut *u, double *ratio)
     return 1;
 }
 
+#define ON_SURFACE (1.0 / 1048576.0) /* 2^-20: an end this near lies on the surface */
+
+/* One end lies on the surface, and the line AB runs along the edge: a wall whose one side has the end and
+ * whose other side the edge goes through, where the other end's closest point is. In walls that were made
+ * thicker a vector without length does not mean that. */
+static int cut_beside_end(const bvxi_cut_edge *e, const unit_cut *u, double *ratio)
+{
+    int const low = bvxi_absolute(e->low_distance) <= ON_SURFACE * e->length;
+    int const high = bvxi_absolute(e->high_distance) <= ON_SURFACE * e->length;
+
+    if (low == high || !(bvxi_vec_dot(low ? u->wb : u->a, low ? u->wb : u->a) > NO_NORMAL2)) return 0;
+    *ratio = low ? u->b[0] : u->a[0];
+    return is_ratio(*ratio);
+}
+
 static int32_t cut_by_distances(const bvxi_cut_edge *e, double *ratio)
 {
     double const t = e->low_distance / (e->low_distance + e->high_distance);
@@ -120,6 +135,7 @@ int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *
     u = scale_cut(edge);
     told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
            cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
+    if (!told && interpolation == BVX_EDGE_TANGENT) told = cut_beside_end(edge, &u, ratio);
     if (told && is_ratio(*ratio)) return BVXI_CUT_VECTOR;
     if (interpolation != BVX_EDGE_PAPER) return cut_by_distances(edge, ratio);
     /* the nearer end; along the edge V5, the end inside */

@@ -154,6 +154,16 @@ static void test_cut_along_the_edge_takes_the_distances_or_the_inner_end(void)
     TEST_ASSERT_TRUE(t == 0.0);
 }
 
+/* A wall with one end of the edge in its face: the other end's closest point is where the edge leaves it. */
+static void test_cut_from_an_end_on_the_surface_is_the_far_face(void)
+{
+    double const on[3] = {0, 0, 0}, far[3] = {0.6, 0, 0}, other[3] = {1, 0, 0};
+
+    assert_cut(on, far, BVX_EDGE_TANGENT, BVXI_CUT_VECTOR, 0.6);
+    assert_cut(far, other, BVX_EDGE_TANGENT, BVXI_CUT_VECTOR, 0.6);
+    assert_cut(on, far, BVX_EDGE_VECTOR, BVXI_CUT_SCALAR, 0.0);
+}
+
 static void test_cut_beyond_the_ends(void)
 {
     double const a[3] = {2, 1, 0}, b[3] = {2, -1, 0}, c[3] = {-3, 1, 0}, d[3] = {-3, -1, 0};
@@ -292,6 +302,7 @@ int main(void)
     RUN_TEST(test_cut_is_nearest_to_the_line);
     RUN_TEST(test_cut_projects_a_common_point);
     RUN_TEST(test_cut_along_the_edge_takes_the_distances_or_the_inner_end);
+    RUN_TEST(test_cut_from_an_end_on_the_surface_is_the_far_face);
     RUN_TEST(test_cut_beyond_the_ends);
     RUN_TEST(test_tangent_is_exact_at_ridges_and_grooves);
     RUN_TEST(test_cut_is_the_same_along_every_axis_and_at_every_scale);

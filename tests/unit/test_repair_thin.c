@@ -151,6 +151,51 @@ static void test_slats_of_a_chair_hold(void)
 }
 
 /* A wedge of ten degrees: no crumbs before its edge. */
+/* A spine, and nine slats that stand on it and go into it. [Units: of voxels, at a resolution of its size] */
+static double make_comb(double slat, int32_t resolution, double into, double c, double s)
+{
+    double const t = slat / resolution;
+    double const spine_low[3] = {-1, -1, -1}, spine_high[3] = {1, -0.8, 1};
+
+    maker_clear(&mesh);
+    make_turned_box(spine_low, spine_high, c, s);
+    for (int i = 0; i < 9; i++) {
+        double const x = -0.9 + 0.225 * i;
+        double const low[3] = {x - t, -0.8 - into, -1}, high[3] = {x + t, 1, 1};
+
+        make_turned_box(low, high, c, s);
+    }
+    return 2 * 0.2 * 2 + 9 * 2 * t * 1.8 * 2;
+}
+
+/* Next to the spine its face is nearer than a slat's, which hid them: up to five of nine came off. */
+static void test_slats_hold_to_what_they_stand_on(void)
+{
+    static const double turned[2][2] = {{1, 0}, {0.8, 0.6}};
+
+    for (int slat = 3; slat <= 13; slat += quick ? 4 : 2)
+        for (int into = 0; into < 2; into++)
+            for (int turn = 0; turn < 2; turn++) {
+                int32_t const resolution = 64;
+                double const volume = make_comb(0.1 * slat, resolution, 0.1 * into, turned[turn][0],
+                                                turned[turn][1]);
+
+                repair_thin(resolution, BVX_THIN_KEEP);
+                TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
+                TEST_ASSERT_DOUBLE_WITHIN(0.05 * volume, volume, report.after.volume);
+            }
+}
+
+/* Slats of which some have a centre of the lattice in a face: they came out flat. */
+static void test_slats_with_centres_in_their_faces_keep_their_volume(void)
+{
+    double const volume = make_comb(0.3, 64, 0.1, 1, 0);
+
+    repair_thin(128, BVX_THIN_KEEP);
+    TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume, volume, report.after.volume);
+}
+
 static void test_acute_edges_hold(void)
 {
     static const double p[6][3] = {{0, -1, 0},    {0, 1, 0},       {2, -1, 0.175},
@@ -241,6 +286,8 @@ int main(void)
     RUN_TEST(test_thin_plates_keep_their_volume);
     RUN_TEST(test_thin_box_with_a_cavity);
     RUN_TEST(test_slats_of_a_chair_hold);
+    RUN_TEST(test_slats_hold_to_what_they_stand_on);
+    RUN_TEST(test_slats_with_centres_in_their_faces_keep_their_volume);
     RUN_TEST(test_acute_edges_hold);
     RUN_TEST(test_rods_become_shells);
     RUN_TEST(test_dropped_walls_are_told);
