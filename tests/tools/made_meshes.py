@@ -52,13 +52,14 @@ def ball(mesh, centre, radius, n=24, turned=False, keep=lambda i, j: True, turns
 
 
 def prism(mesh, outline, low, high):
-    """A closed prism of a star-shaped outline."""
+    """A closed prism of an outline that its middle sees as a whole: the ends are fans around it."""
     n = len(outline)
-    p = [(x, y, low) for x, y in outline] + [(x, y, high) for x, y in outline]
-    faces = [[0, i + 1, i] for i in range(1, n - 1)] + [[n, n + i, n + i + 1] for i in range(1, n - 1)]
+    middle = [sum(c) / n for c in zip(*outline)]
+    p = [(x, y, low) for x, y in outline] + [(x, y, high) for x, y in outline] + [(*middle, low), (*middle, high)]
+    faces = []
     for i in range(n):
         j = (i + 1) % n
-        faces += [[i, j, n + j], [i, n + j, n + i]]
+        faces += [[i, j, n + j], [i, n + j, n + i], [2 * n, j, i], [2 * n + 1, n + i, n + j]]
     return mesh.add(p, faces)
 
 
@@ -113,7 +114,7 @@ def made_meshes():
     for degrees in (10, 20, 30, 40, 50, 60):
         x = 2 / math.tan(math.radians(degrees))
         yield 'wedge_%d' % degrees, prism(Mesh(), [(0, 0), (x, 0), (x, 2)], 0, 2), 2 * x
-    yield 'star', prism(Mesh(), [((1, 0.3)[i % 2] * math.cos(math.pi * i / 9), (1, 0.3)[i % 2] * math.sin(math.pi * i / 9)) for i in range(18)], 0, 1), None
+    yield 'star', prism(Mesh(), [((1, 0.3)[i % 2] * math.cos(math.pi * i / 9), (1, 0.3)[i % 2] * math.sin(math.pi * i / 9)) for i in range(18)], 0, 1), 9 * 0.3 * math.sin(math.pi / 9)
     for small in (0.4, 0.1, 0.02, 0.008):
         m = ring(Mesh(), 1, small)
         yield 'ring_%g' % small, m, polyhedron_volume(m)
