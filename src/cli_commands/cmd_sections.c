@@ -621,6 +621,7 @@ static void tell_labelled(const cli_run *run, const sections_job *job, int32_t l
     tell_body(run, job, made);
     cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
     report_body(run, job, made);
+    tell_wishes(run, job, made);
     cli_text_add(&made->members, "}}");
 }
 

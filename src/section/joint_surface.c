@@ -17,6 +17,9 @@ static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2,
 typedef struct joint_list {
     uint64_t first[BVXI_JOINT_BODIES + 2]; /* of each kind's; the outside has none */
     uint32_t *face;                        /* 4 times the tetrahedron and the corner opposite */
+    /* [vertex] corners at it, and the first side of the edges that are found there; between bodies 0 and
+     * BVXI_NONE */
+    uint32_t *degree, *edge;
 } joint_list;
 
 /* Edges at which a body touches itself. */
@@ -34,12 +37,10 @@ typedef struct joint_faces {
     uint32_t *from;        /* 4 times the tetrahedron and the corner opposite; BVXI_NONE: a cell beyond it */
     uint32_t *next;        /* [3 a face] sides of one edge */
     uint32_t *joined;      /* [3 a face] corners that are one vertex */
-    uint32_t
-        *number; /* [3 a face] at roots: of the vertex; before that 1: a later side begins its edge's list */
+    uint32_t *number; /* [3 a face] at roots: of the vertex; before that 0: it is its edge's first side */
     uint64_t count;
-    bvxi_edge_map side; /* the first side of each edge */
-    uint32_t *point;    /* [vertex] 1 more than the point given that it is; 0: none */
-    uint8_t *used;      /* [vertex] the last body that has it */
+    uint32_t *point; /* [vertex] 1 more than the point given that it is; 0: none */
+    uint8_t *used;   /* [vertex] the last body that has it */
 } joint_faces;
 
 /* ---- faces ---- */
@@ -53,8 +54,8 @@ static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int ag
     f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
 }
 
-/* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is beyond
- * it but cells of one kind, that kind. Every other face is seen from both sides. */
+/* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is
+ * beyond it but cells of one kind, that kind. Every other face is seen from both sides. */
 static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
 {
     uint32_t const n = o->tetra[t].n[k];
@@ -63,6 +64,13 @@ static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint
 
     kind[0] = own != other ? own : 0;
     kind[1] = own != other && n == BVXI_NONE ? other : 0;
+}
+
+static void free_list(const bvxi_oblique *o, joint_list *list)
+{
+    bvxi_drop(o->ctx, list->edge);
+    bvxi_drop(o->ctx, list->degree);
+    bvxi_drop(o->ctx, list->face);
 }
 
 /* All tetrahedra are looked at twice, however many bodies there are: to count, then to fill. */
@@ -87,6 +95,10 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
         BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->body_count] + 1) * 4, "the faces of bodies",
                             &list->face));
     }
+    BVXI_TRY(
+        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->degree));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->edge));
+    memset(list->edge, 0xff, (size_t)(o->vertex_count * 4));
     return BVX_OK;
 }
 
@@ -104,7 +116,6 @@ static bvx_status open_faces(joint_faces *f)
 
 static void close_faces(joint_faces *f)
 {
-    bvxi_edge_free(f->o, &f->side);
     bvxi_drop(f->o->ctx, f->number);
     bvxi_drop(f->o->ctx, f->joined);
     bvxi_drop(f->o->ctx, f->next);
@@ -114,22 +125,54 @@ static void close_faces(joint_faces *f)
     f->corner = NULL;
 }
 
-/* Sides of one edge follow each other in a list, the last one that came first. Edges are spread by their
- * hash: by their ends those of a contour with many points would all be looked for in the same places. */
-static bvx_status list_sides(joint_faces *f)
+/* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
+ * many points has a fan (Chiba, Nishizeki 1985). */
+static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
 {
-    BVXI_TRY(bvxi_edge_reserve(f->o, &f->side, 3 * f->count / 2));
-    for (uint64_t i = 0; i < 3 * f->count; i++) {
-        /* An edge has one key, whichever way a side runs along it. */
-        const uint32_t *const v = f->corner[i / 3];
-        uint32_t *first;
-        BVXI_TRY(bvxi_edge_add(f->o, &f->side, v[i % 3], v[(i + 1) % 3], &first));
-        f->next[i] = *first;
-        if (*first != BVXI_NONE) f->number[*first] = 1;
-        f->number[i] = 0;
-        *first = (uint32_t)i;
+    if (list->degree[a] != list->degree[b]) return list->degree[a] < list->degree[b] ? a : b;
+    return a < b ? a : b;
+}
+
+static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
+{
+    const uint32_t *const v = f->corner[side / 3];
+
+    return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
+}
+
+/* Puts a side to its edge's others, behind the first. more: [3 a face] the first side of the next edge of the
+ * same end. */
+static void list_side(joint_faces *f, const joint_list *list, uint32_t *more, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const end = end_with_edge(list, v[side % 3], v[(side + 1) % 3]);
+    uint32_t const other = other_end(f, side, end);
+    uint32_t first = list->edge[end];
+
+    while (first != BVXI_NONE && other_end(f, first, end) != other) first = more[first];
+    f->number[side] = first != BVXI_NONE;
+    f->next[side] = BVXI_NONE;
+    if (first != BVXI_NONE) {
+        f->next[side] = f->next[first];
+        f->next[first] = side;
+        return;
     }
-    return BVX_OK;
+    more[side] = list->edge[end];
+    list->edge[end] = side;
+}
+
+static void list_sides(joint_faces *f, const joint_list *list)
+{
+    uint64_t const sides = 3 * f->count;
+    const uint32_t *const corner = f->corner[0];
+
+    /* Corners are joined when all sides are listed, so their array serves until then. */
+    for (uint64_t i = 0; i < sides; i++) list->degree[corner[i]]++;
+    for (uint64_t i = 0; i < sides; i++) list_side(f, list, f->joined, (uint32_t)i);
+    for (uint64_t i = 0; i < sides; i++) {
+        list->degree[corner[i]] = 0;
+        list->edge[corner[i]] = BVXI_NONE;
+    }
 }
 
 /* The side that its edge's list begins with. */
@@ -151,7 +194,8 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
     /* Where the tetrahedron is not the body's, the body lies beyond the face. */
     for (uint64_t i = 0; i < f->count; i++)
         fill_face(f, i, face[i] / 4, (int)(face[i] % 4), f->cut->kind[face[i] / 4] != kind);
-    return list_sides(f);
+    list_sides(f, list);
+    return BVX_OK;
 }
 
 /* ---- edges at which a body touches itself ---- */
@@ -474,7 +518,7 @@ static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *
 
     /* Numbers of faces are those of the tetrahedra before the cuts. */
     if (pinched.count != 0) {
-        bvxi_drop(o->ctx, list->face);
+        free_list(o, list);
         BVXI_TRY(list_all_faces(o, cut, list));
     }
     bvxi_drop(o->ctx, pinched.edge);
@@ -498,6 +542,6 @@ bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *m
                             make_joint_mesh(&f, &list, kind, &meshes[kind - 1])));
         close_faces(&f);
     }
-    bvxi_drop(o->ctx, list.face);
+    free_list(o, &list);
     return BVX_OK;
 }

@@ -237,6 +237,7 @@ for l in 3 4; do grep '^v ' body_$l.obj | LC_ALL=C sort >vertices_$l.txt; done
 LC_ALL=C comm -12 vertices_3.txt vertices_4.txt | awk '$2 < 1.9 || $2 > 2.1 { far = 1 } END { exit !(NR > 50 && !far) }'
 result 'vertices of both lie between them' $?
 gives 'touching in the report' 0 '"bodies": [{"label": 3, ' sections touch.csv -o body_%d.obj --label all --touching shared --json
+if grep -q '"parts": 1, "genus": 0}}, {"label": 4, ' out; then ok 'topology of each body that touches'; else not_ok 'topology of each body that touches' "$(cat out)"; fi
 gives 'touching without labels' 2 '--touching is for --label all' sections touch.csv -o b.ply --label 3 --touching shared
 gives 'touching by a grid' 2 '--layers is not used with --touching shared' sections touch.csv -o b_%d.ply --label all --touching shared --layers 2
 gives 'touching and collapsed' 2 '--triangles would change faces' sections touch.csv -o b_%d.ply --label all --touching shared --triangles 50
