@@ -2281,6 +2281,15 @@ typedef struct bvx_sections_report {
     uint64_t added_sections; /**< put between given ones where parts are shifted; other counts of cells, slabs
                                   and crossings include them */
     uint64_t shifted_parts;  /**< loops shifted to one of the next section there */
+    /* Of planes that are not parallel: what was done about topology that contours leave open. Of several bodies at
+     * once these counts are 0. */
+    uint64_t handles_filled; /**< holes through the body that no contour needs, filled */
+    uint64_t handles_cut;    /**< bridges that no contour needs, cut */
+    uint64_t
+        handles_left;    /**< handles that no contour needs and that stay: larger than half a cell, or pinned
+                                  between contours */
+    uint64_t specks;     /**< parts of the mesh with one contour alone, which fits into a cell */
+    uint64_t lost_loops; /**< loops most of whose points are no vertices */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {

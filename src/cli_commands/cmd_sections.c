@@ -395,8 +395,13 @@ static void tell_planes(const cli_run *run, const sections_job *job, cli_made *m
              "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
              " gaps left, %g apart at most\n",
              r->settled, r->gaps, r->largest_gap);
-    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
-             r->unkept_points);
+    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points, %" PRIu64 " loops\n",
+             r->unkept_edges, r->unkept_points, r->lost_loops);
+    for (uint64_t i = 0; i < r->located && i < 4; i++)
+        cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
+    cli_tell(made,
+             "  handles     %" PRIu64 " filled, %" PRIu64 " cut, %" PRIu64 " left that no contour needs\n",
+             r->handles_filled, r->handles_cut, r->handles_left);
     cli_tell_reduction(run, &job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
@@ -490,6 +495,11 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "settled", r->settled);
     cli_json_count(t, "gaps", r->gaps);
     cli_json_value(t, "largest_gap", r->largest_gap);
+    cli_json_count(t, "handles_filled", r->handles_filled);
+    cli_json_count(t, "handles_cut", r->handles_cut);
+    cli_json_count(t, "handles_left", r->handles_left);
+    cli_json_count(t, "specks", r->specks);
+    cli_json_count(t, "lost_loops", r->lost_loops);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -534,6 +544,15 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
                 " gaps where planes cross the surface does not follow the contours, which contradict each "
                 "other",
                 r->unkept_points, r->unkept_edges, r->gaps);
+        if (r->specks != 0)
+            cli_advise(made,
+                       "%" PRIu64
+                       " parts have one contour alone, smaller than a cell: more cells, or leaving out "
+                       "those contours, may join them to the body",
+                       r->specks);
+        /* A wish for handles that is not met says so too. */
+        if (r->handles_left != 0 && !cli_given(run, "--genus"))
+            cli_advise(made, "%" PRIu64 " handles are left that no contour needs", r->handles_left);
         return;
     }
     if (r->unkept_edges + r->unkept_loops != 0)
@@ -562,6 +581,7 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
 {
     const sections_options *const own = run->own;
     cli_text *const t = &made->members;
+    const bvx_sections_report *const r = &job->report;
     int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
 
     /* Parts and handles are counted of closed bodies only. */
@@ -590,6 +610,11 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
                        "--genus %" PRId32 " is not met: the surface has %" PRId64
                        " handles; more sections where they are, or more --cells, decide what is joined",
                        own->genus, job->genus);
+        if (!met && r->planes != 0)
+            cli_advise(made,
+                       "of handles that no contour needs %" PRIu64 " were filled, %" PRIu64
+                       " cut, and %" PRIu64 " are left",
+                       r->handles_filled, r->handles_cut, r->handles_left);
     }
     cli_tell(made, "\n");
 }

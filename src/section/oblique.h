@@ -294,10 +294,10 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
 
-/* oblique_handles.c: handles that no contour needs are filled (added to settled[0]) and cut (to settled[1]);
- * the surface is to be made anew. owner: the tetrahedra of its triangles, from the first that is no plain
- * cell's. */
-bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t settled[2]);
+/* oblique_handles.c: handles that no contour needs are filled or cut, and counted; *settled: how many, after
+ * which the surface is to be made anew. owner: the tetrahedra of its triangles, from the first that is no
+ * plain cell's. */
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled);
 
 /* fans.c: how many of the vertices requested (asked) have triangles that are not one closed fan. */
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,

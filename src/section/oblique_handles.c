@@ -22,12 +22,13 @@ enum { HANDLE_TETRA = 20000, HANDLE_DEPTHS = 3, HANDLE_TRIES = 64 };
 
 typedef struct handle_work {
     bvxi_oblique *o;
-    /* the triangles of tetrahedra: patches of them, fans of their corners */
+    /* the surface's triangles: patches of them, fans of their corners */
     uint32_t *vertex_of, *patch, *fan, *loop;
     uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
     int32_t *euler, *loops;
     bvxi_edge_map pair;
     uint64_t triangles;
+    uint64_t settled[2]; /* handles filled, cut */
     /* what is looked at around a patch */
     uint32_t *number, *tetra, *member, *joined, *flip;
     uint64_t *loose; /* vertices that may change, by the size of their numbers */
@@ -121,7 +122,7 @@ static bvx_status find_surface_patches(handle_work *w)
         if (o->output[v] != BVXI_NONE) w->vertex_of[o->output[v]] = (uint32_t)v;
     for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
     for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
-    BVXI_TRY(join_surface_patches(w, o->triangle + 3 * o->plain_triangles));
+    BVXI_TRY(join_surface_patches(w, o->triangle));
     count_surface_patches(w);
     return BVX_OK;
 }
@@ -193,8 +194,9 @@ static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t p
 
     w->tetras = 0;
     bvxi_tetra_new_stamp(o);
-    for (uint32_t t = 0; t < w->triangles; t++)
-        if (bvxi_root(w->patch, t) == patch) BVXI_TRY(add_handle_tetra(w, owner[t]));
+    for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
+        if (bvxi_root(w->patch, (uint32_t)t) == patch)
+            BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
     most = w->tetras + HANDLE_TETRA;
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
@@ -420,7 +422,7 @@ static bvx_status cut_thread(handle_work *w, int inside, double done, int32_t *g
 }
 
 /* Small numbers first: as little as possible changes. */
-static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done, uint64_t settled[2])
+static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
 
@@ -433,13 +435,13 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double d
         BVXI_TRY(thin_side(w, inside, done));
         BVXI_TRY(cut_thread(w, inside, done, &gain));
         handles -= gain;
-        settled[inside] += (uint64_t)gain;
+        w->settled[inside] += (uint64_t)gain;
         if (gain == 0) k++;
     }
     return BVX_OK;
 }
 
-static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t settled[2])
+static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *found)
 {
     BVXI_TRY(find_surface_patches(w));
     for (uint32_t t = 0; t < w->triangles; t++) {
@@ -447,22 +449,29 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
          * each handle. */
         int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
 
-        if (w->patch[t] != t || handles <= 0) continue;
+        /* Without a border it is a body that no contour touches, which goes. */
+        if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
+        *found += (uint64_t)handles;
         BVXI_TRY(look_around_patch(w, owner, t));
-        BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles, settled));
+        BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles));
     }
     return BVX_OK;
 }
 
-bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t settled[2])
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
     handle_work w;
     bvx_status status;
+    uint64_t found = 0;
 
     memset(&w, 0, sizeof w);
     w.o = o;
-    w.triangles = o->triangle_count - o->plain_triangles;
-    status = settle_handles(&w, owner, settled);
+    w.triangles = o->triangle_count;
+    status = settle_handles(&w, owner, &found);
+    *settled = w.settled[0] + w.settled[1];
+    o->report.handles_filled += w.settled[0];
+    o->report.handles_cut += w.settled[1];
+    o->report.handles_left = found > *settled ? found - *settled : 0;
     bvxi_edge_free(o, &w.pair);
     bvxi_drop(o->ctx, w.loose);
     bvxi_drop(o->ctx, w.back);

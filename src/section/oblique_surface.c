@@ -240,14 +240,16 @@ static bvx_status march_again(bvxi_oblique *o)
 static bvx_status close_handles(bvxi_oblique *o)
 {
     int64_t handles;
-    uint64_t settled[2] = {0, 0}, before = UINT64_MAX;
+    uint64_t settled = 1;
 
-    for (int round = 0; round < HANDLE_ROUNDS && settled[0] + settled[1] != before; round++) {
-        before = settled[0] + settled[1];
+    for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
+        uint64_t const vertices = o->vertex_count;
+
         BVXI_TRY(count_handles(o, &handles));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
-                            bvxi_oblique_handles(o, o->owner, settled)));
+                            bvxi_oblique_handles(o, o->owner, &settled)));
+        if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
         /* Vertices may have been added, which change nothing but must be marched over. */
         BVXI_TRY(
             BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
@@ -304,7 +306,20 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
     }
 }
 
-/* Bodies that hold most of some contour are marked at their roots. */
+/* Whether a contour fits into a cell. */
+static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_contour *loop)
+{
+    const double *const first = o->given->points + 3 * (uint64_t)p->given[loop->first];
+
+    for (uint32_t n = 1; n < loop->count; n++)
+        for (int k = 0; k < 3; k++) {
+            double const x = o->given->points[3 * (uint64_t)p->given[loop->first + n] + (uint64_t)k];
+            if (bvxi_absolute(x - first[k]) > o->step) return 0;
+        }
+    return 1;
+}
+
+/* Bodies that hold most of some contour are marked at their roots: 2 for a small one alone, else 1. */
 static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
 {
     uint32_t first = 0;
@@ -322,10 +337,13 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
                 if (lead == 0) most = root;
                 lead = root == most ? lead + 1 : lead - 1;
             }
-            if (most != BVXI_NONE && lead > 0) o->kept[most] = 1;
+            if (lead == 0) continue;
+            if (most == BVXI_NONE) o->report.lost_loops++;
+            else o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
         }
         first += p->point_count;
     }
+    for (uint64_t i = 0; i < o->position_count; i++) o->report.specks += o->kept[i] == 2;
 }
 
 /* Bodies with contours on them, their vertices numbered anew; joined becomes the new numbers. */

@@ -112,6 +112,11 @@ gives 'points off their plane' 1 'off its plane' sections off.csl -o x.ply
 printf 'CSLC\n2 1\n1 4 1 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0\n4 1 0 1 2 3\n2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n' >cross.csl
 gives 'planes that cross' 0 'closed, manifold, oriented' sections cross.csl -o cross.ply --cells 16
 sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
+gives 'a wish for handles of planes that cross' 0 'of handles that no contour needs 0 were filled, 0 cut, and 0 are left' \
+    sections cross.csl -o cross.ply --cells 16 --genus 1
+run sections cross.csl -o cross.ply --cells 16 --json
+is 'handles, specks and lost loops in a report' \
+    "$(field handles_filled) $(field handles_cut) $(field handles_left) $(field specks) $(field lost_loops)" '0 0 0 0 0'
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 'contours moved at 1 places' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1

@@ -177,6 +177,10 @@ def test_planes_of_any_direction() -> None:
     vertices = {tuple(p) for p in mesh.vertices.tolist()}
     assert all(tuple(p) in vertices for loop in crossed.loops for p in loop.points.tolist())
     assert mesh.report.planes == 2 and mesh.report.gaps == 0
+    assert (mesh.report.handles_filled, mesh.report.handles_cut, mesh.report.handles_left) == (0, 0, 0)
+    assert (mesh.report.specks, mesh.report.lost_loops) == (0, 0)
+    with pytest.warns(UserWarning, match="has 0 handles; of those that no contour needs 0 were filled, 0 cut, and 0 are left"):
+        crossed.surface(cells=16, genus=1)
     assert crossed.of(1) == crossed and crossed.of(1).normals is not None
     apart = bitvox.loads(text.replace(b"2 4 -2 2 4 2", b"2 6 -2 2 6 2"), "csl")
     with pytest.raises(bitvox.FormatError, match="sections 0 and 1 contradict each other"):

@@ -544,7 +544,7 @@ def from_sections(
         with Run(**limits) as run:
             run.check(build(run.context, given._struct(run), options, made))
         mesh = Mesh._made(made)
-        _warn_of_wishes(mesh, parts, genus)
+        _warn_of_wishes(mesh, parts, genus, report)
         mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
@@ -591,7 +591,7 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
     return made
 
 
-def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
+def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: Any) -> None:
     """Of the body as it is made: collapsing keeps its topology."""
     if parts is None and genus is None:
         return
@@ -600,7 +600,9 @@ def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
     if parts is not None and parts != checked.components:
         warnings.warn(f"parts={parts} is not met: the surface has {checked.components} pieces", stacklevel=4)
     if genus is not None and genus != handles:
-        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles", stacklevel=4)
+        told = ("" if report.planes == 0 else f"; of those that no contour needs {report.handles_filled} were filled, "
+                f"{report.handles_cut} cut, and {report.handles_left} are left")
+        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles{told}", stacklevel=4)
 
 
 def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
