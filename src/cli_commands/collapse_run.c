@@ -281,6 +281,29 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
     else warn_of_count(made, l, what);
 }
 
+/* By number of triangles: no edge collapsed since the level before, whose target was kept, or missed, too. */
+static int is_same_again(const cli_collapse_run *c, int i)
+{
+    const bvx_level_report *const l = c->level;
+
+    return i > 0 && !c->by_error && l[i].met == l[i - 1].met && l[i].triangles == l[i - 1].triangles &&
+           l[i].certificate.volume == l[i - 1].certificate.volume;
+}
+
+/* What holds for a level holds for those that repeat it: they are told of at once. */
+static void warn_of_levels(cli_made *made, const cli_collapse_run *c)
+{
+    int same = 0;
+
+    for (int i = 0; i < c->count; i++) {
+        same += is_same_again(c, i);
+        if (!is_same_again(c, i)) warn_of_level(made, c, i);
+    }
+    if (same != 0)
+        cli_advise(made, "%d of %d levels %s the level before again, which no collapse makes smaller", same,
+                   c->count, same == 1 ? "is" : "are");
+}
+
 /* ---- The end ---- */
 
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
@@ -307,7 +330,7 @@ void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *
 {
     if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     if (strcmp(c->source, "measured") == 0) warn_of_surface(made, c);
-    for (int i = 0; i < c->count; i++) warn_of_level(made, c, i);
+    warn_of_levels(made, c);
 
     cli_tell_collapsed(run, c->count, c->diagonal, made);
     cli_tell_distances(run, c->count, c->diagonal, 4, "", "mesh", made);
