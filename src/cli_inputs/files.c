@@ -325,7 +325,7 @@ static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t forma
     bvx_status status;
 
     /* What keeps every triangle in its place must not lose one silently. */
-    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_INFO)) == 0)
+    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO)) == 0)
         return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
     status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
     if (status == BVX_OK) run->report.nonfinite += dropped;

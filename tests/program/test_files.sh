@@ -204,6 +204,10 @@ for file in nan.obj inf.off; do
     warns "$left_out" voxelize $file -o field.npy --resolution 16 --mode field
     run voxelize whole.obj -o whole.bvx --resolution 16
     holds "$file: the voxels as without it" cmp solid.bvx whole.bvx
+    run boolean union $file whole.obj -o both.ply --resolution 16
+    holds "$file: left out of a union" grep -q -F "warning: $file: $left_out" err
+    run boolean union whole.obj whole.obj -o whole.ply --resolution 16
+    holds "$file: a union as without it" cmp both.ply whole.ply
     run repair $file -o mended.ply --json
     grep -q '"nonfinite_triangles": 1,' out
     result "$file: counted in the report" $?
