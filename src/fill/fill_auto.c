@@ -137,7 +137,7 @@ static bvx_status look_at_edges(bvx_context *ctx, auto_work *w, int copies)
     BVXI_TRY(bvxi_weld(ctx, view, w->representative, &different));
     if (copies) BVXI_TRY(drop_copies(ctx, w));
 
-    BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, &w->patches));
+    BVXI_TRY(bvxi_patches_open(ctx, view, w->representative, w->centre, w->choice.doubles != 0, &w->patches));
     w->choice.turned = w->patches.turned;
     return w->patches.turned != 0 ? turn_triangles(ctx, w) : BVX_OK;
 }

@@ -16,6 +16,7 @@
 
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
+#include "mesh/topology.h"
 #include "mesh/view.h"
 #include "fill/fills.h"
 #include "touch/surface_voxels.h"
@@ -205,6 +206,7 @@ static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
      * unoriented mesh keeps the side that places give, unless holes require its own. Divided, not multiplied
      * by an inverse, which would round once more. */
     if (t->against[triangle] && (!t->unoriented || t->open == BVXI_WALLS_HOLES)) length = -length;
+    if (t->inverted) length = -length;
     for (int a = 0; a < 3; a++) n[a] /= length;
 }
 
@@ -278,10 +280,10 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     }
 }
 
-/* A wall that stands on another part: next to that its face is nearer than the wall's front or back, and hides
- * it. Further out along the face's normal the wall's own faces are the nearest ones; they go on down to
- * the body, so that the centre is as far from the wall as from the plane of its front. Returns 1 when there is
- * such a wall. */
+/* A wall that stands on another part: next to that its face is nearer than the wall's front or back, and
+ * hides it. Further out along the face's normal the wall's own faces are the nearest ones; they go on down to
+ * the body, so that the centre is as far from the wall as from the plane of its front. Returns 1 when there
+ * is such a wall. */
 static int look_beside(const bvxi_walls *t, const double centre[3], const double normal[3], uint32_t hint[2],
                        bvxi_wall *found)
 {
@@ -456,6 +458,27 @@ void bvxi_walls_close(bvxi_walls *t)
     bvxi_drop(t->ctx, t->places.words);
 }
 
+/* 1: the body encloses a negative volume about the middle of its triangles. */
+static int is_inside_out(const bvx_mesh_view *mesh)
+{
+    double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, centre[3], p[3], volume = 0;
+    uint32_t c[3];
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        bvxi_view_triangle(mesh, t, c);
+        for (uint64_t k = 0; k < 3; k++) {
+            bvxi_view_position(mesh, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                if ((t | k) == 0 || p[a] < low[a]) low[a] = p[a];
+                if ((t | k) == 0 || p[a] > high[a]) high[a] = p[a];
+            }
+        }
+    }
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) volume += bvxi_patches_volume(mesh, t, centre);
+    return volume < 0;
+}
+
 enum { GATHER_MARK, GATHER_NEAR, GATHER_STEPS };
 
 bvx_status bvxi_walls_gather(bvxi_walls *t)
@@ -473,6 +496,9 @@ bvx_status bvxi_walls_gather(bvxi_walls *t)
 
     BVXI_TRY(BVXI_STEP(&steps, GATHER_NEAR, bvxi_walls_near(t)));
     if (t->near.triangle_count == 0) bvxi_walls_drop(t);
+
+    /* Only beside holes does it matter which way faces look. */
+    t->inverted = t->open == BVXI_WALLS_HOLES && is_inside_out(t->mesh);
     return BVX_OK;
 }
 

@@ -56,6 +56,7 @@ typedef struct bvxi_walls {
     bvx_mesh_view near;
     bvx_closest closest;
     int32_t pieces;
+    int32_t inverted; /* 1: a body with holes whose triangles face inward */
 } bvxi_walls;
 
 /* How many, how thin and where. */

@@ -232,14 +232,14 @@ static int is_beside_a_right_one(const side_crossing *c, uint64_t n, uint64_t i)
     return 0;
 }
 
-static void judge_ray(side_crossing *c, uint64_t n, patch_side *sides)
+static void judge_ray(side_crossing *c, uint64_t n, int chance, patch_side *sides)
 {
     int fit;
 
     /* An odd number of crossings: the ray went through a hole, or along a sheet. */
     if (n == 0 || n % 2 != 0 || n > MOST_CROSSINGS) return;
     sort_crossings(c, n);
-    fit = depths_fit(c, n);
+    fit = !chance && depths_fit(c, n);
 
     for (uint64_t i = 0; i < n; i++) {
         patch_side *const s = &sides[c[i].patch];
@@ -271,7 +271,8 @@ static bvx_status judge_axis(bvx_context *ctx, side_rays *r, int axis)
         bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *r->crossing, "the patches' crossings", &r->crossing));
     memset(r->used, 0, RAYS * sizeof *r->used);
     cross_rays(r, axes, 1);
-    for (uint32_t n = 0; n < RAYS; n++) judge_ray(r->crossing + r->begin[n], r->used[n], r->sides);
+    for (uint32_t n = 0; n < RAYS; n++)
+        judge_ray(r->crossing + r->begin[n], r->used[n], r->in->chance, r->sides);
     bvxi_drop(ctx, r->crossing);
     return BVX_OK;
 }
@@ -302,9 +303,10 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
 
 /* Faces inward, and three of five crossings say that this is wrong (of a body that overlaps another one half
  * of them cannot), some of them beside what is right: where all patches face inward they mean a room, whose
- * inside is filled as it is. */
-static int is_side_turned(const patch_side *s)
+ * inside is filled as it is. By chance any patch may face either way, and parity alone decides. */
+static int is_side_turned(const patch_side *s, int chance)
 {
+    if (chance) return 2 * s->turn >= 3 * s->keep && (s->inward || s->turn >= LEAST_VOTES);
     return s->inward && s->turn >= LEAST_VOTES && 2 * s->turn >= 3 * s->keep && s->beside >= LEAST_BESIDE &&
            16 * s->beside >= s->turn;
 }
@@ -319,9 +321,9 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     sum_side_borders(in, sides);
 
     /* Of most meshes no patch faces inward, and no ray is needed. */
-    if (find_inward_sides(sides, in->patches) != 0) BVXI_TRY(judge_rays(ctx, in, sides));
+    if (find_inward_sides(sides, in->patches) != 0 || in->chance) BVXI_TRY(judge_rays(ctx, in, sides));
     for (uint64_t t = 0; t < in->triangles; t++)
-        if (is_side_turned(&sides[in->patch[t]])) in->turn[t] ^= 1;
+        if (is_side_turned(&sides[in->patch[t]], in->chance)) in->turn[t] ^= 1;
     bvxi_drop(ctx, sides);
     return BVX_OK;
 }

@@ -33,6 +33,7 @@ typedef struct patch_work {
     patch_sums *sums;  /* by root */
     uint32_t *border;  /* half-edges of edges that have not two triangles, where whole patches are judged */
     uint64_t border_count;
+    int chance;
 } patch_work;
 
 /* ---- Patches and parts ---- */
@@ -225,13 +226,14 @@ static uint64_t number_patches(patch_work *w, uint32_t *number)
     return count;
 }
 
-/* Patches that face inward beside others: only open meshes have any that no rule for inside tells. */
+/* Patches that face inward beside others: closed meshes have none that the rule for inside does not tell,
+ * unless the triangles are the first ones of two. */
 static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 {
     bvxi_patch_sides in = {.view = w->view, .centre = w->centre, .corner = w->corner, .turn = w->out->turn};
     uint32_t *number;
 
-    if (w->out->odd_edges == 0 || w->out->unorientable != 0) return BVX_OK;
+    if ((w->out->odd_edges == 0 && !w->chance) || w->out->unorientable != 0) return BVX_OK;
     each_edge(w, list_border);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->border_count * 4, "the patches' borders", &w->border));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->out->triangles * 4, "the triangles' patches", &number));
@@ -243,6 +245,7 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
     in.patch = number;
     in.border = w->border;
     in.border_count = w->border_count;
+    in.chance = w->chance;
     BVXI_TRY(bvxi_patch_sides_turn(ctx, &in));
     bvxi_drop(ctx, number);
     bvxi_drop(ctx, w->border);
@@ -297,7 +300,7 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 }
 
 bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                             const double centre[3], bvxi_patches *patches)
+                             const double centre[3], int chance, bvxi_patches *patches)
 {
     patch_work w;
 
@@ -313,6 +316,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     w.view = view;
     w.representative = representative;
     w.centre = centre;
+    w.chance = chance;
     w.out = patches;
 
     BVXI_TRY(open_patch_work(ctx, &w));

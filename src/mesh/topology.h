@@ -84,13 +84,14 @@ typedef struct bvxi_patches {
 
 /* Find what to turn so that the triangles of each patch run the same way round, as most of them do. Where no
  * side has five eighths of them, the volume that they enclose about centre becomes positive. Of an open mesh,
- * patches that face inward where others face outward are turned whole (patch_sides.c). representative:
+ * patches that face inward where others face outward are turned whole (patch_sides.c); chance: the triangles
+ * are those of two that face either way, so that parity alone says which patches are right. representative:
  * topology.h. The view's indices have been checked. Scratch: beside the result 84 bytes a triangle, while it
  * works; of an open mesh of several patches 4 more, 4 an open edge, and 1 MB at most.
  * Cost: O(triangles). Guarantee: what is turned follows from the triangles; for a patch of halves that
  * encloses nothing from sums in their order. */
 bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                             const double centre[3], bvxi_patches *patches);
+                             const double centre[3], int chance, bvxi_patches *patches);
 void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches);
 
 /* The triangles, those of patches->turn turned round. index [Size: triangles * 3] */
@@ -105,6 +106,7 @@ typedef struct bvxi_patch_sides {
     uint64_t triangles, patches;
     const uint32_t *border; /* half-edges that are no edge of two triangles: 3 t + k, from corner k on */
     uint64_t border_count;
+    int chance;    /* 1: which way a patch faces says nothing of what it should */
     uint8_t *turn; /* in: triangles that are turned; out: those of turned patches changed */
 } bvxi_patch_sides;
 

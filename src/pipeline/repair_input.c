@@ -44,9 +44,11 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
 
     /* Around the middle, so that volumes keep their digits. */
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
-    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
+    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre,
+                               job->report.before.duplicates != 0, &patches));
     if (patches.unorientable != 0 || (patches.odd_edges == 0 && patches.open_edges != 0)) {
-        *sign = BVX_SIGN_VOTE;
+        /* What only shows once triangles are there once each does not count. */
+        if (job->report.before.flipped_edges != 0) *sign = BVX_SIGN_VOTE;
     } else if (patches.turned != 0) {
         /* Scratch may be there from leaving out copies. */
         if (job->corner == NULL)
@@ -59,8 +61,8 @@ static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const 
     return BVX_OK;
 }
 
-/* Flips that only show once triangles are there once each do not count:
- * which of two opposite ones is first is chance. */
+/* Which of two opposite triangles is first is chance, so patches of an open mesh are turned to face outward;
+ * one that has one side only does not count then. */
 static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const double high[3],
                               const uint32_t *representative)
 {
@@ -71,7 +73,7 @@ static bvx_status choose_sign(bvxi_repair_job *job, const double low[3], const d
         const bvx_certificate *const c = &job->report.before;
 
         sign = BVX_SIGN_WINDING;
-        if (c->flipped_edges != 0 || (c->boundary_edges != 0 && c->components > 1))
+        if (c->flipped_edges != 0 || c->duplicates != 0 || (c->boundary_edges != 0 && c->components > 1))
             BVXI_TRY(turn_flipped(job, low, high, representative, &sign));
     }
     job->report.sign = sign;
@@ -204,7 +206,7 @@ static bvx_status judge_touching(bvxi_repair_job *job, const uint32_t *represent
     double centre[3];
 
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
-    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, &patches));
+    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &patches));
     by.part = patches.part;
     BVXI_TRY(judge_marked(job, &by));
     bvxi_patches_close(job->ctx, &patches);

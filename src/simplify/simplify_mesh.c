@@ -28,7 +28,7 @@ static bvx_status orient_sheets(bvx_context *ctx, const bvx_mesh_view *welded, u
 
     /* Volumes of patches are sums around a corner of the mesh: near it digits are not lost. */
     bvxi_view_position(welded, corner[0], centre);
-    BVXI_TRY(bvxi_patches_open(ctx, welded, own, centre, &patches));
+    BVXI_TRY(bvxi_patches_open(ctx, welded, own, centre, 0, &patches));
 
     bvxi_patches_turn(welded, &patches, corner, &turned);
     report->turned = patches.turned;

@@ -196,6 +196,33 @@ static void test_slats_with_centres_in_their_faces_keep_their_volume(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume, volume, report.after.volume);
 }
 
+/* Beside a hole faces may be seen from behind; where all face inward, all were, and no wall was thin. Of two
+ * triangles that face either way the first one is taken, whichever it is. */
+static void test_walls_of_open_bodies_hold_whichever_way_they_face(void)
+{
+    int32_t const resolution = quick ? 32 : 64;
+    double volume;
+
+    make_shell(0.64, resolution);
+    repair_thin(resolution, BVX_THIN_KEEP);
+    volume = report.after.volume;
+    maker_remove(&mesh, 0);
+    repair_thin(resolution, BVX_THIN_KEEP);
+    TEST_ASSERT_EQUAL_INT32(1, report.thin_kept);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume, volume, report.after.volume);
+
+    maker_flip(&mesh, 0, mesh.triangles);
+    repair_thin(resolution, BVX_THIN_KEEP);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume, volume, report.after.volume);
+
+    for (size_t t = 0, count = mesh.triangles; t < count; t++) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, mesh.triangles / 2, mesh.triangles);
+    maker_flip(&mesh, 0, mesh.triangles / 4);
+    maker_flip(&mesh, mesh.triangles / 2, 3 * (mesh.triangles / 4));
+    repair_thin(resolution, BVX_THIN_KEEP);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume, volume, report.after.volume);
+}
+
 static void test_acute_edges_hold(void)
 {
     static const double p[6][3] = {{0, -1, 0},    {0, 1, 0},       {2, -1, 0.175},
@@ -288,6 +315,7 @@ int main(void)
     RUN_TEST(test_slats_of_a_chair_hold);
     RUN_TEST(test_slats_hold_to_what_they_stand_on);
     RUN_TEST(test_slats_with_centres_in_their_faces_keep_their_volume);
+    RUN_TEST(test_walls_of_open_bodies_hold_whichever_way_they_face);
     RUN_TEST(test_acute_edges_hold);
     RUN_TEST(test_rods_become_shells);
     RUN_TEST(test_dropped_walls_are_told);
