@@ -15,6 +15,9 @@ enum { CONTOUR_STEPS = 1000000 };
  * split. */
 #define FACE_MISS 1e-3
 
+/* A cell with more tetrahedra than that is crowded: its triangles are looked for from the point before. */
+#define CROWDED_CELL 512
+
 /* A triangle of a plane: the tetrahedron, and the corner opposite it. */
 typedef struct plane_face {
     uint32_t tetra;
@@ -41,9 +44,11 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
     double at[3][2], area, least = 1e300;
     int edge = 0, n = 0, which[3];
 
+    /* Most have a corner off the plane, and are no triangle of it. */
+    for (int k = 0; k < 4; k++)
+        if (k != corner && !bvxi_is_on(o, o->tetra[t].v[k], plane)) return;
     for (int k = 0; k < 4; k++) {
         if (k == corner) continue;
-        if (!bvxi_is_on(o, o->tetra[t].v[k], plane)) return;
         vertex_uv(o, plane, o->tetra[t].v[k], at[n]);
         which[n++] = k;
     }
@@ -69,15 +74,28 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
     best->edge = edge;
 }
 
-static void judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t cell, const double uv[2],
-                             plane_face *best)
+/* Returns how many tetrahedra there are. */
+static uint32_t judge_cell_faces(const bvxi_oblique *o, uint32_t plane, uint32_t cell, const double uv[2],
+                                 plane_face *best)
 {
-    for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t])
+    uint32_t count = 0;
+
+    for (uint32_t t = 6 * cell; t != BVXI_NONE; t = o->chain[t], count++)
         for (int k = 0; k < 4; k++) keep_better_face(o, plane, t, k, uv, best);
+    return count;
 }
 
-/* The triangle that holds a place: in its cell, or in one next to it, since vertices have moved a little. */
-static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double at[3])
+/* Where points of contours are looked for: the last one that was found, and whether its cell is crowded. */
+typedef struct face_search {
+    uint32_t vertex;
+    int crowded;
+} face_search;
+
+/* The triangle that holds a place: in its cell, or in one next to it, since vertices have moved a little. In a
+ * crowded cell points would be looked for in all that those before them have split; the next of a contour is
+ * mostly in a triangle round the last. */
+static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3], face_search *search,
+                            plane_face *found)
 {
     plane_face best = {BVXI_NONE, 0, -1e300, 0};
     double uv[2];
@@ -85,9 +103,20 @@ static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double 
     uint32_t cell;
 
     bvxi_oblique_uv(&o->plane[plane], at, uv);
+    if (search->crowded && search->vertex != BVXI_NONE) {
+        BVXI_TRY(bvxi_tetra_star(o, search->vertex));
+        for (uint64_t i = 0; i < o->star_count; i++)
+            for (int k = 0; k < 4; k++) keep_better_face(o, plane, o->star[i], k, uv, &best);
+        *found = best;
+        if (best.least > BVXI_OBLIQUE_NEAR) return BVX_OK;
+        best.tetra = BVXI_NONE;
+        best.least = -1e300;
+    }
+
     for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
     cell = bvxi_oblique_cell_at(o, c);
-    if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
+    search->crowded = 0;
+    if (cell != BVXI_NONE) search->crowded = judge_cell_faces(o, plane, cell, uv, &best) > CROWDED_CELL;
 
     /* Only when the own cell does not hold it, which is seldom. */
     for (int n = 0; n < 27 && best.least < 0.0; n++) {
@@ -96,24 +125,27 @@ static plane_face find_face(const bvxi_oblique *o, uint32_t plane, const double 
         if (cell != BVXI_NONE) judge_cell_faces(o, plane, cell, uv, &best);
     }
     if (best.least < -FACE_MISS) best.tetra = BVXI_NONE;
-    return best;
+    *found = best;
+    return BVX_OK;
 }
 
 /* ---- points ---- */
 
 /* The vertex at a place of a plane, a new one where there is none; on the plane exactly. */
-static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double given[3], uint32_t *vertex)
+static bvx_status insert_point(bvxi_oblique *o, uint32_t plane, const double given[3], face_search *search,
+                               uint32_t *vertex)
 {
     const bvxi_oblique_plane *const p = &o->plane[plane];
     double const height = bvxi_oblique_height(p, given);
     double const at[3] = {given[0] - height * p->normal[0], given[1] - height * p->normal[1],
                           given[2] - height * p->normal[2]};
-    plane_face const f = find_face(o, plane, at);
     const bvxi_tetra *t;
+    plane_face f;
     uint32_t end[2];
     int n = 0;
 
     *vertex = BVXI_NONE;
+    BVXI_TRY(find_face(o, plane, at, search, &f));
     if (f.tetra == BVXI_NONE) return BVX_OK;
 
     /* Two vertices at one place would have an edge of no length: an old one that is as near is taken. */
@@ -139,12 +171,13 @@ static bvx_status insert_knots(bvxi_oblique *o)
 {
     for (uint64_t i = 0; i < o->knot_count; i++) {
         bvxi_knot *const k = &o->knot[i];
+        face_search alone = {BVXI_NONE, 0};
         double at[3];
 
         /* Knots that agree are one place, whose root stands for all of them. */
         if (k->joined != i) continue;
         bvxi_knot_place(o, (uint32_t)i, at);
-        BVXI_TRY(insert_point(o, k->plane, at, &k->vertex));
+        BVXI_TRY(insert_point(o, k->plane, at, &alone, &k->vertex));
         if (k->vertex != BVXI_NONE) o->vertex[k->vertex].sign = 0;
     }
     return BVX_OK;
@@ -154,6 +187,7 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *verte
 {
     const bvxi_oblique_plane *const f = &o->plane[plane];
     const bvxi_plane *const p = &f->plane;
+    face_search search = {BVXI_NONE, 0};
 
     memset(vertex, 0xff, (size_t)p->point_count * 4);
 
@@ -165,10 +199,12 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *verte
         }
     for (uint32_t i = 0; i < p->point_count; i++) {
         double at[3];
-        if (vertex[i] != BVXI_NONE) continue;
-        bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
-        BVXI_TRY(insert_point(o, plane, at, &vertex[i]));
-        if (vertex[i] != BVXI_NONE) o->vertex[vertex[i]].sign = 0;
+        if (vertex[i] == BVXI_NONE) {
+            bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
+            BVXI_TRY(insert_point(o, plane, at, &search, &vertex[i]));
+            if (vertex[i] != BVXI_NONE) o->vertex[vertex[i]].sign = 0;
+        }
+        search.vertex = vertex[i];
     }
     return BVX_OK;
 }

@@ -171,7 +171,8 @@ static bvx_status march_all(bvxi_oblique *o)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
 
     /* The tetrahedra's own after those of plain cells, whose vertices they share. */
-    o->crossing.near = 1;
+    /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
+    o->crossing.near = o->point_count < o->vertex_count / 8;
     BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         if (t % 262144 == 0)

@@ -532,6 +532,21 @@ static void test_planes_that_only_touch_the_body(void)
         }
 }
 
+/* Thousands of points in a cell: each is looked for from the one before, since all that those before have split
+ * would have to be gone through else. */
+static void test_cells_crowded_with_points(void)
+{
+    stack_oblique(&stack);
+    for (int i = 0; i < 3; i++)
+        stack_ball_cut(&stack, stack_plane(&stack, i == 0, i == 1, i == 2, 0.1), 0, 0, 0, 1.0,
+                       quick ? 2000 : 5000);
+    o.cells = 8;
+    build_good();
+    assert_contours_kept();
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+    TEST_ASSERT_EQUAL_INT64(2, certificate.euler);
+}
+
 /* Contours next to the body and beside it, down to less than what counts as one place: whatever of them is no vertex
  * is counted, a loop without any of its points by itself. */
 static void test_tiny_contours_are_kept_or_counted(void)
@@ -861,6 +876,7 @@ int main(void)
     RUN_TEST(test_a_torn_surface_is_not_handed_out);
     RUN_TEST(test_sixty_planes);
     RUN_TEST(test_planes_that_only_touch_the_body);
+    RUN_TEST(test_cells_crowded_with_points);
     RUN_TEST(test_tiny_contours_are_kept_or_counted);
     RUN_TEST(test_three_planes_in_one_line);
     RUN_TEST(test_nearly_coincident_planes);
