@@ -175,13 +175,15 @@ void cli_advise_thickened(const bvx_repair_report *r, const char *what, const ch
                remedy);
 }
 
-/* Handles where walls, or gaps, thinner than voxels have met. A mesh that crosses itself has none of its own
- * to compare. */
+/* Handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
+ * curve where they do, and a curve takes a pair of triangles at least. */
 static void warn_of_handles(const bvx_repair_report *r, const char *remedy, cli_made *made)
 {
     int64_t const had = cli_count_handles(&r->before), has = cli_count_handles(&r->after);
 
-    if (!cli_is_sound(&r->before) || r->crossings != 0 || has <= had) return;
+    if (!cli_is_sound(&r->before) || has <= had + (int64_t)r->crossings) return;
+    /* They overlap, and what else is wrong with them kept their crossings from being counted. */
+    if (r->crossings == 0 && r->overlaps != 0) return;
     cli_advise(made,
                "the result has %" PRId64 " handles, the mesh %" PRId64
                ": what is thinner than voxels, or less than one apart, has met; %s",
@@ -215,6 +217,7 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    ": what is thinner than a voxel broke, or cavities closed; take a "
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
+    warn_of_handles(r, remedy, made);
     /* What follows compares sizes, and these have one only as a body without overlaps; parts that were to be
      * dropped are missed by nobody. */
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
@@ -222,7 +225,6 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
         cli_advise_thickened(r, "the result", remedy, made);
         return;
     }
-    warn_of_handles(r, remedy, made);
     if (fabs(r->after.volume - volume) > 0.05 * volume)
         cli_advise(made, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
                    r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);
