@@ -215,7 +215,7 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
 }
 
 /* Whether another body lies on the outer side of a body's segment; 2: it also lies on the inner one. */
-static int look_beside(const bvxi_oblique *o, uint32_t plane, uint32_t a, uint32_t b, uint32_t segment,
+static int beside_segment(const bvxi_oblique *o, uint32_t plane, uint32_t a, uint32_t b, uint32_t segment,
                        double middle[2])
 {
     const bvxi_plane *const p = &o->body[a].plane[plane].plane;
@@ -255,7 +255,7 @@ static bvx_status find_outer_segments(bvxi_oblique *o, uint32_t plane, uint32_t 
             /* All others are asked, also after one was found: a later one may overlap. */
             for (uint32_t b = 0; b < o->body_count; b++) {
                 double middle[2];
-                int const found = b == a ? 0 : look_beside(o, plane, a, b, i, middle);
+                int const found = b == a ? 0 : beside_segment(o, plane, a, b, i, middle);
                 if (found == 2) return refuse_overlap(o, plane, a, b, middle);
                 beside |= found;
             }

@@ -140,7 +140,7 @@ static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
     return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
 }
 
-/* Puts a side to its edge's others, behind the first. more: [3 a face] the first side of the next edge of the
+/* Puts a side to its edge's others, after the first. more: [3 a face] the first side of the next edge of the
  * same end. */
 static void list_side(joint_faces *f, const joint_list *list, uint32_t *more, uint32_t side)
 {
