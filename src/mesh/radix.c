@@ -52,6 +52,24 @@ static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
     return 1;
 }
 
+/* Elements from begin to end, each to the next place of its digit. */
+static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t end, int32_t shift,
+                                uint32_t *BVXI_RESTRICT place)
+{
+    const uint64_t *const key_from = a->key_from;
+    const uint32_t *const number_from = a->number_from;
+    uint64_t *const key_to = a->key_to;
+    uint32_t *const number_to = a->number_to;
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const key = key_from[i];
+        uint32_t const to = place[key >> shift & 255]++;
+
+        key_to[to] = key;
+        number_to[to] = number_from[i];
+    }
+}
+
 static void sort_radix_alone(radix_arrays *a)
 {
     uint32_t table[RADIX_DIGITS][RADIX_VALUES];
@@ -60,11 +78,7 @@ static void sort_radix_alone(radix_arrays *a)
     for (int d = 0; d < RADIX_DIGITS; d++) {
         /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
         if (!radix_counts_to_places(table[d], a->count)) continue;
-        for (uint64_t i = 0; i < a->count; i++) {
-            uint32_t const place = table[d][a->key_from[i] >> 8 * d & 255]++;
-            a->key_to[place] = a->key_from[i];
-            a->number_to[place] = a->number_from[i];
-        }
+        move_radix_elements(a, 0, a->count, 8 * d, table[d]);
         swap_radix_arrays(a);
     }
 }
@@ -80,28 +94,25 @@ typedef struct radix_pass {
 static void count_radix_piece(void *user, int32_t index, int32_t worker)
 {
     radix_pass *const p = user;
-    uint32_t *const count = p->place[index];
+    const uint64_t *const keys = p->all.key_from;
+    uint32_t *BVXI_RESTRICT const count = p->place[index];
+    int32_t const shift = p->shift;
     uint64_t begin, end;
 
     (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
-    for (uint64_t i = begin; i < end; i++) count[p->all.key_from[i] >> p->shift & 255]++;
+    for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
 }
 
 static void move_radix_piece(void *user, int32_t index, int32_t worker)
 {
     radix_pass *const p = user;
-    uint32_t *const place = p->place[index];
     uint64_t begin, end;
 
     (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        uint32_t const to = place[p->all.key_from[i] >> p->shift & 255]++;
-        p->all.key_to[to] = p->all.key_from[i];
-        p->all.number_to[to] = p->all.number_from[i];
-    }
+    move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
 
 /* Counts of each piece become places: values one after the other, in each the pieces in order. Returns 0 when

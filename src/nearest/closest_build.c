@@ -61,6 +61,8 @@ static uint64_t curve_key(const double low[3], const double high[3])
 static void make_curve_keys(void *user, int32_t index, int32_t worker)
 {
     const closest_builder *const b = user;
+    uint64_t *const keys = b->keys;
+    uint32_t *const order = b->tree->order;
     double t[3][3], low[3], high[3];
     uint32_t c[3];
     uint64_t begin, end;
@@ -76,8 +78,8 @@ static void make_curve_keys(void *user, int32_t index, int32_t worker)
 
         /* The middle of the triangle's box, which no order of corners changes. */
         closest_triangle_box(b->tree, (const double(*)[3])t, low, high);
-        b->keys[i] = curve_key(low, high);
-        b->tree->order[i] = (uint32_t)i;
+        keys[i] = curve_key(low, high);
+        order[i] = (uint32_t)i;
     }
 }
 

@@ -104,8 +104,8 @@ static int changes_side(const bvx_grid *inside, int32_t axis, int32_t i, int32_t
 }
 
 /* The edge from centre (i, j, k) along axis, whose ends have the values low and high. */
-static bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i,
-                               uint64_t low, uint64_t high)
+static inline bvxi_cut_edge read_edge(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis, int32_t i,
+                                      uint64_t low, uint64_t high)
 {
     const bvxi_march *const m = k->cuts->march;
     bvxi_cut_edge edge;
