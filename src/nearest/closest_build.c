@@ -142,7 +142,7 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
 }
 
 /* Where the run of equal keys at a place ends. */
-static uint64_t end_of_run(const closest_builder *b, uint64_t first)
+static uint64_t end_of_its_run(const closest_builder *b, uint64_t first)
 {
     uint64_t end = first + 1;
 
@@ -165,7 +165,7 @@ static void order_short_runs(void *user, int32_t index, int32_t worker)
     (void)worker;
     /* Few share a key, so a look at the neighbours is all that most of them cost. */
     for (uint64_t first = b->run[index]; first < b->run[index + 1]; first = end) {
-        end = end_of_run(b, first);
+        end = end_of_its_run(b, first);
         if (end - first == 1) continue;
         hash_run(b, first, end);
         order_few(b->keys + first, b->tree->order + first, end - first);
@@ -186,7 +186,7 @@ static bvx_status order_all_runs(bvx_context *ctx, const closest_builder *b)
     uint64_t end;
 
     for (uint64_t first = 0; first < b->tree->triangle_count; first = end) {
-        end = end_of_run(b, first);
+        end = end_of_its_run(b, first);
         if (end - first == 1) continue;
         hash_run(b, first, end);
         if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);

@@ -216,7 +216,7 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
 
 /* Whether another body lies on the outer side of a body's segment; 2: it also lies on the inner one. */
 static int beside_segment(const bvxi_oblique *o, uint32_t plane, uint32_t a, uint32_t b, uint32_t segment,
-                       double middle[2])
+                          double middle[2])
 {
     const bvxi_plane *const p = &o->body[a].plane[plane].plane;
     const bvxi_oblique *const other = &o->body[b];
