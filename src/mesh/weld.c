@@ -49,7 +49,7 @@ static uint64_t weld_table_size(uint64_t vertices)
 }
 
 /* Where the searches of n vertices begin in the table. Both it and the vertices found there may lie anywhere
- * in memory, so that all of them are asked for before the first is needed. */
+ * in memory, so that all of them are requested before the first is needed. */
 static void weld_slots(const bvx_mesh_view *v, const uint32_t *table, uint64_t size, uint64_t first,
                        uint64_t n, uint64_t *slot)
 {
