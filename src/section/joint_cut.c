@@ -159,17 +159,31 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 
 enum { JOINT_OUTSIDE = 1 }; /* the bit of kind 0 */
 
+static int on_one_plane(const bvxi_oblique *o, uint32_t a, uint32_t b)
+{
+    for (uint32_t w = 0; w < o->plane_words; w++)
+        if (bvxi_tetra_on(o, a)[w] & bvxi_tetra_on(o, b)[w]) return 1;
+    return 0;
+}
+
 /* Where a lead at one end of an edge has become one at the other: so many bodies' bits against others. */
 static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t bodies, uint64_t others,
                           double at[3])
 {
+    const double *const in = o->vertex[v[0]].at, *const out = o->vertex[v[1]].at;
     double lead[2];
 
     /* On a plane the numbers are exact distances, so that the place lies on it between its contours. */
     for (int k = 0; k < 2; k++)
         lead[k] = bvxi_joint_lead(o, bvxi_first_plane(o, v[k]), o->vertex[v[k]].at, bodies, others);
-    bvxi_oblique_cross_edge(o->vertex[v[0]].at, lead[0] > 0.0 ? lead[0] : 0.0, o->vertex[v[1]].at,
-                            lead[1] < 0.0 ? -lead[1] : 0.0, at);
+    lead[0] = lead[0] > 0.0 ? lead[0] : 0.0;
+    lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
+    bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
+
+    /* Between planes distances bend along the edge. */
+    if (!on_one_plane(o, v[0], v[1]))
+        bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
+                                 at);
 }
 
 static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, const uint32_t v[2],

@@ -219,6 +219,9 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
 
 /* oblique_raster.c */
 bvx_status bvxi_oblique_raster(bvxi_oblique *o);
+/* The signed distance on a plane with contours to a curve through their points. hint: as of
+ * bvxi_plane_distance. */
+double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint);
 /* The plane that has a row, counted over the rasters of all planes; *row becomes its own. */
 const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row);
 /* What a raster of a plane has at a place's foot point. */
@@ -266,6 +269,9 @@ static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c
 /* The planes in a block or near its vertices and those behind it; plane: [BVXI_OBLIQUE_PLANES]. */
 uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane);
 
+/* Those that have a say somewhere in that block. */
+uint32_t bvxi_oblique_heard_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane);
+
 extern const uint8_t bvxi_kuhn[6][4];
 /* oblique_plain.c: the surface in cells that are not split comes first, with room for more triangles. */
 bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more);
@@ -277,6 +283,9 @@ uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known);
 /* Edges that the surface crosses in a tetrahedron, by bits of its corners inside; their number. */
 int bvxi_oblique_case(int inside, uint8_t edge[4][2]);
 void bvxi_oblique_cross_edge(const double in[3], double rise, const double out[3], double fall, double at[3]);
+/* Then once more, by the number at the place found. */
+void bvxi_oblique_cross_again(const double in[3], double rise, const double out[3], double fall,
+                              double middle, double at[3]);
 
 /* oblique_cells.c: cells that planes and the surface share become tetrahedra, split by the planes. */
 bvx_status bvxi_oblique_cells(bvxi_oblique *o);

@@ -72,7 +72,7 @@ uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3],
 }
 
 /* Planes that have a say somewhere in a cube of four cells, in their order. */
-static uint32_t heard_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
+uint32_t bvxi_oblique_heard_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
 {
     double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
     double const reach = o->reach + 4.0; /* more than half the cube's diagonal, and what vertices move by */
@@ -113,7 +113,7 @@ float bvxi_oblique_vertex_value(const bvxi_oblique *o, const int32_t vertex[3])
     uint32_t near[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES];
     uint32_t const count = bvxi_oblique_near_planes(o, vertex, near);
 
-    return value_among(o, vertex, near, count, heard, heard_planes(o, vertex, heard));
+    return value_among(o, vertex, near, count, heard, bvxi_oblique_heard_planes(o, vertex, heard));
 }
 
 int bvxi_oblique_kind_on(const bvxi_oblique *o, uint32_t plane, const double at[3])
@@ -183,7 +183,7 @@ static void known_piece(void *user, int32_t index, int32_t worker)
         bvxi_oblique_block_place(o, o->known[i], first);
         /* The planes that matter are found once a block, not once for each of its vertices. */
         near_count = bvxi_oblique_near_planes(o, first, near);
-        heard_count = heard_planes(o, first, heard);
+        heard_count = bvxi_oblique_heard_planes(o, first, heard);
         for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
             at[0] = first[0] + (n & 3);
             at[1] = first[1] + (n >> 2 & 3);

@@ -296,22 +296,40 @@ uint32_t bvxi_oblique_plain_vertex(const bvxi_oblique *o, uint32_t known, int bi
 
 /* ---- vertices and triangles ---- */
 
-void bvxi_oblique_cross_edge(const double in[3], double rise, const double out[3], double fall, double at[3])
+static double place_at_share(const double in[3], const double out[3], double share, double at[3])
 {
-    double share = rise + fall > 0.0 ? rise / (rise + fall) : 0.5;
-
     if (share < BVXI_CROSSING_LEAST) share = BVXI_CROSSING_LEAST;
     if (share > 1.0 - BVXI_CROSSING_LEAST) share = 1.0 - BVXI_CROSSING_LEAST;
     for (int k = 0; k < 3; k++) at[k] = in[k] + share * (out[k] - in[k]);
+    return share;
+}
+
+void bvxi_oblique_cross_edge(const double in[3], double rise, const double out[3], double fall, double at[3])
+{
+    (void)place_at_share(in, out, rise + fall > 0.0 ? rise / (rise + fall) : 0.5, at);
+}
+
+void bvxi_oblique_cross_again(const double in[3], double rise, const double out[3], double fall,
+                              double middle, double at[3])
+{
+    double share = place_at_share(in, out, rise + fall > 0.0 ? rise / (rise + fall) : 0.5, at);
+
+    /* Distances bend along an edge, and the first straight line errs by the square of a cell, always to the
+     * hollow side. A second one from where it ended errs by far less. The ends keep their sides, whatever the
+     * number between says. */
+    if (middle > 0.0) share += (1.0 - share) * middle / (middle + fall);
+    else if (middle < 0.0) share *= rise / (rise - middle);
+    (void)place_at_share(in, out, share, at);
 }
 
 static void plain_positions(const bvxi_oblique *o, uint32_t known)
 {
-    uint32_t plane[BVXI_OBLIQUE_PLANES], planes, beside[8];
+    uint32_t plane[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], planes, heard_count, beside[8];
     int32_t first[3];
 
     bvxi_oblique_block_place(o, o->known[known], first);
     planes = bvxi_oblique_near_planes(o, first, plane);
+    heard_count = bvxi_oblique_heard_planes(o, first, heard);
     for (int c = 0; c < 8; c++) {
         uint64_t block;
         beside[c] = block_beside(o, known, c, 1, &block);
@@ -339,6 +357,8 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
             in = value[0] > 0.0 ? 0 : 1;
             bvxi_oblique_cross_edge(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
                                     at);
+            bvxi_oblique_cross_again(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
+                                     bvxi_oblique_number_among(o, at, heard, heard_count), at);
             for (uint64_t k = 0; k < 3; k++)
                 o->position[3 * (uint64_t)number + k] = o->origin[k] + o->step * at[k];
         }

@@ -116,7 +116,8 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
     if (bvxi_absolute(p->normal[axis]) < 1e-6) return;
     for (int32_t j = 1; j < g->size[c] - 1; j++)
         for (int32_t i = 1; i < g->size[b] - 1; i++) {
-            double node[3], at[3], value, off;
+            double node[3], at[3], uv[2], value, off;
+            uint32_t hint = 0;
 
             at[b] = (i - 1) / g->scale + g->low[b];
             at[c] = (j - 1) / g->scale + g->low[c];
@@ -126,9 +127,11 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
             if (!(node[axis] >= 1.0 && node[axis] < g->size[axis] - 2)) continue;
             node[b] = i;
             node[c] = j;
-            /* Near a contour the distance is what the body is; far from it, only a hint: the fourth power
-             * lets it fade. */
-            value = bvxi_oblique_distance(w->o, plane, at);
+            /* Measured, not taken from the raster, whose straight lines over two cells would pull a round body
+             * inwards. Near a contour it is what the body is; far from it, only a hint: the fourth power lets
+             * it fade. */
+            bvxi_oblique_uv(p, at, uv);
+            value = p->raster == NULL ? -0.25 * w->o->longest : bvxi_oblique_curved(w->o, plane, uv, &hint);
             off = value * g->scale;
             off *= off;
             add_tie(w, node, axis, value, SMOOTH_TIE / (1.0 + off * off));

@@ -79,6 +79,8 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
     if (*found == BVXI_NONE) {
         double at[3];
         bvxi_oblique_cross_edge(a->at, bvxi_absolute(a->value), b->at, bvxi_absolute(b->value), at);
+        bvxi_oblique_cross_again(a->at, bvxi_absolute(a->value), b->at, bvxi_absolute(b->value),
+                                 bvxi_oblique_number(o, at), at);
         BVXI_TRY(add_position(o, at, found));
     }
     *number = *found;

@@ -119,8 +119,35 @@ static void test_a_ball_through_planes_of_any_direction(void)
         if (i > 0) TEST_ASSERT_TRUE(worst[i] < worst[i - 1]);
     }
     /* a blend of the planes' distances alone is 0.06, 0.028 and 0.014 off */
-    TEST_ASSERT_TRUE(worst[1] < 0.02 && worst[2] < 0.006 && (sets < 4 || worst[3] < 0.003));
+    TEST_ASSERT_TRUE(worst[1] < 0.0115 && worst[2] < 0.0031 && (sets < 4 || worst[3] < 0.0014));
     TEST_ASSERT_TRUE(fabs(volume - certificate.volume) < 0.02 * volume);
+}
+
+/* Chords of contours and straight lines along edges of cells both lie in the hollow of a ball: what is between
+ * the planes must not follow either. Both together would be 2.4e-4 off on average. */
+static void test_a_ball_is_not_hollowed_by_chords(void)
+{
+    double sum = 0.0;
+    uint64_t count = 0;
+
+    make_ball(24, 24, 0.0);
+    o.cells = 48;
+    build_good();
+    for (uint64_t v = 0; v < mesh.vertex_count; v++) {
+        const double *const p = (const double *)mesh.positions + 3 * v;
+        double nearest = 1e300;
+        for (uint64_t k = 0; k < stack.s.section_count; k++) {
+            const double *const n = stack.s.normals + 3 * k;
+            double const h = fabs(n[0] * p[0] + n[1] * p[1] + n[2] * p[2] - stack.s.positions[k]);
+            nearest = h < nearest ? h : nearest;
+        }
+        /* on a plane, or farther off than half a cell, where what the ball is gets a guess */
+        if (nearest < 1e-6 || nearest > 0.02) continue;
+        sum += sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 1.0;
+        count++;
+    }
+    sum /= (double)count;
+    TEST_ASSERT_TRUE(count > 10000 && sum > -1e-4 && sum < 1e-4);
 }
 
 static void test_a_shell_keeps_its_cavity(void)
@@ -564,10 +591,12 @@ static void test_tiny_contours_are_kept_or_counted(void)
             assert_no_crossings();
             assert_lost_points_are_counted();
             TEST_ASSERT_EQUAL_UINT64(0, report.unkept_edges);
-            TEST_ASSERT_EQUAL_UINT64(i == 0, report.lost_loops);
+            /* Of less than one place the point that stands for all may be on the body's surface. */
+            TEST_ASSERT_EQUAL_UINT64(report.unkept_points == 20, report.lost_loops);
+            if (beside || i > 0) TEST_ASSERT_EQUAL_UINT64(i == 0, report.lost_loops);
             /* From 1e-4 of a cell on all points are there, by themselves or on the body. */
             if (i >= 2) TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
-            if (i == 0) TEST_ASSERT_EQUAL_UINT64(20, report.unkept_points);
+            if (i == 0) TEST_ASSERT_TRUE(report.unkept_points >= 19);
             TEST_ASSERT_EQUAL_UINT64(certificate.components - 1, report.specks);
             if (beside) TEST_ASSERT_EQUAL_UINT64(i > 0, report.specks);
         }
@@ -863,6 +892,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(test_a_ball_through_planes_of_any_direction);
+    RUN_TEST(test_a_ball_is_not_hollowed_by_chords);
     RUN_TEST(test_a_shell_keeps_its_cavity);
     RUN_TEST(test_near_tangent_crossings_make_no_handle);
     RUN_TEST(test_corners_of_three_planes_have_one_side);
