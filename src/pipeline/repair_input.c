@@ -5,6 +5,7 @@
  * way the rule for inside becomes VOTE. */
 #include "mesh/topology.h"
 #include "mesh/view.h"
+#include "nearest/closest.h"
 #include "pipeline/repair.h"
 
 /* ---- The lattice ---- */
@@ -147,17 +148,59 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
     return BVX_OK;
 }
 
+/* Pieces that cross others are bodies, whatever box they lie in, and face outward: no cavity crosses any. */
+static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representative,
+                                const bvxi_piece_marks *by, bvxi_mesh_piece *pieces, uint64_t count)
+{
+    bvx_context *const ctx = job->ctx;
+    uint64_t const marks = by->part != NULL ? job->mesh.triangle_count : job->given->vertex_count;
+    bvxi_welded welded = {.view = &job->mesh, .representative = representative};
+    uint64_t in_question = 0, pairs = 0;
+    uint32_t *pair;
+    uint8_t *crosses;
+
+    /* Most meshes have none, and no pair is looked for. */
+    for (uint64_t n = 0; n < count; n++)
+        in_question += pieces[n].volume6 < 0 ? !pieces[n].turned : pieces[n].turned;
+    if (in_question == 0) return BVX_OK;
+    memcpy(welded.low, job->report.before.low, sizeof welded.low);
+    memcpy(welded.high, job->report.before.high, sizeof welded.high);
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.9, 0.95, bvxi_mesh_crossings(ctx, bvxi_repair_name, &welded, &pairs, NULL, 0)));
+    if (pairs == 0) return BVX_OK;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pairs * 8, "the crossing triangles", &pair));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, marks, "the pieces that cross", &crosses));
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.95, 1.0, bvxi_mesh_crossings(ctx, bvxi_repair_name, &welded, &pairs, pair, pairs)));
+    for (uint64_t i = 0; i < pairs; i++) {
+        uint32_t const a = bvxi_piece_mark(&job->mesh, by, pair[2 * i]);
+        uint32_t const b = bvxi_piece_mark(&job->mesh, by, pair[2 * i + 1]);
+
+        if (a != b) crosses[a] = crosses[b] = 1;
+    }
+    for (uint64_t n = 0; n < count; n++)
+        if (crosses[pieces[n].mark]) pieces[n].turned = pieces[n].volume6 < 0;
+    bvxi_drop(ctx, crosses);
+    bvxi_drop(ctx, pair);
+    return BVX_OK;
+}
+
 /* Turn the pieces that face inward and are nobody's cavities, with all that lies in them. */
-static bvx_status turn_inside_out(bvxi_repair_job *job, const bvxi_piece_marks *by, bvxi_mesh_piece *pieces,
-                                  uint64_t count)
+static bvx_status turn_inside_out(bvxi_repair_job *job, const uint32_t *representative,
+                                  const bvxi_piece_marks *by, bvxi_mesh_piece *pieces, uint64_t count)
 {
     uint64_t const triangles = job->mesh.triangle_count;
     bvx_mesh_view const mesh = job->mesh;
     uint64_t const marks = by->part != NULL ? triangles : job->given->vertex_count;
     uint8_t *turn; /* by a piece's mark: 1 where it is turned */
 
+    uint64_t found = 0;
+
+    bvxi_mark_inside_out(pieces, count);
+    BVXI_TRY(mark_crossing(job, representative, by, pieces, count));
+    for (uint64_t n = 0; n < count; n++) found += pieces[n].turned;
     /* Where every piece is inside out the solid is the same as where none is: nothing to turn. */
-    uint64_t const found = bvxi_mark_inside_out(pieces, count);
     if (found == 0 || found == count) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, marks, "the turned pieces", &turn));
@@ -184,7 +227,8 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, const bvxi_piece_marks *
 }
 
 /* Volumes of pieces by the marks given; those that are inside out are turned. */
-static bvx_status judge_marked(bvxi_repair_job *job, const bvxi_piece_marks *by)
+static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representative,
+                               const bvxi_piece_marks *by)
 {
     bvx_repair_report *const r = &job->report;
     bvxi_mesh_piece *pieces = NULL;
@@ -192,7 +236,8 @@ static bvx_status judge_marked(bvxi_repair_job *job, const bvxi_piece_marks *by)
 
     BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, by, &r->before, &pieces, &count));
     r->parts_volume = bvxi_mesh_pieces_volume(pieces, count);
-    if (job->options->sign == BVX_SIGN_AUTO && count > 1) BVXI_TRY(turn_inside_out(job, by, pieces, count));
+    if (job->options->sign == BVX_SIGN_AUTO && count > 1)
+        BVXI_TRY(turn_inside_out(job, representative, by, pieces, count));
     bvxi_drop(job->ctx, pieces);
     return BVX_OK;
 }
@@ -208,7 +253,7 @@ static bvx_status judge_touching(bvxi_repair_job *job, const uint32_t *represent
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
     BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &patches));
     by.part = patches.part;
-    BVXI_TRY(judge_marked(job, &by));
+    BVXI_TRY(judge_marked(job, representative, &by));
     bvxi_patches_close(job->ctx, &patches);
     return BVX_OK;
 }
@@ -228,7 +273,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
 
     by.piece = job->piece;
     touching = r->before.nonmanifold_vertices != 0 && r->before.components > 1;
-    return touching ? judge_touching(job, representative) : judge_marked(job, &by);
+    return touching ? judge_touching(job, representative) : judge_marked(job, representative, &by);
 }
 
 bvx_status bvxi_repair_take(bvxi_repair_job *job)

@@ -205,6 +205,26 @@ static void test_a_part_inside_out_is_turned(void)
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
 }
 
+/* A small ball that sticks out of a large one, in whose box it lies: neither is a cavity of the other. */
+static void test_a_part_inside_out_in_the_box_of_another_is_turned(void)
+{
+    double const at[3] = {0, 0, 0}, beside[3] = {1, 1, 1}, d = sqrt(3), r = 0.9, h = 2 + r - d;
+    double const common = 3.14159265 * h * h * (d * d + 2 * d * (2 + r) - 3 * (2 - r) * (2 - r)) / (12 * d);
+    double const both = ball_volume(2) + ball_volume(r) - common;
+
+    for (int turned = 0; turned < 2; turned++) {
+        size_t first;
+
+        maker_clear(&mesh);
+        make_ball(at, 2);
+        first = mesh.triangles;
+        make_ball(beside, r);
+        maker_flip(&mesh, turned ? first : 0, turned ? mesh.triangles : first);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_SIGN_AUTO));
+        TEST_ASSERT_EQUAL_UINT64(turned ? mesh.triangles - first : first, report.turned);
+    }
+}
+
 /* A lopsided octahedron and its mirror image, which share two corners; mirrored without turning, as modellers
  * do, the image is inside out. */
 static void make_mirrored(int turned)
@@ -667,6 +687,7 @@ int main(void)
     RUN_TEST(test_duplicates_count_once);
     RUN_TEST(test_inside_out_mesh);
     RUN_TEST(test_a_part_inside_out_is_turned);
+    RUN_TEST(test_a_part_inside_out_in_the_box_of_another_is_turned);
     RUN_TEST(test_an_inside_out_part_that_touches_at_vertices_is_turned);
     RUN_TEST(test_cavities_are_not_turned);
     RUN_TEST(test_overlapping_parts_are_one);
