@@ -310,6 +310,97 @@ static void show_joint_table(int runs)
     bvx_context_destroy(ctx);
 }
 
+/* ---- planes of any direction ---- */
+
+enum { ANY_PLANES = 30, ANY_POINTS = 100, ANY_CELLS = 256 };
+
+static double any_point[3 * ANY_PLANES * ANY_POINTS], any_normal[3 * ANY_PLANES], any_position[ANY_PLANES];
+static bvx_section_loop any_loop[ANY_PLANES];
+
+static double any_random(uint64_t *seed)
+{
+    *seed = *seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*seed >> 11) / 9007199254740992.0;
+}
+
+/* A circle of the ball of radius 1 on a plane: points about its middle, in two directions across the normal. */
+static void add_any_circle(bvx_sections *s, uint32_t k, const double n[3], double height)
+{
+    double const radius = sqrt(1.0 - height * height), flat = sqrt(n[0] * n[0] + n[1] * n[1]);
+    double const u[3] = {-n[1] / flat, n[0] / flat, 0.0};
+    double const v[3] = {-n[2] * u[1], n[2] * u[0], n[0] * u[1] - n[1] * u[0]};
+
+    memset(&any_loop[k], 0, sizeof any_loop[k]);
+    any_loop[k].first_point = s->point_count;
+    any_loop[k].point_count = ANY_POINTS;
+    any_loop[k].section = k;
+    any_loop[k].label = 1;
+    for (int i = 0; i < ANY_POINTS; i++, s->point_count++) {
+        double const a = 2.0 * 3.14159265358979323846 * i / ANY_POINTS;
+        for (int c = 0; c < 3; c++)
+            s->points[3 * s->point_count + (uint64_t)c] = height * n[c] +
+                                                          radius * (cos(a) * u[c] + sin(a) * v[c]);
+    }
+}
+
+static void make_any_planes(bvx_sections *s)
+{
+    uint64_t seed = 30;
+
+    memset(s, 0, sizeof *s);
+    s->points = any_point;
+    s->loops = any_loop;
+    s->positions = any_position;
+    s->normals = any_normal;
+    s->section_count = s->loop_count = ANY_PLANES;
+    for (uint32_t k = 0; k < ANY_PLANES; k++) {
+        double *const n = any_normal + 3 * k, square;
+
+        /* From a cube until it falls into its ball, but not along z, which has no direction across. */
+        do {
+            for (int c = 0; c < 3; c++) n[c] = 2.0 * any_random(&seed) - 1.0;
+            square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        } while (square > 1.0 || n[0] * n[0] + n[1] * n[1] < 0.01);
+        for (int c = 0; c < 3; c++) n[c] /= sqrt(square);
+        any_position[k] = 0.8 * any_random(&seed) - 0.4;
+        add_any_circle(s, k, n, any_position[k]);
+    }
+}
+
+/* Time of day by one and two threads, and the most memory. */
+static void show_any_planes(int runs)
+{
+    bvx_sections s;
+    bvx_sections_options o;
+
+    make_any_planes(&s);
+    bvx_sections_options_init(&o, sizeof o);
+    o.cells = ANY_CELLS;
+    printf("\nA ball by %d random planes of %d points, %d cells\n\n", ANY_PLANES, ANY_POINTS, ANY_CELLS);
+    printf("| threads | s | peak MiB | triangles |\n|--:|--:|--:|--:|\n");
+    for (int32_t threads = 1; threads <= 2; threads++) {
+        bvx_context_options options;
+        bvx_context *ctx;
+        double least = 1e300;
+        uint64_t triangles = 0;
+
+        bvx_context_options_init(&options, sizeof options);
+        options.threads = threads;
+        if (bvx_context_create(&options, &ctx) != BVX_OK) exit(1);
+        for (int i = 0; i < runs; i++) {
+            bvx_mesh mesh = {0};
+            double const start = bench_clock(2);
+            bench_try(ctx, bvx_build_sections(ctx, &s, &o, &mesh), "body");
+            least = bench_clock(2) - start < least ? bench_clock(2) - start : least;
+            triangles = mesh.triangle_count;
+            bvx_mesh_free(ctx, &mesh);
+        }
+        printf("| %d | %.2f | %.0f | %llu |\n", (int)threads, least / 1e3,
+               (double)bvx_memory_peak(ctx) / 1048576.0, (unsigned long long)triangles);
+        bvx_context_destroy(ctx);
+    }
+}
+
 int main(int argc, char **argv)
 {
     static const int32_t grids[] = {20, 40, 400};
@@ -332,6 +423,7 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
         for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
             show_row(ctx, &ore, grids[i], crossings, runs);
+    show_any_planes(runs < 5 ? runs : 5);
     show_joint_table(runs < 3 ? runs : 3);
     bvx_context_destroy(ctx);
     bench_memory_release(&memory);
