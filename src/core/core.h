@@ -146,6 +146,11 @@ void bvxi_share_costs(bvx_context *ctx, double from, double to, double times);
 /* The same by what it costs (costs.h), whatever was planned. The first who says so in a call gives all of its
  * bar a cost, that of the share that it has. */
 void bvxi_share_cost(bvx_context *ctx, double from, double to, double cost);
+/* 1: somebody looks at the bar. */
+int bvxi_is_watched(const bvx_context *ctx);
+/* What the present work would do from its fraction `from` to its end turns out not to be needed: what comes
+ * after it gets that part of the bar, in place of a jump. */
+void bvxi_share_spare(bvx_context *ctx, double from);
 
 /* The steps of a work, one after the other, each with what it costs, about. What is not begun may be planned
  * anew at any time: a step gets its part of what is left of the bar, so the bar never falls. */

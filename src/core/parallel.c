@@ -131,6 +131,22 @@ void bvxi_share_cost(bvx_context *ctx, double from, double to, double cost)
     else if (bar > 0.0) ctx->bar_cost = cost / bar;
 }
 
+int bvxi_is_watched(const bvx_context *ctx)
+{
+    return ctx->progress != NULL;
+}
+
+void bvxi_share_spare(bvx_context *ctx, double from)
+{
+    const bvxi_share *const share = present_share(ctx);
+    double const cost = ctx->bar_cost;
+
+    /* Where the call ends with this work nothing comes after it: the bar waits for the end. */
+    if (!is_planned(ctx) || !(place_in(share, 1.0) < ctx->share[0].high)) return;
+    plan_anew(ctx, from, 1.0, 0.0);
+    if (!(ctx->bar_cost > 0.0)) ctx->bar_cost = cost;
+}
+
 void bvxi_step_begin(bvxi_steps *steps, int32_t step)
 {
     bvx_context *const ctx = steps->ctx;

@@ -4,6 +4,7 @@
  * Each rule fills in turn; of all of them only the union and the intersection are kept. Off the conservative
  * surface a voxel in one but not in the other is disputed. A voxel of the surface with no solid voxel beside
  * it, not even at a corner, belongs to a wall that no centre lies in. */
+#include "core/costs.h"
 #include "fill/fills.h"
 #include "components/room.h"
 
@@ -24,6 +25,7 @@ typedef struct fills_work {
     uint64_t *memory;
     uint64_t words; /* of one */
     int32_t close_gaps;
+    bvx_solid_report report; /* of the vote */
     bvx_fill_comparison result;
 } fills_work;
 
@@ -56,6 +58,23 @@ static void close_fills(bvx_context *ctx, fills_work *w)
     bvxi_drop(ctx, w->memory);
 }
 
+enum { FILLS_VOTE, FILLS_SURFACE, FILLS_RULE, FILLS_LOST = FILLS_RULE + FILL_RULES, FILLS_STEPS };
+
+/* known: once there are the vote and the surface, or NULL. */
+static void plan_fills(const fills_work *w, const bvx_solid_report *known, double cost[FILLS_STEPS])
+{
+    double const n = (double)w->job.view->triangle_count, sides = bvxi_sides_of(w->vote.size);
+    double const rows = BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides;
+
+    cost[FILLS_VOTE] = 3.5 * rows;
+    cost[FILLS_SURFACE] = BVXI_COST_TOUCH * n + BVXI_COST_TOUCH_SIDE * sides;
+    cost[FILLS_RULE + BVX_FILL_PARITY] = rows;
+    cost[FILLS_RULE + BVX_FILL_NONZERO] = rows;
+    cost[FILLS_RULE + BVX_FILL_VOTE] = 0.0;
+    cost[FILLS_RULE + BVX_FILL_FLOOD] = bvxi_flood_cost(&w->surface, known);
+    cost[FILLS_RULE + BVX_FILL_REGIONS] = cost[FILLS_LOST] = bvxi_regions_cost(&w->surface);
+}
+
 /* ---- The rules ---- */
 
 static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid *to)
@@ -68,33 +87,31 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
 {
     /* The vote is made once; rules that build on it begin from a copy. */
     bvxi_flood_walls const walls = {&w->closed, w->sure.words, w->close_gaps};
-    bvx_solid_report unused = {0};
+    bvx_solid_report unused = {.surface_voxels = w->result.surface_voxels,
+                               .unbalanced_rows = w->report.unbalanced_rows};
 
-    if (rule == BVX_FILL_PARITY)
-        return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.0, 0.15), &w->job, &w->filled, 0, rule,
-                               &unused);
-    if (rule == BVX_FILL_NONZERO)
-        return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.15, 0.3), &w->job, &w->filled, 0, rule,
+    if (rule == BVX_FILL_PARITY || rule == BVX_FILL_NONZERO)
+        return bvxi_solid_fill(bvxi_solid_step(ctx, &w->job, 0.0, 1.0), &w->job, &w->filled, 0, rule,
                                &unused);
     /* The other three begin with the vote. */
     copy_fill(w, &w->vote, &w->filled);
     if (rule == BVX_FILL_REGIONS)
-        return BVXI_SHARE(ctx, 0.9, 1.0,
-                          bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
+        return bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused);
     /* The vote itself is done. */
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
-    return BVXI_SHARE(ctx, 0.3, 0.9,
-                      bvxi_flood(ctx, fills_name, &walls, &w->filled, &unused, &w->result.flood_leaked));
+    return bvxi_flood(ctx, fills_name, &walls, &w->filled, &unused, &w->result.flood_leaked);
 }
 
-static bvx_status fill_all(bvx_context *ctx, fills_work *w)
+static bvx_status fill_all(bvxi_steps *steps, fills_work *w)
 {
+    bvx_context *const ctx = steps->ctx;
+
     /* The union begins empty, the intersection full. */
     memset(w->any.words, 0, (size_t)w->words * 8);
     memset(w->all.words, 255, (size_t)w->words * 8);
     for (int32_t rule = 0; rule < FILL_RULES; rule++) {
-        BVXI_TRY(fill_one(ctx, w, rule));
+        BVXI_TRY(BVXI_STEP(steps, FILLS_RULE + rule, fill_one(ctx, w, rule)));
         BVXI_TRY(bvx_grid_count(ctx, &w->filled, &w->result.set[rule]));
         /* A flood that leaked filled nothing: its grid would call everything disputed. */
         if (rule == BVX_FILL_FLOOD && w->result.flood_leaked) continue;
@@ -159,17 +176,23 @@ static bvx_status count_lost(bvx_context *ctx, fills_work *w)
 
 static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_work *w)
 {
+    double cost[FILLS_STEPS];
+    bvxi_steps steps = {ctx, cost, FILLS_STEPS, 0.1}; /* after snapping */
     bvx_surface_options o;
-    bvx_solid_report unused = {0};
 
+    plan_fills(w, NULL, cost);
     bvx_surface_options_init(&o, sizeof o);
     /* Votes and surface are needed by more than one rule. */
+    BVXI_TRY(BVXI_STEP(
+        &steps, FILLS_VOTE,
+        bvxi_vote(bvxi_solid_step(ctx, &w->job, 0.0, 1.0), &w->job, 1, &w->vote, w->sure.words, &w->report)));
     BVXI_TRY(
-        bvxi_vote(bvxi_solid_step(ctx, &w->job, 0.1, 0.25), &w->job, 1, &w->vote, w->sure.words, &unused));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.45, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
+        BVXI_STEP(&steps, FILLS_SURFACE, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
     BVXI_TRY(bvx_grid_count(ctx, &w->surface, &w->result.surface_voxels));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.45, 0.97, fill_all(ctx, w)));
-    return BVXI_SHARE(ctx, 0.97, 1.0, count_lost(ctx, w));
+    w->report.surface_voxels = w->result.surface_voxels;
+    plan_fills(w, &w->report, cost);
+    BVXI_TRY(fill_all(&steps, w));
+    return BVXI_STEP(&steps, FILLS_LOST, count_lost(ctx, w));
 }
 
 /* A grid for the caller, where he wants one; on failure what was made for the other goes too. */

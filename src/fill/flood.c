@@ -6,6 +6,7 @@
  * closing added vote like those of the surface. A space that the first flood does not reach stays inside as a
  * whole, so closing gaps never takes from it. Cavities are filled up to their walls.
  * Guarantee: exact, global. A conservative surface of a mesh without holes holds the flood. */
+#include "core/costs.h"
 #include "fill/fills.h"
 #include "components/room.h"
 
@@ -63,13 +64,19 @@ static int side_of_rim(const rim_work *w, const int32_t v[3])
     return side;
 }
 
+enum { RIM_REPORT = 1 << 15 /* looks at voxels between reports */ };
+
 /* Put the wall voxels of one side that vote outside to the queue; RIM_NONE: count them all. */
-static uint64_t look_along_rim(rim_work *w, int side)
+static bvx_status look_along_rim(bvx_context *ctx, rim_work *w, int side, uint64_t *counted)
 {
     const bvx_grid *const g = w->walls;
-    uint64_t voxels = 0;
+    uint64_t voxels = 0, reported = 0;
 
-    for (int32_t z = 0; z < g->size[2]; z++)
+    for (int32_t z = 0; z < g->size[2]; z++) {
+        if (z == 0 || voxels - reported > RIM_REPORT) {
+            BVXI_TRY(bvxi_progress(ctx, "flood", (double)z / (double)g->size[2]));
+            reported = voxels;
+        }
         for (int32_t y = 0; y < g->size[1]; y++) {
             uint64_t const row = (uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y;
             size_t const at = (size_t)row * (size_t)g->words_per_row;
@@ -83,7 +90,9 @@ static uint64_t look_along_rim(rim_work *w, int side)
                 }
             }
         }
-    return voxels;
+    }
+    *counted = voxels;
+    return BVX_OK;
 }
 
 static void take_for_rim(rim_work *w, const int32_t v[3], int inside)
@@ -92,24 +101,13 @@ static void take_for_rim(rim_work *w, const int32_t v[3], int inside)
     if (inside) bvx_grid_set(w->solid, v[0], v[1], v[2], 1);
 }
 
-static void spread_rim(rim_work *w)
+/* From voxel to voxel, in the order of the queue. */
+static bvx_status follow_rim(bvx_context *ctx, rim_work *w, uint64_t voxels)
 {
-    uint64_t outside, first;
     int32_t v[3], n[3];
 
-    /* The order of the queue is the rule: those from outside before those from the filled, then step by
-     * step. */
-    look_along_rim(w, RIM_OUTSIDE);
-    outside = w->count;
-    look_along_rim(w, RIM_FILLED);
-    first = w->count;
-
-    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
-    for (uint64_t i = 0; i < first; i++) {
-        voxel_of_rim(w->walls, w->queue[i], v);
-        take_for_rim(w, v, i >= outside);
-    }
     for (uint64_t i = 0; i < w->count; i++) {
+        if (i % RIM_REPORT == 0) BVXI_TRY(bvxi_progress(ctx, "flood", (double)i / (double)voxels));
         voxel_of_rim(w->walls, w->queue[i], v);
         for (int32_t way = 0; way < 27; way++) {
             if (!step_from_rim(w->walls, v, way, n) || !bvx_grid_get(w->walls, n[0], n[1], n[2])) continue;
@@ -121,6 +119,27 @@ static void spread_rim(rim_work *w)
                                    (uint64_t)n[0];
         }
     }
+    return BVX_OK;
+}
+
+static bvx_status spread_rim(bvx_context *ctx, rim_work *w, uint64_t voxels)
+{
+    uint64_t outside, first, counted;
+    int32_t v[3];
+
+    /* The order of the queue is the rule: those from outside before those from the filled, then step by
+     * step. */
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.25, look_along_rim(ctx, w, RIM_OUTSIDE, &counted)));
+    outside = w->count;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.5, look_along_rim(ctx, w, RIM_FILLED, &counted)));
+    first = w->count;
+
+    /* Only after both looks: a bit set earlier would look like a filled voxel to its neighbours. */
+    for (uint64_t i = 0; i < first; i++) {
+        voxel_of_rim(w->walls, w->queue[i], v);
+        take_for_rim(w, v, i >= outside);
+    }
+    return BVXI_SHARE(ctx, 0.5, 1.0, follow_rim(ctx, w, voxels));
 }
 
 /* Walls' voxels that vote outside become inside where what the flood filled is nearer than what
@@ -129,10 +148,13 @@ static void spread_rim(rim_work *w)
 static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64_t *filled, bvx_grid *solid)
 {
     rim_work work = {walls, solid, *solid, NULL, 0};
-    uint64_t const voxels = look_along_rim(&work, RIM_NONE);
+    uint64_t voxels = 0;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.0, look_along_rim(ctx, &work, RIM_NONE, &voxels)));
+    bvxi_share_cost(ctx, 0.0, 1.0, BVXI_COST_RIM * (double)voxels);
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
-    spread_rim(&work);
+    BVXI_TRY(spread_rim(ctx, &work, voxels));
     bvxi_drop(ctx, work.queue);
     return BVX_OK;
 }
@@ -196,20 +218,56 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     return BVX_OK;
 }
 
-static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
+enum { FLOOD_FIRST, FLOOD_GAPS, FLOOD_SECOND, FLOOD_RIM, FLOOD_STEPS };
+
+/* Whether anything is filled against the vote, and so has a rim, is known after the flood: mostly where the
+ * surface holds it. */
+#define FLOOD_MAYBE_RIM 0.5
+#define FLOOD_HELD_RIM  0.9
+#define FLOOD_LEAK_RIM  0.15
+
+/* known: after the vote and the surface, or NULL. */
+static void plan_flood(const bvx_grid *surface, const bvx_solid_report *known, int32_t close_gaps,
+                       double cost[FLOOD_STEPS])
+{
+    double const once = bvxi_regions_cost(surface);
+    double const voxels = known == NULL ? BVXI_ENDS_OF_SIDE * bvxi_sides_of(surface->size)
+                                        : (double)known->surface_voxels;
+    double const rim = known == NULL                 ? FLOOD_MAYBE_RIM
+                       : known->unbalanced_rows == 0 ? FLOOD_HELD_RIM
+                                                     : FLOOD_LEAK_RIM;
+
+    cost[FLOOD_FIRST] = once;
+    cost[FLOOD_GAPS] = close_gaps > 0 ? 2.0 * once : 0.0;
+    cost[FLOOD_SECOND] = close_gaps > 0 ? once : 0.0;
+    /* Half of the surface's voxels vote outside. */
+    cost[FLOOD_RIM] = rim * BVXI_COST_RIM * 0.5 * voxels;
+}
+
+double bvxi_flood_cost(const bvx_grid *surface, const bvx_solid_report *known)
+{
+    double cost[FLOOD_STEPS], sum = 0.0;
+
+    plan_flood(surface, known, 0, cost);
+    for (int i = 0; i < FLOOD_STEPS; i++) sum += cost[i];
+    return sum;
+}
+
+static bvx_status flood_twice(bvxi_steps *steps, const char *function, const bvxi_flood_walls *walls,
                               flood_work *work, uint64_t *closed)
 {
+    bvx_context *const ctx = steps->ctx;
     uint64_t before = 0, after = 0;
 
-    BVXI_TRY(flood_spaces(ctx, function, work));
+    BVXI_TRY(BVXI_STEP(steps, FLOOD_FIRST, flood_spaces(ctx, function, work)));
     if (walls->close_gaps > 0) {
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
-        BVXI_TRY(bvxi_close_gaps(ctx, walls->surface, walls->close_gaps));
+        BVXI_TRY(BVXI_STEP(steps, FLOOD_GAPS, bvxi_close_gaps(ctx, walls->surface, walls->close_gaps)));
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &after));
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
-        BVXI_TRY(flood_spaces(ctx, function, work));
+        BVXI_TRY(BVXI_STEP(steps, FLOOD_SECOND, flood_spaces(ctx, function, work)));
     }
     *closed = after - before;
     return BVX_OK;
@@ -221,10 +279,14 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     flood_work work = {
         .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
+    double cost[FLOOD_STEPS];
+    bvxi_steps steps = {ctx, cost, FLOOD_STEPS, 0.0};
 
+    plan_flood(walls->surface, report, walls->close_gaps, cost);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
-    if (work.filled_voxels != 0) BVXI_TRY(fill_flood_rim(ctx, walls->surface, work.filled, solid));
+    BVXI_TRY(flood_twice(&steps, function, walls, &work, &report->closed_voxels));
+    if (work.filled_voxels != 0)
+        BVXI_TRY(BVXI_STEP(&steps, FLOOD_RIM, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
     bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;

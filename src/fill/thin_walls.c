@@ -484,15 +484,17 @@ enum { GATHER_MARK, GATHER_NEAR, GATHER_STEPS };
 bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
     double const n = (double)t->mesh->triangle_count;
-    double cost[GATHER_STEPS] = {0.4 * BVXI_COST_WALLS * n +
-                                     BVXI_COST_WALLS_SIDE * bvxi_sides_of(t->solid->size),
+    double cost[GATHER_STEPS] = {bvxi_cost_of_marks(n, bvxi_sides_of(t->solid->size)),
                                  0.6 * BVXI_COST_WALLS * n};
     bvxi_steps steps = {t->ctx, cost, GATHER_STEPS, 0.0};
 
     /* Places first; most bodies have none, and nothing is searched. */
     BVXI_TRY(BVXI_STEP(&steps, GATHER_MARK, bvxi_walls_mark(t)));
     BVXI_TRY(bvxi_walls_list(t));
-    if (t->count == 0) return BVX_OK;
+    if (t->count == 0) {
+        bvxi_share_spare(t->ctx, steps.at);
+        return BVX_OK;
+    }
 
     BVXI_TRY(BVXI_STEP(&steps, GATHER_NEAR, bvxi_walls_near(t)));
     if (t->near.triangle_count == 0) bvxi_walls_drop(t);

@@ -13,6 +13,7 @@
  * in whole rows near wide holes: by 0.35 % of a scanned rabbit that this gets right to the voxel.
  * Guarantee: local. Exact where the three agree; else the solid angle decides, computed to 1e-8 turns. The
  * bits follow from the snapped triangles only. */
+#include "core/costs.h"
 #include "fill/fills.h"
 #include "grid/turned_rows.h"
 #include "winding/turns.h"
@@ -198,17 +199,35 @@ static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w,
     return status;
 }
 
+/* How large the holes are is known now. */
+static void plan_asks(bvx_context *ctx, const bvxi_solid_job *job, const vote_work *w,
+                      const bvxi_holes *holes, double from, double to)
+{
+    double asks;
+
+    if (!bvxi_is_watched(ctx)) return;
+    asks = (w->want_clear ? 1.5 : 1.0) * bvxi_holes_cost(holes, &job->snapped, &w->solid->lattice);
+    bvxi_share_cost(ctx, from, to,
+                    asks + BVXI_COST_ROWS * (double)job->view->triangle_count +
+                        BVXI_COST_ROWS_SIDE * bvxi_sides_of(w->solid->size));
+}
+
 static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
                                      double to)
 {
+    double const part = from + (to - from) / 8;
     bvxi_holes holes;
     bvx_status status;
 
     /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
-    if (job->holes != NULL) return ask_sheet(ctx, job, w, job->holes, from, to);
-    BVXI_TRY(bvxi_holes_open(ctx, job->view, &job->snapped, &holes));
-    status = ask_sheet(ctx, job, w, &holes, from, to);
+    if (job->holes != NULL) {
+        plan_asks(ctx, job, w, job->holes, from, to);
+        return ask_sheet(ctx, job, w, job->holes, from, to);
+    }
+    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, &holes)));
+    plan_asks(ctx, job, w, &holes, part, to);
+    status = ask_sheet(ctx, job, w, &holes, part, to);
     bvxi_holes_close(ctx, &holes);
     return status;
 }

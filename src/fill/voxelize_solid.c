@@ -5,6 +5,8 @@
  * lost. */
 #include "core/costs.h"
 #include "fill/fills.h"
+#include "mesh/facet.h"
+#include "mesh/view.h"
 #include "touch/surface_voxels.h"
 #include "winding/holes.h"
 
@@ -128,39 +130,83 @@ static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls,
         solid_name, report->leaks, (int64_t)walls->close_gaps);
 }
 
+static double cost_of_rows(const bvx_mesh_view *mesh, const bvx_grid *solid)
+{
+    return BVXI_COST_ROWS * (double)mesh->triangle_count + BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size);
+}
+
+enum { AREA_LOOKS = 512 };
+
+/* The surface in voxels' faces, by some of its triangles. */
+static double area_in_voxels(const bvx_mesh_view *mesh, const double spacing[3])
+{
+    uint64_t const count = mesh->triangle_count, step = count / AREA_LOOKS + 1;
+    double sum = 0.0, looks = 0.0;
+
+    for (uint64_t t = 0; t < count; t += step, looks++) {
+        double p[3][3], n[3];
+        uint32_t c[3];
+
+        /* What is wrong with corners is told where all are looked at. */
+        if (!bvxi_view_triangle(mesh, t, c)) continue;
+        for (int k = 0; k < 3; k++) {
+            bvxi_view_position(mesh, c[k], p[k]);
+            for (int a = 0; a < 3; a++) p[k][a] /= spacing[a];
+        }
+        sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
+    }
+    return sum * (double)count / looks;
+}
+
+static double cost_of_shell(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid)
+{
+    double area;
+
+    if (!bvxi_is_watched(ctx)) return 0.0;
+    area = area_in_voxels(mesh, solid->lattice.spacing);
+    /* Vertices may be anything before they are looked at, and the lattice may hold a part of them only. */
+    if (!(area < 64.0 * bvxi_sides_of(solid->size))) area = bvxi_sides_of(solid->size);
+    return BVXI_COST_TOUCH * (double)mesh->triangle_count + BVXI_COST_TOUCH_AREA * area;
+}
+
+enum { VOTE_ROWS, VOTE_SHELL, VOTE_SPACES, VOTE_STEPS };
+
 /* The fills that look at more than rows: a vote first. */
 static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
                                bvx_grid *solid, bvx_solid_report *report)
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
-    int const more = o->fill != BVX_FILL_VOTE;
-    double const voted = !more ? 1.0 : o->fill == BVX_FILL_REGIONS ? 0.7 : 0.6; /* progress by then */
-    double const shelled = o->fill == BVX_FILL_REGIONS ? 0.95 : 0.82;
+    int const more = o->fill != BVX_FILL_VOTE, flood = o->fill == BVX_FILL_FLOOD;
+    double cost[VOTE_STEPS] = {3.5 * cost_of_rows(job->view, solid)};
+    bvxi_steps steps = {ctx, cost, VOTE_STEPS, 0.1}; /* after snapping */
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
 
+    cost[VOTE_SHELL] = more ? cost_of_shell(ctx, job->view, solid) : 0.0;
+    cost[VOTE_SPACES] = flood                         ? bvxi_flood_cost(solid, NULL)
+                        : o->fill == BVX_FILL_REGIONS ? bvxi_regions_cost(solid)
+                                                      : 0.0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     walls.sure = sure;
-    BVXI_TRY(bvxi_vote(bvxi_solid_step(ctx, job, 0.1, voted), job, more, solid, sure, report));
+    BVXI_TRY(BVXI_STEP(&steps, VOTE_ROWS,
+                       bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report)));
     /* A shell parts the centres; regions and floods go by it. */
     if (more) {
-        BVXI_TRY(BVXI_SHARE(ctx, voted, shelled,
-                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
-        if (o->fill == BVX_FILL_REGIONS)
-            BVXI_TRY(
-                BVXI_SHARE(ctx, shelled, 1.0, bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
-        if (o->fill == BVX_FILL_FLOOD)
-            BVXI_TRY(BVXI_SHARE(ctx, shelled, 1.0, flood_or_fail(ctx, &walls, solid, report)));
+        bvx_solid_report known = *report;
+
+        known.surface_voxels = (uint64_t)(BVXI_ENDS_OF_SIDE * bvxi_sides_of(solid->size));
+        if (flood) cost[VOTE_SPACES] = bvxi_flood_cost(solid, &known);
+        BVXI_TRY(BVXI_STEP(&steps, VOTE_SHELL,
+                           bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
+        if (flood) cost[VOTE_SPACES] = bvxi_flood_cost(&shell, report);
+        BVXI_TRY(BVXI_STEP(&steps, VOTE_SPACES,
+                           flood ? flood_or_fail(ctx, &walls, solid, report)
+                                 : bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_drop(ctx, sure);
     return BVX_OK;
-}
-
-static double cost_of_rows(const bvx_mesh_view *mesh, const bvx_grid *solid)
-{
-    return BVXI_COST_ROWS * (double)mesh->triangle_count + BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size);
 }
 
 static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
@@ -234,15 +280,16 @@ static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_s
 
 enum { SOLID_FILL, SOLID_SHELL, SOLID_CHECK, SOLID_LOSSES, SOLID_STEPS };
 
-static void plan_solid(const bvx_mesh_view *mesh, const bvx_grid *solid, const bvx_voxelize_options *o,
-                       double cost[SOLID_STEPS])
+static void plan_solid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
+                       const bvx_voxelize_options *o, double cost[SOLID_STEPS])
 {
     double const n = (double)mesh->triangle_count, sides = bvxi_sides_of(solid->size);
     double const walls = BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides;
 
-    cost[SOLID_FILL] = 2.0 * cost_of_rows(mesh, solid);
-    cost[SOLID_SHELL] = o->add_shell ? BVXI_COST_TOUCH * n + BVXI_COST_TOUCH_SIDE * sides : 0.0;
-    cost[SOLID_CHECK] = o->check_edges ? BVXI_COST_CHECK * n : 0.0;
+    cost[SOLID_FILL] = o->fill == BVX_FILL_AUTO ? bvxi_fill_auto_cost(n, sides)
+                                                : 2.0 * cost_of_rows(mesh, solid);
+    cost[SOLID_SHELL] = o->add_shell ? cost_of_shell(ctx, mesh, solid) : 0.0;
+    cost[SOLID_CHECK] = o->check_edges ? bvxi_cost_of_check(n) : 0.0;
     cost[SOLID_LOSSES] = o->report == NULL ? 0.0 : o->check_thin ? walls : BVXI_COST_ROWS * n;
 }
 
@@ -268,7 +315,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
 
-    plan_solid(mesh, &made, &o, cost);
+    plan_solid(context, mesh, &made, &o, cost);
     status = BVXI_STEP(&steps, SOLID_FILL, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
         status = BVXI_STEP(&steps, SOLID_SHELL, add_the_shell(context, mesh, &made, &report));

@@ -286,7 +286,8 @@ static void plan_boolean(boolean_job *job)
 
         of_body[BODY_FILL] = 3.0 * BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides;
         of_body[BODY_MARK] = look ? BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides : 0.0;
-        cost[BOOLEAN_CRUMBS] += BVXI_COST_CRUMBS * n;
+        /* What is cut off leaves more small parts than what is joined. */
+        cost[BOOLEAN_CRUMBS] += (job->operation == BVX_BOOLEAN_UNION ? 1.0 : 2.0) * BVXI_COST_CRUMBS * n;
     }
     cost[BOOLEAN_COMBINE] = cost[BOOLEAN_JUDGE] = 0.001 * sides;
     cost[BOOLEAN_FLATTEN] = job->options->thin == BVX_THIN_KEEP ? BVXI_COST_MAYBE_THIN * ends : 0.0;
@@ -306,7 +307,7 @@ static void plan_second_body(boolean_job *job)
         cost[BODY_FILL] += (BVXI_COST_HOLES + BVXI_COST_WELD) * n + BVXI_COST_HOLES_SIDE * sides;
     else if (fill == BVX_FILL_NONZERO) cost[BODY_FILL] += BVXI_COST_CROSSINGS * n;
     if (job->options->thin != BVX_THIN_KEEP) return;
-    cost[BODY_WIDEN] = bvxi_cost_of_widening(walls);
+    cost[BODY_WIDEN] = bvxi_cost_of_widening(walls, n, sides);
 }
 
 /* By the centres beside the thin walls of both, those of the second for now as many as the first one's. */
@@ -332,7 +333,8 @@ static void plan_lost_walls(boolean_job *job, int32_t i, double voxels)
     double const known = centres_of_walls(job);
 
     if (job->options->thin != BVX_THIN_KEEP) return;
-    job->cost[i * BODY_STEPS + BODY_WIDEN] = voxels > 0.0 ? bvxi_cost_of_widening(voxels) : 0.0;
+    job->cost[i * BODY_STEPS + BODY_WIDEN] = bvxi_cost_of_widening(
+        voxels, (double)job->body[i].mesh->triangle_count, bvxi_sides_of(job->lattice.dims));
     plan_boolean_flatten(job, known + (2 - i) * BVXI_CENTRES_OF_WALL * voxels);
 }
 

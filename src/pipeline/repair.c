@@ -105,19 +105,29 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
     return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
 }
 
+enum { SQUARE_TRIES = 5 }; /* then by bisection */
+
 /* Triangles grow as the square of the resolution; from the middle when that has stopped helping. */
 static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64_t target, uint64_t tries)
 {
-    /* Five tries by the square law, then by bisection. */
     int32_t guess = low + (high - low) / 2;
-    if (tries < 5 && high_count != 0)
+    if (tries < SQUARE_TRIES && high_count != 0)
         guess = (int32_t)((double)high * sqrt((double)target / (double)high_count));
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
 enum { TARGET_TRY, TARGET_MORE, TARGET_STEPS };
 
-#define TRIES_LEFT 2.0 /* tries that may still be needed: their number is not known */
+#define SQUARE_LEFT 3.0
+
+/* Tries that may still be needed: by the square law few are, by bisection as many as the way is halved. */
+static double tries_left(uint64_t tries, int32_t low, int32_t high)
+{
+    double halvings = 0.0;
+
+    for (int32_t way = high - low - 1; way > 0; way /= 2) halvings++;
+    return tries >= SQUARE_TRIES || halvings < SQUARE_LEFT ? halvings : SQUARE_LEFT;
+}
 
 static double cost_of_try(const bvxi_repair_job *job, double resolution)
 {
@@ -129,7 +139,8 @@ static double cost_of_try(const bvxi_repair_job *job, double resolution)
 static double cost_of_search(const bvxi_repair_job *job)
 {
     return cost_of_try(job, (double)job->options->resolution) +
-           TRIES_LEFT * cost_of_try(job, bvxi_repair_expected_resolution(job));
+           tries_left(0, 0, job->options->resolution) *
+               cost_of_try(job, bvxi_repair_expected_resolution(job));
 }
 
 /* The largest resolution that a bisection finds to keep the target; job is then left at another one. */
@@ -142,10 +153,11 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
     bvxi_steps steps = {job->ctx, cost, TARGET_STEPS, 0.0};
 
     /* The largest resolution first: most targets allow it, and then the search is over. */
-    cost[TARGET_MORE] = TRIES_LEFT * cost_of_try(job, bvxi_repair_expected_resolution(job));
+    cost[TARGET_MORE] = tries_left(0, low, high) * cost_of_try(job, bvxi_repair_expected_resolution(job));
     BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
+        bvxi_share_spare(job->ctx, steps.at);
         return BVX_OK;
     }
     for (uint64_t tries = 0; high - low > 1; tries++) {
@@ -153,7 +165,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
         uint64_t count;
 
         cost[TARGET_TRY] = cost_of_try(job, (double)guess);
-        cost[TARGET_MORE] = TRIES_LEFT * cost[TARGET_TRY];
+        cost[TARGET_MORE] = tries_left(tries, low, high) * cost[TARGET_TRY];
         BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, guess, &count)));
         if (count <= target) {
             low = guess;
@@ -169,6 +181,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
             "%s: at most %u triangles are requested; resolution %d has %u, and those below keep nothing",
             bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;
+    bvxi_share_spare(job->ctx, steps.at);
     return BVX_OK;
 }
 
@@ -197,7 +210,7 @@ static void plan_repair(const bvxi_repair_job *job, double cost[REPAIR_STEPS])
     double const looked = sound ? 1.0 : taken ? 0.0 : 0.5;
     double const maybe = o->if_needed && job->report.needs == BVX_NEEDS_NOTHING ? 1.0 - 0.5 * looked : 1.0;
 
-    cost[REPAIR_TAKE] = (job->known != NULL ? BVXI_COST_WELD : BVXI_COST_WELD + BVXI_COST_CHECK) * n;
+    cost[REPAIR_TAKE] = BVXI_COST_WELD * n + (job->known != NULL ? 0.0 : bvxi_cost_of_check(n));
     cost[REPAIR_NEEDS] = o->report != NULL || o->if_needed
                              ? looked * (c->components > 1 ? 0.5 : 1.0) * BVXI_COST_CROSSINGS * n
                              : 0.0;

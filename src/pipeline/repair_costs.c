@@ -79,7 +79,7 @@ int bvxi_repair_looks_for_walls(const bvxi_repair_job *job)
 /* Walls that an earlier resolution was too coarse for are taken for those of this one. */
 double bvxi_repair_inside_cost(const bvxi_repair_job *job, const bvxi_repair_size *size)
 {
-    double const known = bvxi_cost_of_widening((double)job->report.thin_voxels);
+    double const known = bvxi_cost_of_widening((double)job->report.thin_voxels, size->triangles, size->sides);
     double const walls = BVXI_COST_WALLS * size->triangles + BVXI_COST_WALLS_SIDE * size->sides;
 
     return bvxi_repair_fill_cost(job, size) + BVXI_COST_PART * size->triangles +

@@ -174,14 +174,14 @@ static double cost_of_distances(const bvxi_repair_job *job)
 
 double bvxi_repair_measure_cost(const bvxi_repair_job *job, const bvxi_repair_size *size)
 {
-    return BVXI_COST_CHECK * BVXI_TRIANGLES_OF_END * size->ends + cost_of_distances(job) +
+    return BVXI_COST_CHECK_MADE * BVXI_TRIANGLES_OF_END * size->ends + cost_of_distances(job) +
            (job->options->measure ? 2.0 * bvxi_repair_fill_cost(job, size) : 0.0);
 }
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
     bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->resolution);
-    double cost[MEASURE_STEPS] = {BVXI_COST_CHECK * (double)repaired->triangle_count};
+    double cost[MEASURE_STEPS] = {BVXI_COST_CHECK_MADE * (double)repaired->triangle_count};
     bvxi_steps steps = {job->ctx, cost, MEASURE_STEPS, 0.0};
     bvx_mesh_view result;
 

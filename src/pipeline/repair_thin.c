@@ -72,7 +72,8 @@ static bvx_status thicken(repair_walls *t)
     BVXI_TRY(tell_walls(t));
     if (!job->report.thin_kept) return BVX_OK;
 
-    cost[WALLS_WIDEN] = bvxi_cost_of_widening((double)job->report.thin_voxels);
+    cost[WALLS_WIDEN] = bvxi_cost_of_widening(
+        (double)job->report.thin_voxels, (double)job->body.triangle_count, bvxi_sides_of(job->lattice.dims));
     return BVXI_STEP(&steps, WALLS_WIDEN, bvxi_thicken(&t->walls, &job->inside, &job->thin));
 }
 

@@ -162,6 +162,32 @@ static uint64_t next_try(uint64_t triangles, double part)
     return (uint64_t)((double)triangles * (half_way < 0.95 ? half_way : 0.95));
 }
 
+#define FIRST_PART 0.05 /* of the error that the mesh takes up before it has been measured */
+
+/* So many tries will be made until the error is passed: errors grow as triangles become fewer. */
+static double tries_from(double part)
+{
+    int tries = 1;
+
+    for (; part <= 1.0 && tries < 40; tries++) part /= (double)next_try(1u << 20, part) / (double)(1u << 20);
+    return tries;
+}
+
+enum { TRY_MEASURE, TRY_COLLAPSE, TRY_MORE, TRY_STEPS };
+
+/* part: as the try before has found it. */
+static void plan_tries(const bvxi_level_chain *c, double triangles, double part, double cost[TRY_STEPS])
+{
+    uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
+    double const measure = BVXI_COST_SAMPLE * (double)samples;
+    double const collapse = BVXI_COST_COLLAPSE * (triangles - (double)next_try((uint64_t)triangles, part));
+    double const tries = tries_from(part);
+
+    cost[TRY_MEASURE] = measure;
+    cost[TRY_COLLAPSE] = tries > 1.0 ? collapse : 0.0;
+    cost[TRY_MORE] = (tries - 1.0) * (measure + 0.5 * collapse);
+}
+
 /* Copy a mesh into a level: into the arrays that the caller brought, or into new ones. */
 static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *mesh,
                             bvx_mesh *level)
@@ -194,13 +220,15 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 {
     double const target = c->target_errors[i];
     uint64_t before, level;
-    double part, rest = 1.0; /* of the progress, for tries whose number is not known */
+    double part = FIRST_PART, cost[TRY_STEPS];
+    bvxi_steps steps = {ctx, cost, TRY_STEPS, 0.0};
 
     *met = 0;
+    plan_tries(c, (double)bvxi_collapse_triangles(collapse), part, cost);
     do {
         bvx_mesh made = {0};
 
-        BVXI_TRY(BVXI_SHARE(ctx, 1.0 - rest, 1.0 - rest * 0.76, measure_share(ctx, c, i, collapse, &part)));
+        BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_share(ctx, c, i, collapse, &part)));
         /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
         if (part > 1 && i != 0) {
@@ -218,9 +246,9 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
         before = bvxi_collapse_triangles(collapse);
         level = part < 1 ? (uint64_t)((double)before * part) : before;
-        BVXI_TRY(
-            bvxi_collapse_to(collapse, next_try(before, part), level, 1.0 - rest * 0.76, 1.0 - rest * 0.7));
-        rest *= 0.7;
+        plan_tries(c, (double)before, part, cost);
+        BVXI_TRY(BVXI_STEP(&steps, TRY_COLLAPSE,
+                           bvxi_collapse_to(collapse, next_try(before, part), level, 0.0, 1.0)));
     } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
@@ -273,14 +301,17 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
 static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end, double triangles)
 {
     double const samples = BVXI_COST_SAMPLE * (double)c->measure_samples;
-    double const report = c->reports != NULL ? BVXI_COST_CROSSINGS + BVXI_COST_CHECK : 0.0;
+    double const report = c->reports != NULL ? BVXI_COST_CROSSINGS + BVXI_COST_CHECK_MADE : 0.0;
     double sum = 0.0;
 
     for (; i < end; i++) {
         double const target = c->target_errors != NULL ? 0.5 * triangles : (double)target_of(c, i);
         double const left = target < triangles ? target : triangles;
+        double tries[TRY_STEPS] = {0.0};
 
-        sum += BVXI_COST_COLLAPSE * (triangles - left) + report * left + samples;
+        if (c->target_errors != NULL) plan_tries(c, triangles, FIRST_PART, tries);
+        sum += BVXI_COST_COLLAPSE * (triangles - left) + report * left + samples + tries[TRY_MEASURE] +
+               tries[TRY_MORE];
         triangles = left;
     }
     return sum;
@@ -288,9 +319,19 @@ static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end,
 
 bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
 {
+    double const all = cost_of_chain(c, 0, c->count, (double)surface->triangle_count);
     bvxi_collapse *collapse = NULL;
-    bvx_status status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
+    bvx_status status;
     double from = 0.1;
+
+    /* Tries for errors are many, so that what comes before them is next to nothing. */
+    if (c->target_errors != NULL) {
+        double const opened = BVXI_COST_OPENED * (double)surface->triangle_count;
+
+        bvxi_share_cost(ctx, 0.0, 1.0, opened + all);
+        bvxi_share_cost(ctx, 0.0, from, opened);
+    }
+    status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
 
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
         double const triangles = (double)bvxi_collapse_triangles(collapse);

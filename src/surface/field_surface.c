@@ -10,6 +10,7 @@
 #include "core/costs.h"
 #include "surface/field_surface.h"
 #include "surface/sharp.h"
+#include "mesh/facet.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
@@ -192,11 +193,65 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 
 enum { CUT_SURFACE_OPEN, CUT_SURFACE_FILL, CUT_SURFACE_CUTS, CUT_SURFACE_SHARPEN, CUT_SURFACE_STEPS };
 
+enum { SHARP_LOOKS = 4096 /* words, of which most have no centre beside the surface */ };
+
+#define SHARP_TURN 0.8 /* cosine */
+
+/* The normal of a value's triangle; 0 where it has none. */
+static int normal_of_value(const bvxi_cut_rule *v, uint64_t value, double n[3])
+{
+    double p[3][3], length;
+    uint32_t c[3];
+
+    bvxi_view_triangle(v->mesh, v->values->triangles[value], c);
+    for (int k = 0; k < 3; k++) bvxi_view_position(v->mesh, c[k], p[k]);
+    length = bvxi_facet_normal((const double(*)[3])p, n);
+    for (int a = 0; a < 3 && length > 0.0; a++) n[a] /= length;
+    return length > 0.0;
+}
+
+/* Of some pairs of centres beside each other so many have triangles that are turned far from each other:
+ * about as many of the cells will be sharp. */
+static double share_of_turns(const bvxi_cut_rule *v)
+{
+    const bvx_grid *const g = &v->values->where;
+    uint64_t const words = bvxi_grid_words(g), step = words / SHARP_LOOKS + 1;
+    uint64_t looks = 0, turned = 0;
+
+    for (uint64_t i = 0; i < words; i += step) {
+        uint64_t const pairs = g->words[i] & g->words[i] >> 1, row = i / (uint64_t)g->words_per_row;
+        uint64_t n = v->values->first[row];
+        double a[3], b[3];
+
+        if (pairs == 0) continue;
+        for (uint64_t k = row * (uint64_t)g->words_per_row; k < i; k++) n += bvxi_popcount(g->words[k]);
+        n += bvxi_popcount(g->words[i] & ((pairs & (~pairs + 1)) - 1));
+        if (!normal_of_value(v, n, a) || !normal_of_value(v, n + 1, b)) continue;
+        looks++;
+        /* Neighbours need not run the same way round. */
+        turned += bvxi_absolute(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) < SHARP_TURN;
+    }
+    return looks != 0 ? (double)turned / (double)looks : 0.0;
+}
+
+static double sharp_cells(bvx_context *ctx, const bvxi_cut_rule *values)
+{
+    double turns = 0.0, ends = 0.0;
+
+    if (!bvxi_is_watched(ctx)) return 0.0;
+    for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
+        if (v->mesh == NULL || v->values == NULL || v->values->triangles == NULL) continue;
+        turns += share_of_turns(v) * (double)v->values->count;
+        ends += (double)v->values->count;
+    }
+    return ends > 0.0 ? BVXI_SHARP_OF_TURNS * turns / ends : BVXI_SHARP_OF_FIELD;
+}
+
 /* vertices: 0 where they are not counted yet; they are about as many as ends. */
-static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int sharp,
+static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int sharp, double cells,
                                double cost[CUT_SURFACE_STEPS])
 {
-    double triangles = 0.0, ends = 0.0, cells;
+    double triangles = 0.0, ends = 0.0;
 
     /* Of all meshes that cut the surface. */
     for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
@@ -204,7 +259,6 @@ static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int
         ends += v->values != NULL ? (double)v->values->count : 0.0;
     }
     if (vertices == 0.0) vertices = ends;
-    cells = triangles > 0.0 ? BVXI_SHARP_OF_END : BVXI_SHARP_OF_FIELD;
     cost[CUT_SURFACE_OPEN] = cost[CUT_SURFACE_FILL] = 0.5 * BVXI_COST_MARCH * vertices;
     cost[CUT_SURFACE_CUTS] = (sharp ? BVXI_COST_SHARP_CUTS : BVXI_COST_CUTS) * vertices +
                              (sharp ? BVXI_COST_SHARP_MESH * triangles : 0.0);
@@ -260,6 +314,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
 {
     bvx_field_surface_report report;
     bvx_extract_options extract;
+    double const cells = options->sharp ? sharp_cells(ctx, values) : 0.0;
     double cost[CUT_SURFACE_STEPS];
     bvxi_steps steps = {ctx, cost, CUT_SURFACE_STEPS, 0.0};
     bvxi_march m = {0};
@@ -272,9 +327,9 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    plan_field_surface(0.0, values, options->sharp, cost);
+    plan_field_surface(0.0, values, options->sharp, cells, cost);
     BVXI_TRY(BVXI_STEP(&steps, CUT_SURFACE_OPEN, bvxi_march_open(ctx, &m, inside, &extract)));
-    plan_field_surface((double)m.vertex_count, values, options->sharp, cost);
+    plan_field_surface((double)m.vertex_count, values, options->sharp, cells, cost);
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;

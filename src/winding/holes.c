@@ -287,7 +287,7 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
     /* Corners are checked here, as snapping trusts them. */
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
-    status = open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes);
+    status = BVXI_SHARE(ctx, 0.1, 1.0, open_holes(ctx, view, &snapped, fill != BVX_FILL_WINDING, holes));
     bvxi_snap_free(ctx, &snapped);
     return status;
 }

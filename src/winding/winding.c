@@ -104,8 +104,7 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     return status;
 }
 
-/* What holes cost, by their diagonals. */
-static double cost_of_holes(const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice)
+double bvxi_holes_cost(const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice)
 {
     double const voxel = (double)((int64_t)1 << lattice->fraction_bits);
     double squares = 0.0, diagonals = 0.0;
@@ -165,7 +164,7 @@ static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     bvxi_share_cost(ctx, from, to,
                     2.0 * BVXI_COST_ROWS * (double)job->view->triangle_count +
                         BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size) +
-                        cost_of_holes(holes, &job->snapped, &solid->lattice));
+                        bvxi_holes_cost(holes, &job->snapped, &solid->lattice));
     return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
 
@@ -180,7 +179,7 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
     BVXI_TRY(bvxi_holes_check_corners(ctx, job->function, job->view));
-    BVXI_TRY(bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes));
+    BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open_signed(ctx, job->view, &job->snapped, &holes)));
     status = wind_with_holes(ctx, job, &holes, solid, part, to, report);
     bvxi_holes_close(ctx, &holes);
     return status;

@@ -314,7 +314,7 @@ static bvx_status if_needed_repair(const world *w)
 static void test_steps_begin_where_their_time_does(void)
 {
     static const step steps[] = {
-        {repair, "measure", 0.1, 0.4, TO_MESH},
+        {repair, "measure", 0.09, 0.4, TO_MESH}, /* at 0.12 of its time */
         {repair, "vertices", 0.4, 0.9, TO_MESH},
         {measured_repair, "vertices", 0.01, 0.2, TO_MESH},
         {measured_repair, "distance", 0.02, 0.3, TO_MESH},
@@ -325,14 +325,15 @@ static void test_steps_begin_where_their_time_does(void)
         {build_sections, "surface", 0.1, 0.4, TO_MESH},
         {extract_octree, "merge", 0.2, 0.6, TO_MESH},
         {extract_field_surface, "vertices", 0.2, 0.6, TO_MESH},
-        {measure_field, "field", 0.05, 0.5, TO_FIELD}, /* after the solid, whose time depends on the mesh */
+        {measure_field, "field", 0.01, 0.15,
+         TO_FIELD}, /* the solid of a sound mesh takes 0.02 to 0.05 of it */
         {sharp_surface, "vertices", 0.01, 0.15, TO_MESH},
         {sharp_surface, "sharp edges", 0.2, 0.7, TO_MESH},
         {checked_solid, "surface", 0.1, 0.4, TO_GRID},
-        {checked_solid, "check", 0.7, 0.95, TO_GRID}, /* at 0.86 of its time */
-        {regions_solid, "surface", 0.5, 0.75, TO_GRID},
+        {checked_solid, "check", 0.7, 0.97, TO_GRID},   /* at 0.75 to 0.97 of its time on shared meshes */
+        {regions_solid, "surface", 0.4, 0.75, TO_GRID}, /* closed: at 0.38 to 0.51 */
         {regions_solid, "regions", 0.8, 0.98, TO_GRID},
-        {repair, "solid", 0.02, 0.3, TO_MESH},
+        {repair, "solid", 0.015, 0.3, TO_MESH}, /* at 0.018 */
         {if_needed_repair, "crossings", 0.02, 0.6, TO_MESH},
     };
 
@@ -443,6 +444,44 @@ static void test_works_share_the_fraction(void)
     bvx_context_destroy(ctx);
 }
 
+/* The first work needs a half of its share only: what follows begins there, not where it was planned, and the
+ * bar is shared out anew. Where nothing follows the bar waits for the end. */
+static bvx_status spared_work(bvx_context *ctx)
+{
+    BVXI_TRY(report(ctx, 0.5));
+    bvxi_share_spare(ctx, 0.5);
+    return BVX_OK;
+}
+
+static bvx_status works_with_spare(bvx_context *ctx)
+{
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, spared_work(ctx)));
+    BVXI_TRY(report(ctx, 0.5));
+    BVXI_TRY(report(ctx, 0.75));
+    return BVXI_SHARE(ctx, 0.75, 1.0, spared_work(ctx));
+}
+
+static bvx_status whole_with_spare(bvx_context *ctx)
+{
+    return BVXI_CALL(ctx, works_with_spare(ctx));
+}
+
+static void test_a_work_gives_back_what_it_does_not_need(void)
+{
+    static const double want[] = {0.25, 0.25, 0.625, 0.8125, 1.0};
+    bvx_context_options o;
+    bvx_context *ctx = NULL;
+
+    bvx_context_options_init(&o, sizeof o);
+    o.progress = note_fraction;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
+    seen_count = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, whole_with_spare(ctx));
+    TEST_ASSERT_EQUAL_INT(5, seen_count);
+    for (int i = 0; i < 5; i++) TEST_ASSERT_TRUE(bvxi_absolute(seen[i] - want[i]) < 0.002);
+    bvx_context_destroy(ctx);
+}
+
 /* ---- Tasks that take long ---- */
 
 static void nothing_to_do(void *user, int32_t index, int32_t worker)
@@ -495,5 +534,6 @@ int main(void)
     RUN_TEST(test_a_refused_call_does_not_reach_1);
     RUN_TEST(test_steps_begin_where_their_time_does);
     RUN_TEST(test_works_share_the_fraction);
+    RUN_TEST(test_a_work_gives_back_what_it_does_not_need);
     return UNITY_END();
 }
