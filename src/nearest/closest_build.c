@@ -141,12 +141,12 @@ static void order_few(uint64_t *keys, uint32_t *order, uint64_t count)
     }
 }
 
-/* Where the run of equal keys at a place ends. */
-static uint64_t end_of_its_run(const closest_builder *b, uint64_t first)
+/* Where the run of equal keys at a place ends, before stop. */
+static uint64_t end_of_its_run(const closest_builder *b, uint64_t first, uint64_t stop)
 {
     uint64_t end = first + 1;
 
-    while (end < b->tree->triangle_count && b->keys[end] == b->keys[first]) end++;
+    while (end < stop && b->keys[end] == b->keys[first]) end++;
     return end;
 }
 
@@ -160,12 +160,14 @@ static void hash_run(const closest_builder *b, uint64_t first, uint64_t end)
 static void order_short_runs(void *user, int32_t index, int32_t worker)
 {
     const closest_builder *const b = user;
+    uint64_t const stop = b->run[index + 1];
     uint64_t end;
 
     (void)worker;
-    /* Few share a key, so a look at the neighbours is all that most of them cost. */
-    for (uint64_t first = b->run[index]; first < b->run[index + 1]; first = end) {
-        end = end_of_its_run(b, first);
+    /* Few share a key, so a look at the neighbours is all that most of them cost; those of the next piece are
+     * not looked at, as they change meanwhile. */
+    for (uint64_t first = b->run[index]; first < stop; first = end) {
+        end = end_of_its_run(b, first, stop);
         if (end - first == 1) continue;
         hash_run(b, first, end);
         order_few(b->keys + first, b->tree->order + first, end - first);
@@ -183,10 +185,11 @@ static int has_long_run(const closest_builder *b)
 
 static bvx_status order_all_runs(bvx_context *ctx, const closest_builder *b)
 {
+    uint64_t const n = b->tree->triangle_count;
     uint64_t end;
 
-    for (uint64_t first = 0; first < b->tree->triangle_count; first = end) {
-        end = end_of_its_run(b, first);
+    for (uint64_t first = 0; first < n; first = end) {
+        end = end_of_its_run(b, first, n);
         if (end - first == 1) continue;
         hash_run(b, first, end);
         if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
