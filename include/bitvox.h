@@ -2285,11 +2285,10 @@ typedef struct bvx_sections_report {
      * once these counts are 0. */
     uint64_t handles_filled; /**< holes through the body that no contour needs, filled */
     uint64_t handles_cut;    /**< bridges that no contour needs, cut */
-    uint64_t
-        handles_left;    /**< handles that no contour needs and that stay: larger than half a cell, or pinned
-                                  between contours */
-    uint64_t specks;     /**< parts of the mesh with one contour alone, which fits into a cell */
-    uint64_t lost_loops; /**< loops most of whose points are no vertices */
+    uint64_t handles_left;   /**< handles of one piece of surface between contours that stay: larger than half
+                                  a cell, or pinned. Only the Euler number shows those round several */
+    uint64_t specks;         /**< parts of the mesh with one contour alone, which fits into a cell */
+    uint64_t lost_loops;     /**< loops most of whose points are no vertices */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {

@@ -441,6 +441,18 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double d
     return BVX_OK;
 }
 
+/* Vertices put into edges that stayed on their side get the number between their ends': with the small one,
+ * which let them change first, the surface would reach out to them. */
+static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
+{
+    for (uint64_t v = first; v < o->vertex_count; v++) {
+        bvxi_tetra_vertex *const x = &o->vertex[v];
+        float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
+
+        if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
+    }
+}
+
 static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *found)
 {
     BVXI_TRY(find_surface_patches(w));
@@ -448,12 +460,14 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
         /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
          * each handle. */
         int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
+        uint64_t const vertices = w->o->vertex_count;
 
         /* Without a border it is a body that no contour touches, which goes. */
         if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
         *found += (uint64_t)handles;
         BVXI_TRY(look_around_patch(w, owner, t));
         BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles));
+        give_middle_numbers(w->o, vertices);
     }
     return BVX_OK;
 }
