@@ -120,8 +120,9 @@ static void rays_between(const side_rays *r, int axis, double shift, double from
     double const low = (from - r->low[axis]) / r->spacing[axis] - shift;
     double const high = (to - r->low[axis]) / r->spacing[axis] - shift;
 
-    range[0] = low < 0 ? 0 : low > SIDE_RAYS ? SIDE_RAYS : (int32_t)floor(low);
-    range[1] = high < 0 ? -1 : high > SIDE_RAYS - 1 ? SIDE_RAYS - 1 : (int32_t)floor(high);
+    /* A box too large for a double has no places: what is no number compares with nothing, and meets no ray. */
+    range[0] = !(low >= 0) ? 0 : low > SIDE_RAYS ? SIDE_RAYS : (int32_t)floor(low);
+    range[1] = !(high >= 0) ? -1 : high > SIDE_RAYS - 1 ? SIDE_RAYS - 1 : (int32_t)floor(high);
 }
 
 /* Does a ray at (x, y) meet the triangle? *at: where. Returns 1 where it enters, -1 where it leaves, or 0. */

@@ -472,6 +472,33 @@ static void test_what_faces_inward_rightly_is_not_turned(void)
     bvx_grid_free(ctx, &good);
 }
 
+/* Boxes whose extent no double holds, each triangle twice, once either way: no ray lies in them. */
+static void test_patches_at_the_ends_of_doubles_are_left(void)
+{
+    double const most = 1.7e308, low[3] = {-most, -most, -most}, high[3] = {most, most, most};
+    double const from[3] = {-most / 2, -most / 2, -most / 2}, to[3] = {most / 2, most / 2, most / 2};
+    bvx_lattice l = lattice_of(16, 16, 16);
+    bvx_solid_report r;
+    bvx_grid g;
+
+    for (int a = 0; a < 3; a++) {
+        l.origin[a] = 0;
+        l.spacing[a] = 1e307;
+    }
+    add_open_box(low, high, 1, 0);
+    add_open_box(from, to, 0, 1);
+    /* In the far corner of two axes. */
+    for (int k = -1; k < 2; k++) maker_vertex(&mesh, most, most, k * most);
+    maker_triangle(&mesh, (uint32_t)mesh.vertices - 3, (uint32_t)mesh.vertices - 2,
+                   (uint32_t)mesh.vertices - 1);
+    for (size_t t = 0, n = mesh.triangles; t < n; t++) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, mesh.triangles / 2, mesh.triangles);
+
+    g = by_auto(&l, &r);
+    TEST_ASSERT_EQUAL_UINT64(0, r.turned);
+    bvx_grid_free(ctx, &g);
+}
+
 static void test_what_cannot_be_oriented_is_voted_on(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
@@ -693,6 +720,7 @@ int main(void)
     RUN_TEST(test_an_open_half_inside_out_is_turned_in_any_order);
     RUN_TEST(test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one);
     RUN_TEST(test_what_faces_inward_rightly_is_not_turned);
+    RUN_TEST(test_patches_at_the_ends_of_doubles_are_left);
     RUN_TEST(test_what_cannot_be_oriented_is_voted_on);
     RUN_TEST(test_windows_are_cut_out_of_the_whole);
     RUN_TEST(test_windows_of_many_rows_choose_as_the_whole);
