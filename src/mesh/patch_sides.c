@@ -125,6 +125,29 @@ static void rays_between(const side_rays *r, int axis, double shift, double from
     range[1] = !(high >= 0) ? -1 : high > SIDE_RAYS - 1 ? SIDE_RAYS - 1 : (int32_t)floor(high);
 }
 
+/* Of the rays of a row at y, those that a triangle can reach: between its edges, and one beside for rounding.
+ * Of a long thin one across the box that is few of them. */
+static void rays_of_row(const side_rays *r, const double p[3][3], int u, int v, double y, int32_t range[2])
+{
+    double low = 0, high = 0;
+    int32_t between[2];
+    int found = 0;
+
+    for (int k = 0; k < 3; k++) {
+        const double *const a = p[k], *const b = p[(k + 1) % 3];
+        double const share = (y - a[v]) / (b[v] - a[v]), x = a[u] + share * (b[u] - a[u]);
+
+        if (!(share >= 0 && share <= 1)) continue;
+        if (!found || x < low) low = x;
+        if (!found || x > high) high = x;
+        found = 1;
+    }
+    if (!found) return;
+    rays_between(r, u, ray_shift[0], low, high, between);
+    if (range[0] < between[0] - 1) range[0] = between[0] - 1;
+    if (range[1] > between[1] + 1) range[1] = between[1] + 1;
+}
+
 /* Does a ray at (x, y) meet the triangle? *at: where. Returns 1 where it enters, -1 where it leaves, or 0. */
 static int32_t meet_triangle(const uint32_t c[3], const double p[3][3], const int axis[3], double x, double y,
                              double *at)
@@ -172,11 +195,14 @@ static void cross_rays(side_rays *r, const int axis[3], int list)
         rays_between(r, u, ray_shift[0], low[u], high[u], i);
         rays_between(r, v, ray_shift[1], low[v], high[v], j);
 
-        for (int32_t y = j[0]; y <= j[1]; y++)
-            for (int32_t x = i[0]; x <= i[1]; x++) {
+        for (int32_t y = j[0]; y <= j[1]; y++) {
+            double const py = r->low[v] + (y + ray_shift[1]) * r->spacing[v];
+            int32_t row[2] = {i[0], i[1]};
+
+            rays_of_row(r, (const double(*)[3])p, u, v, py, row);
+            for (int32_t x = row[0]; x <= row[1]; x++) {
                 uint64_t const ray = (uint64_t)y * SIDE_RAYS + (uint64_t)x;
                 double const px = r->low[u] + (x + ray_shift[0]) * r->spacing[u];
-                double const py = r->low[v] + (y + ray_shift[1]) * r->spacing[v];
                 side_crossing s = {0, r->in->patch[t], 0};
 
                 if (r->used[ray] > MOST_CROSSINGS) continue;
@@ -186,6 +212,7 @@ static void cross_rays(side_rays *r, const int axis[3], int list)
                 if (list) r->crossing[r->begin[ray] + r->used[ray]] = s;
                 r->used[ray]++;
             }
+        }
     }
 }
 
