@@ -18,13 +18,18 @@
 
 static uint32_t point_before(const bvxi_plane *p, uint32_t i)
 {
-    uint32_t before = i;
+    uint32_t loop = 0, end = p->contour_count;
 
     if (i > 0 && p->next[i - 1] == i) return i - 1;
 
-    /* The first of its loop: the last one is at the end of the way around. */
-    while (p->next[before] != i) before = p->next[before];
-    return before;
+    /* The first of its loop: the last one is at the end of the loop's points. Loops follow each other, so the
+     * loop is found without a walk around it, which many places near one segment would each make. */
+    while (end - loop > 1) {
+        uint32_t const middle = loop + (end - loop) / 2;
+        if (p->contour[middle].first <= i) loop = middle;
+        else end = middle;
+    }
+    return i + p->contour[loop].count - 1;
 }
 
 /* The curve's slope against a segment where it meets the one beside it; 0: there is a corner. */
