@@ -11,6 +11,9 @@
 /* Rounding could lead a way in a circle; such a segment is counted as not kept. */
 enum { CONTOUR_STEPS = 1000000 };
 
+/* Points and segments between two reports. */
+enum { CONTOUR_REPORT = 1024 };
+
 /* In cells: a place farther outside of every triangle than rounding explains lies where the plane is not
  * split. */
 #define FACE_MISS 1e-3
@@ -183,8 +186,16 @@ static bvx_status insert_knots(bvxi_oblique *o)
     return BVX_OK;
 }
 
-static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *vertex)
+/* A plane may have millions of points. done: so many of all planes' points, of one of both steps. */
+static bvx_status report_points(const bvxi_oblique *o, double from, uint64_t done)
 {
+    if (done % CONTOUR_REPORT != 0) return BVX_OK;
+    return bvxi_progress(o->ctx, "surface", from + 0.5 * (double)done / o->point_count);
+}
+
+static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t first)
+{
+    uint32_t *const vertex = o->point_vertex + first;
     const bvxi_oblique_plane *const f = &o->plane[plane];
     const bvxi_plane *const p = &f->plane;
     face_search search = {BVXI_NONE, 0};
@@ -199,6 +210,7 @@ static bvx_status insert_points(bvxi_oblique *o, uint32_t plane, uint32_t *verte
         }
     for (uint32_t i = 0; i < p->point_count; i++) {
         double at[3];
+        BVXI_TRY(report_points(o, 0.0, (uint64_t)first + i));
         if (vertex[i] == BVXI_NONE) {
             bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
             BVXI_TRY(insert_point(o, plane, at, &search, &vertex[i]));
@@ -340,15 +352,17 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
     /* All points before any segment: a segment must not run past a point that is not there yet. */
     BVXI_TRY(insert_knots(o));
     for (uint32_t i = 0; i < o->plane_count; i++) {
-        BVXI_TRY(insert_points(o, i, o->point_vertex + first));
+        BVXI_TRY(insert_points(o, i, first));
         first += o->plane[i].plane.point_count;
     }
     first = 0;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         const bvxi_plane *const p = &o->plane[i].plane;
-        BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)i / o->plane_count));
-        for (uint32_t n = 0; n < p->point_count; n++)
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.5 + 0.5 * (double)first / o->point_count));
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            BVXI_TRY(report_points(o, 0.5, (uint64_t)first + n));
             BVXI_TRY(insert_way(o, i, n, o->point_vertex[first + n], o->point_vertex[first + p->next[n]]));
+        }
         first += p->point_count;
     }
     return BVX_OK;

@@ -20,6 +20,9 @@
 
 enum { HANDLE_TETRA = 20000, HANDLE_DEPTHS = 3, HANDLE_TRIES = 64 };
 
+/* Between two reports: so many corners of triangles, or looks around a vertex. */
+enum { PATCH_REPORT = 131072, LOOK_REPORT = 256 };
+
 typedef struct handle_work {
     bvxi_oblique *o;
     /* the surface's triangles: patches of them, fans of their corners */
@@ -37,7 +40,22 @@ typedef struct handle_work {
     uint32_t tetras, members, flips;
     int strict; /* contours hold at every step, else at the end */
     bvxi_look look;
+    uint32_t looks; /* around vertices, so far */
+    double done;    /* of the patches */
 } handle_work;
+
+static bvx_status report_patches(const handle_work *w, double from, uint32_t corner)
+{
+    if (corner % PATCH_REPORT != 0) return BVX_OK;
+    return bvxi_progress(w->o->ctx, "surface", from + 0.2 * corner / (3.0 * (double)w->triangles));
+}
+
+/* A patch may have a million vertices, each of which is looked at many times. */
+static bvx_status report_look(handle_work *w)
+{
+    if (++w->looks % LOOK_REPORT != 0) return BVX_OK;
+    return bvxi_progress(w->o->ctx, "surface", w->done);
+}
 
 static uint32_t handle_next_corner(uint32_t c)
 {
@@ -59,6 +77,7 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
         uint32_t const a = corner[c], b = corner[handle_next_corner(c)];
         uint32_t *first;
 
+        BVXI_TRY(report_patches(w, 0.0, c));
         /* Patches end at contours, whatever the surface does beyond them. */
         if (is_contours_edge(w, a, b)) continue;
         BVXI_TRY(bvxi_edge_add(w->o, &w->pair, a, b, &first));
@@ -78,11 +97,13 @@ static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
 }
 
 /* Of each patch its Euler number and how many loops its border is, at its root. */
-static void count_surface_patches(handle_work *w)
+static bvx_status count_surface_patches(handle_work *w)
 {
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
+
+        BVXI_TRY(report_patches(w, 0.2, c));
         /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
          * sides. */
         if (c % 3 == 0) ++*euler;
@@ -95,10 +116,12 @@ static void count_surface_patches(handle_work *w)
     /* Each loop once, at the fan that is its root, which a border edge begins at. */
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         uint32_t const f = bvxi_root(w->fan, c);
+        BVXI_TRY(report_patches(w, 0.4, c));
         if (w->side[c] != 0 || w->loop[f] != f) continue;
         w->loops[bvxi_root(w->patch, c / 3)]++;
         w->loop[f] = BVXI_NONE;
     }
+    return BVX_OK;
 }
 
 static bvx_status find_surface_patches(handle_work *w)
@@ -123,8 +146,7 @@ static bvx_status find_surface_patches(handle_work *w)
     for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
     for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
     BVXI_TRY(join_surface_patches(w, o->triangle));
-    count_surface_patches(w);
-    return BVX_OK;
+    return count_surface_patches(w);
 }
 
 /* ---- vertices that may be on either side ---- */
@@ -264,6 +286,7 @@ static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
 {
     bvxi_oblique *const o = w->o;
 
+    BVXI_TRY(report_look(w));
     BVXI_TRY(bvxi_tetra_star(o, v));
     for (uint64_t i = 0; i < o->star_count && *hold; i++) {
         const uint32_t *const x = o->tetra[o->star[i]].v;
@@ -292,6 +315,7 @@ static bvx_status change_side(handle_work *w, uint32_t v, uint32_t wanted, uint3
     int hold = 1;
 
     *around = 0;
+    BVXI_TRY(report_look(w));
     if (!bvxi_look_link(o, &w->look, v)) return BVX_OK;
     bvxi_look_stretches(o, &w->look, v, stretches);
     if (stretches[!inside] != 1 || (wanted == 1 ? stretches[inside] != 1 : stretches[inside] < 2))
@@ -314,9 +338,9 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         float const size = (float)bvxi_absolute(o->vertex[x].value);
         uint32_t bits;
 
-        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth ||
-            !bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x))
-            continue;
+        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth) continue;
+        BVXI_TRY(report_look(w));
+        if (!bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x)) continue;
         BVXI_TRY(bvxi_oblique_grow(o, &w->loose, n, &w->loose_room, 8, "the vertices of a handle"));
         /* Floats from 0 on have the order of their bits. */
         memcpy(&bits, &size, 4);
@@ -336,7 +360,7 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
 
 /* Takes the side's vertices away one by one while that changes nothing but where the surface is: what stays
  * of a bridge is a thread of vertices. */
-static bvx_status thin_side(handle_work *w, int inside, double done)
+static bvx_status thin_side(handle_work *w, int inside)
 {
     bvxi_oblique *const o = w->o;
     uint32_t before;
@@ -344,7 +368,6 @@ static bvx_status thin_side(handle_work *w, int inside, double done)
     w->flips = 0;
     do {
         before = w->flips;
-        BVXI_TRY(bvxi_progress(o->ctx, "surface", done));
         for (uint64_t i = 0; i < w->loose_count; i++) {
             uint32_t const v = (uint32_t)w->loose[i];
             uint32_t around = 0;
@@ -388,7 +411,7 @@ static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
 
 /* A thread whose cut leaves as many stretches as there were was a handle. It is cut where that moves the
  * surface least, and thickened again; one that the contours would not bear is left. */
-static bvx_status cut_thread(handle_work *w, int inside, double done, int32_t *gain)
+static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
 {
     bvxi_oblique *const o = w->o;
     uint32_t const stretches = count_handle_stretches(w, inside);
@@ -403,7 +426,7 @@ static bvx_status cut_thread(handle_work *w, int inside, double done, int32_t *g
         BVXI_TRY(change_side(w, v, 2, &around));
         if (around == 0) continue;
         tries++;
-        BVXI_TRY(bvxi_progress(o->ctx, "surface", done));
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
             BVXI_TRY(cut_holds(w, v, &hold));
@@ -422,7 +445,7 @@ static bvx_status cut_thread(handle_work *w, int inside, double done, int32_t *g
 }
 
 /* Small numbers first: as little as possible changes. */
-static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double done)
+static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
 
@@ -432,8 +455,8 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles, double d
 
         w->strict = (k & 2) == 0;
         BVXI_TRY(list_loose(w, depth[k / 4], inside));
-        BVXI_TRY(thin_side(w, inside, done));
-        BVXI_TRY(cut_thread(w, inside, done, &gain));
+        BVXI_TRY(thin_side(w, inside));
+        BVXI_TRY(cut_thread(w, inside, &gain));
         handles -= gain;
         w->settled[inside] += (uint64_t)gain;
         if (gain == 0) k++;
@@ -466,7 +489,8 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
         if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
         *found += (uint64_t)handles;
         BVXI_TRY(look_around_patch(w, owner, t));
-        BVXI_TRY(settle_surface_patch(w, handles, (double)t / (double)w->triangles));
+        w->done = 0.6 + 0.4 * t / (double)w->triangles;
+        BVXI_TRY(settle_surface_patch(w, handles));
         give_middle_numbers(w->o, vertices);
     }
     return BVX_OK;

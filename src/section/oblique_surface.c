@@ -309,15 +309,17 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
     }
 }
 
-/* Whether a contour fits into a cell. */
+/* Whether a contour fits into a cell, wherever it begins. */
 static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_contour *loop)
 {
-    const double *const first = o->given->points + 3 * (uint64_t)p->given[loop->first];
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
 
-    for (uint32_t n = 1; n < loop->count; n++)
+    for (uint32_t n = 0; n < loop->count; n++)
         for (int k = 0; k < 3; k++) {
             double const x = o->given->points[3 * (uint64_t)p->given[loop->first + n] + (uint64_t)k];
-            if (bvxi_absolute(x - first[k]) > o->step) return 0;
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+            if (high[k] - low[k] > o->step) return 0;
         }
     return 1;
 }

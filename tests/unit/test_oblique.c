@@ -606,6 +606,67 @@ static void test_tiny_contours_are_kept_or_counted(void)
         }
 }
 
+/* Whether a contour beside the body fits into a cell does not depend on the point that it begins with. */
+static void test_specks_are_small_wherever_they_begin(void)
+{
+    static const double corner[6][2] = {{-1, -0.7}, {-0.7, -1}, {0.2, -0.2}, {1, 0.7}, {0.7, 1}, {-0.2, 0.2}};
+    static const double cells[] = {0.9, 1.6};
+
+    for (int wide = 0; wide < 2; wide++)
+        for (int begin = 0; begin < 6; begin++) {
+            double const half = 0.5 * 0.09 * cells[wide];
+            make_ball(2, 10, 0.0);
+            o.spacing = 0.09;
+            stack_loop(&stack, stack_plane(&stack, 0, 0, 1, 0.1));
+            for (int i = 0; i < 6; i++)
+                stack_point(&stack, 1.4 + half * corner[(begin + i) % 6][0],
+                            half * corner[(begin + i) % 6][1]);
+            stack_ball_cut(&stack, (uint32_t)stack.s.section_count - 1, 0, 0, 0, 1.0, 100);
+            build_good();
+            TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+            TEST_ASSERT_EQUAL_UINT64(wide == 0, report.specks);
+        }
+}
+
+static uint64_t reports;
+
+static int32_t count_report(void *user, const char *stage, double fraction)
+{
+    (void)user;
+    (void)stage;
+    (void)fraction;
+    reports++;
+    return 0;
+}
+
+/* A call of three planes is heard while their points become vertices and their segments edges, not only between
+ * planes. */
+static void test_many_points_are_reported(void)
+{
+    uint64_t count[2];
+    bvx_context_options with;
+
+    suite_close();
+    for (int many = 0; many < 2; many++) {
+        bvx_context_options_init(&with, sizeof with);
+        with.progress = count_report;
+        with.threads = 1;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&with, &ctx));
+        stack_oblique(&stack);
+        for (int i = 0; i < 3; i++)
+            stack_ball_cut(&stack, stack_plane(&stack, i == 0, i == 1, i == 2, 0.1), 0, 0, 0, 1.0,
+                           many ? 5000 : 100);
+        o.cells = 16;
+        reports = 0;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
+        count[many] = reports;
+        bvx_mesh_free(ctx, &mesh);
+        bvx_context_destroy(ctx);
+    }
+    suite_open(0);
+    TEST_ASSERT_TRUE(count[1] >= count[0] + 40);
+}
+
 /* Three planes in one line, through the body's middle, near its border and beside it; and with a fourth across. */
 static void test_three_planes_in_one_line(void)
 {
@@ -912,6 +973,8 @@ int main(void)
     RUN_TEST(test_planes_that_only_touch_the_body);
     RUN_TEST(test_cells_crowded_with_points);
     RUN_TEST(test_tiny_contours_are_kept_or_counted);
+    RUN_TEST(test_specks_are_small_wherever_they_begin);
+    RUN_TEST(test_many_points_are_reported);
     RUN_TEST(test_three_planes_in_one_line);
     RUN_TEST(test_nearly_coincident_planes);
     RUN_TEST(test_nearly_parallel_planes);
