@@ -296,8 +296,9 @@ static void warn_of_levels(cli_made *made, const cli_collapse_run *c)
     int same = 0;
 
     for (int i = 0; i < c->count; i++) {
-        same += is_same_again(c, i);
         if (!is_same_again(c, i)) warn_of_level(made, c, i);
+        /* One that keeps its target as it is needs no collapse. */
+        else same += !c->level[i].met;
     }
     if (same != 0)
         cli_advise(made, "%d of %d levels %s the level before again, which no collapse makes smaller", same,
