@@ -86,8 +86,8 @@ typedef struct bvxi_patches {
  * side has five eighths of them, the volume that they enclose about centre becomes positive. Of an open mesh,
  * patches that face inward where others face outward are turned whole (patch_sides.c); chance: the triangles
  * are those of two that face either way, so that parity alone says which patches are right. representative:
- * topology.h. The view's indices have been checked. Scratch: beside the result 84 bytes a triangle, while it
- * works; of an open mesh of several patches 4 more, 4 an open edge, and 1 MB at most.
+ * topology.h. The view's indices have been checked. Scratch: beside the result 105 bytes a triangle, while
+ * it works; of an open mesh of several patches up to 1 MB more.
  * Cost: O(triangles). Guarantee: what is turned follows from the triangles; for a patch of halves that
  * encloses nothing from sums in their order. */
 bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,

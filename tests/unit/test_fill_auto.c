@@ -499,6 +499,29 @@ static void test_patches_at_the_ends_of_doubles_are_left(void)
     bvx_grid_free(ctx, &g);
 }
 
+/* docs/rules.md: what each solid takes, and where edges are examined. */
+static void test_memory_where_edges_are_examined(void)
+{
+    double const centre[3] = {24, 24, 24}, radius[3] = {20, 20, 20};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    uint64_t n, vertices, given, before;
+    bvx_solid_report r;
+    bvx_grid g;
+
+    maker_star(&mesh, &seed, centre, radius, 0, 120, 100, 1 << 16);
+    maker_flip(&mesh, 700, 701);
+    n = mesh.triangles;
+    vertices = mesh.vertices;
+    given = 16 * vertices + SIDE * SIDE + (n / 4096 + 1) * 100 * 1024 + 160 * 1024 + SIDE * SIDE * 8;
+    bvx_memory_reset_peak(ctx);
+    before = bvx_memory_peak(ctx);
+    g = by_auto(&l, &r);
+    assert_chosen(&r, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 1);
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - before <= given + 4 * vertices + 122 * n);
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) - before > 4 * vertices + 122 * n);
+    bvx_grid_free(ctx, &g);
+}
+
 static void test_what_cannot_be_oriented_is_voted_on(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
@@ -721,6 +744,7 @@ int main(void)
     RUN_TEST(test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one);
     RUN_TEST(test_what_faces_inward_rightly_is_not_turned);
     RUN_TEST(test_patches_at_the_ends_of_doubles_are_left);
+    RUN_TEST(test_memory_where_edges_are_examined);
     RUN_TEST(test_what_cannot_be_oriented_is_voted_on);
     RUN_TEST(test_windows_are_cut_out_of_the_whole);
     RUN_TEST(test_windows_of_many_rows_choose_as_the_whole);
