@@ -2259,7 +2259,8 @@ typedef struct bvx_sections_report {
     uint64_t unkept_edges;  /**< edges still crossed more than once: the contour is kept, but what joins it to
                                  the other section there is a guess */
     uint64_t unkept_loops;  /**< loops still inside one cell: closed by a cone of their own */
-    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER and CLASSIC */
+    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC, and where
+                                 planes of any direction, or bodies at once, contradict each other */
     uint64_t samples;       /**< grid points of all sections */
     uint64_t distances;     /**< distances to contours that were computed */
     uint64_t skipped;       /**< samples whose distance nothing needed */

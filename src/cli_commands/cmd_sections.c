@@ -48,7 +48,8 @@ static const cli_argument sections_rows[] = {
           "contours' box [auto: 64]"),
     FROM_TO("--agree", "D", OWN(body.agree), 0, 1e300,
             "planes that are not parallel: contours at most so far apart where two\n"
-            "planes cross are moved to agree [a hundredth of that longest side]"),
+            "planes cross are moved to agree; with --touching shared bodies overlap\n"
+            "by no more [a hundredth of that longest side]"),
     FROM_TO("--close-gap", "G", SHARED(close_gap), 0, 1e300,
             "of .csv: loops whose ends lie further apart than G are refused as open\n"
             "polylines; 0 closes all of them by a straight side [0]"),
@@ -210,7 +211,7 @@ static const cli_rule planes_rules[] = {
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
      .message = "%o is for planes that are not parallel; those of %i are, and --grid makes them finer"},
-    {.unless = ANY_DIRECTION,
+    {.unless = ANY_DIRECTION | SHARED_FACES, /* bodies that touch may overlap by it */
      .given = "--agree",
      .message = "%o is for planes that are not parallel; those of %i do not cross"},
     {0}};

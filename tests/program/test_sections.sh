@@ -243,6 +243,9 @@ LC_ALL=C comm -12 vertices_3.txt vertices_4.txt | awk '$2 < 1.9 || $2 > 2.1 { fa
 result 'vertices of both lie between them' $?
 gives 'touching in the report' 0 '"bodies": [{"label": 3, ' sections touch.csv -o body_%d.obj --label all --touching shared --json
 if grep -q '"parts": 1, "genus": 0}}, {"label": 4, ' out; then ok 'topology of each body that touches'; else not_ok 'topology of each body that touches' "$(cat out)"; fi
+sed '/^.,.,0,3,2,/s/,2,\([02]\)$/,2.2,\1/' touch.csv >over.csv
+gives 'bodies that overlap' 1 'on section 0 the labels 3 and 4 overlap near (2' sections over.csv -o over_%d.obj --label all --touching shared --cells 16
+gives 'bodies that overlap by less than they may' 0 'label 4: over_4.obj' sections over.csv -o over_%d.obj --label all --touching shared --cells 16 --agree 0.3
 gives 'touching without labels' 2 '--touching is for --label all' sections touch.csv -o b.ply --label 3 --touching shared
 gives 'touching by a grid' 2 '--layers is not used with --touching shared' sections touch.csv -o b_%d.ply --label all --touching shared --layers 2
 gives 'touching and collapsed' 2 '--triangles would change faces' sections touch.csv -o b_%d.ply --label all --touching shared --triangles 50
