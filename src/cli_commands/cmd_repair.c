@@ -158,6 +158,11 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
              r->thin_kept ? ": kept" : "");
 }
 
+int cli_changed_as_asked(const bvx_repair_report *r)
+{
+    return r->parts_dropped + r->cavities_dropped > r->crumbs;
+}
+
 void cli_advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
 {
     /* Where volumes cannot be compared, that bodies became shells of voxels says it. */
@@ -166,6 +171,8 @@ void cli_advise_thickened(const bvx_repair_report *r, const char *what, const ch
                    "%s is thicker than the mesh at %" PRIu64
                    " triangles of bodies that are thinner than voxels: they became shells; %s",
                    what, r->thin_shelled, remedy);
+    /* Filled cavities are no walls that became thicker. */
+    if (cli_changed_as_asked(r) && r->cavities_dropped != 0) return;
     /* Of an open mesh there is no volume to compare with. */
     if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_THICKENED) * r->parts_volume) return;
     cli_advise(made,
@@ -218,10 +225,9 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
     warn_of_handles(r, remedy, made);
-    /* What follows compares sizes, and these have one only as a body without overlaps; parts that were to be
-     * dropped are missed by nobody. */
+    /* What follows compares sizes, and these have one only as a body without overlaps. */
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
-        r->parts_dropped > r->crumbs) {
+        cli_changed_as_asked(r)) {
         cli_advise_thickened(r, "the result", remedy, made);
         return;
     }

@@ -12,7 +12,7 @@ typedef struct cli_collapse_run {
     bvx_certificate surface; /* of what the levels were made from */
     uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
     const char *source;      /* what that is: "mesh" or "measured" */
-    int chosen;      /* 1: parts were dropped as options ask, and no warning is due that they are gone */
+    int chosen; /* 1: parts were dropped or cavities filled as options ask, and no warning is due of that */
     double diagonal; /* of the input */
     int usual_count; /* levels where none are requested; 0: by the input's triangles */
     int count;       /* levels; 0: not yet known */

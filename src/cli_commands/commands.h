@@ -16,6 +16,8 @@ extern const cli_command *const cli_commands[CLI_COMMANDS + 1];
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
 /* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
 void cli_report_repair(cli_text *members, const bvx_repair_report *repair, int measured);
+/* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
+int cli_changed_as_asked(const bvx_repair_report *repair);
 /* Where what was made has more volume than all parts of the mesh together. */
 void cli_advise_thickened(const bvx_repair_report *repair, const char *what, const char *remedy,
                           cli_made *made);

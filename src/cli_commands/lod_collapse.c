@@ -149,7 +149,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     /* the solid's are not in its surface */
     c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
-    c->chosen = is_measured(l) && l->report.repair.parts_dropped > l->report.repair.crumbs;
+    c->chosen = is_measured(l) && cli_changed_as_asked(&l->report.repair);
     c->source = is_measured(l) ? "measured" : "mesh";
     if (is_measured(l)) {
         run->report.lattice = l->report.repair.lattice;

@@ -130,6 +130,7 @@ holds '--resolution is heeded' says '^measured: 6[0-9] x 70 x 3[0-9] voxels, ins
 why 'as options ask' "$knot" --resolution 100 --sign winding --sharp
 why 'as options ask' hollow.obj --resolution 64 --outer-hull
 holds '--outer-hull: the inner shell is gone' says '^filled: 1 of 1 cavities'
+holds '--outer-hull: no warning that it is' test ! -s err
 why 'as options ask' speck.obj --resolution 256 --least-part 100
 holds '--least-part: the speck is gone' says '^dropped: 1 of 2 parts'
 reports 'levels that repeat the one before in one warning' 'len(r["warnings"]) < 12 and sum("the level before again" in str(w) for w in r["warnings"]) == 1 and

@@ -122,6 +122,12 @@ run repair boxes.obj -o result.ply --resolution 64 --keep-largest 1
 grep -q '^  dropped     1 of 2 parts' out
 result 'the dropped part is told' $?
 refuses 2 'a whole number from 1' boxes.obj -o result.ply --keep-largest 0
+# The smaller one a cavity of the other: filled as asked, without a word about the volume that is there now.
+awk '$1 == "v" && ++n > 8 { print "v", 0.25 + ($2 > 3.5) / 2, 0.25 + $3 / 2, 0.25 + $4 / 2; next } $1 == "f" && ++m > 12 { print $1, $2, $4, $3; next }
+    { print }' boxes.obj >hollow.obj
+run repair hollow.obj -o result.ply --resolution 64 --least-cavity 1000000 --json
+[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"cavities_kept": 0, "cavities_dropped": 1' out
+result 'a cavity is filled as asked' $?
 # Two rings a hair apart, and a spike that crosses one of them at 7 pairs of triangles: those close no 20 handles.
 if has python3; then
     python3 - "$root/tests/tools" <<'P'
