@@ -387,6 +387,7 @@ static const char *verdict(const bvx_certificate *c)
 /* What there is to say of planes that are not parallel, from the end of the sections' line on. */
 static void tell_planes(const cli_run *run, const sections_job *job, cli_made *made)
 {
+    const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
 
@@ -396,13 +397,17 @@ static void tell_planes(const cli_run *run, const sections_job *job, cli_made *m
              "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
              " gaps left, %g apart at most\n",
              r->settled, r->gaps, r->largest_gap);
-    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points, %" PRIu64 " loops\n",
-             r->unkept_edges, r->unkept_points, r->lost_loops);
+    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points", r->unkept_edges, r->unkept_points);
+    /* Of bodies made at once lost loops and handles are not counted. */
+    if (own->touching != TOUCHING_SHARED) cli_tell(made, ", %" PRIu64 " loops", r->lost_loops);
+    cli_tell(made, "\n");
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    cli_tell(made,
-             "  handles     %" PRIu64 " filled, %" PRIu64 " cut, %" PRIu64 " left that no contour needs\n",
-             r->handles_filled, r->handles_cut, r->handles_left);
+    if (own->touching != TOUCHING_SHARED)
+        cli_tell(made,
+                 "  handles     %" PRIu64 " filled, %" PRIu64 " cut, %" PRIu64
+                 " left that no contour needs\n",
+                 r->handles_filled, r->handles_cut, r->handles_left);
     cli_tell_reduction(run, &job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));

@@ -159,13 +159,6 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 
 enum { JOINT_OUTSIDE = 1 }; /* the bit of kind 0 */
 
-static int on_one_plane(const bvxi_oblique *o, uint32_t a, uint32_t b)
-{
-    for (uint32_t w = 0; w < o->plane_words; w++)
-        if (bvxi_tetra_on(o, a)[w] & bvxi_tetra_on(o, b)[w]) return 1;
-    return 0;
-}
-
 /* Where a lead at one end of an edge has become one at the other: so many bodies' bits against others. */
 static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t bodies, uint64_t others,
                           double at[3])
@@ -181,7 +174,7 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
 
     /* Between planes distances bend along the edge. */
-    if (!on_one_plane(o, v[0], v[1]))
+    if (!are_on_a_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
 }

@@ -238,6 +238,7 @@ awk 'BEGIN { print "section,position,loop,label,x,y"; for (s = 0; s < 3; s++) fo
     { print s "," s "," l "," l + 3 "," 2 * l ",0"; print s "," s "," l "," l + 3 "," 2 * l + 2 ",0"
       print s "," s "," l "," l + 3 "," 2 * l + 2 ",2"; print s "," s "," l "," l + 3 "," 2 * l ",2" } }' >touch.csv
 gives 'bodies that touch' 0 'label 4: body_4.obj' sections touch.csv -o body_%d.obj --label all --touching shared --cells 24
+if grep -q -e ' loops$' -e '^  handles' out; then not_ok 'no counts of what is not counted' "$(cat out)"; else ok 'no counts of what is not counted'; fi
 for l in 3 4; do grep '^v ' body_$l.obj | LC_ALL=C sort >vertices_$l.txt; done
 LC_ALL=C comm -12 vertices_3.txt vertices_4.txt | awk '$2 < 1.9 || $2 > 2.1 { far = 1 } END { exit !(NR > 50 && !far) }'
 result 'vertices of both lie between them' $?
