@@ -20,6 +20,7 @@ enum {
     SMOOTH_ROW = 64,   /* more than a row of nodes has: 1.25 times those, and 15 */
     SMOOTH_ROUNDS = 60,
     SMOOTH_SMALL = 1 << 14, /* nodes */
+    TIE_REPORT = 8,         /* planes between two reports */
     SMOOTH_BANDS = 10       /* of the ties' matrix: the diagonal, and along each axis one to three nodes on */
 };
 
@@ -363,7 +364,11 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     if (coarser->node != NULL) begin_with(w, coarser);
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
-        for (uint32_t p = 0; p < w->o->plane_count; p++) tie_plane(w, p, axis);
+        for (uint32_t p = 0; p < w->o->plane_count; p++) {
+            /* Each plane is measured a thousand times, and there may be as many planes. */
+            if (p % TIE_REPORT == 0) BVXI_TRY(bvxi_progress(ctx, "field", 0.0));
+            tie_plane(w, p, axis);
+        }
     }
     return solve_plate(w);
 }

@@ -628,15 +628,31 @@ static void test_specks_are_small_wherever_they_begin(void)
         }
 }
 
-static uint64_t reports;
+static uint64_t reports, field_reports;
 
 static int32_t count_report(void *user, const char *stage, double fraction)
 {
     (void)user;
-    (void)stage;
     (void)fraction;
     reports++;
+    field_reports += strcmp(stage, "field") == 0;
     return 0;
+}
+
+static void count_reports(void)
+{
+    bvx_context_options with;
+
+    suite_close();
+    bvx_context_options_init(&with, sizeof with);
+    with.progress = count_report;
+    with.threads = 1;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&with, &ctx));
+    reports = field_reports = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
+    bvx_mesh_free(ctx, &mesh);
+    bvx_context_destroy(ctx);
+    suite_open(0);
 }
 
 /* A call of three planes is heard while their points become vertices and their segments edges, not only between
@@ -644,27 +660,30 @@ static int32_t count_report(void *user, const char *stage, double fraction)
 static void test_many_points_are_reported(void)
 {
     uint64_t count[2];
-    bvx_context_options with;
 
-    suite_close();
     for (int many = 0; many < 2; many++) {
-        bvx_context_options_init(&with, sizeof with);
-        with.progress = count_report;
-        with.threads = 1;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&with, &ctx));
         stack_oblique(&stack);
         for (int i = 0; i < 3; i++)
             stack_ball_cut(&stack, stack_plane(&stack, i == 0, i == 1, i == 2, 0.1), 0, 0, 0, 1.0,
                            many ? 5000 : 100);
         o.cells = 16;
-        reports = 0;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, build());
+        count_reports();
         count[many] = reports;
-        bvx_mesh_free(ctx, &mesh);
-        bvx_context_destroy(ctx);
     }
-    suite_open(0);
     TEST_ASSERT_TRUE(count[1] >= count[0] + 40);
+}
+
+/* The plate is tied to many planes, on each of its three levels along three axes: 90 reports more than the 60 rounds a
+ * level that it takes at most. */
+static void test_many_planes_are_reported(void)
+{
+    stack_oblique(&stack);
+    for (int k = 0; k < 80; k++)
+        stack_ball_cut(&stack, stack_plane(&stack, 0.001 * (k % 3), 0, 1, 0.023 * (k - 40)), 0, 0, 0, 1.0,
+                       12);
+    o.cells = 8;
+    count_reports();
+    TEST_ASSERT_TRUE(field_reports >= 240);
 }
 
 /* Three planes in one line, through the body's middle, near its border and beside it; and with a fourth across. */
@@ -975,6 +994,7 @@ int main(void)
     RUN_TEST(test_tiny_contours_are_kept_or_counted);
     RUN_TEST(test_specks_are_small_wherever_they_begin);
     RUN_TEST(test_many_points_are_reported);
+    RUN_TEST(test_many_planes_are_reported);
     RUN_TEST(test_three_planes_in_one_line);
     RUN_TEST(test_nearly_coincident_planes);
     RUN_TEST(test_nearly_parallel_planes);
