@@ -262,6 +262,7 @@ export interface RepairOptions extends CallOptions {
     measure?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;
+    keepLargest?: number | undefined;
     leastCavity?: number | undefined;
     targetTriangles?: number | undefined;
     measureSamples?: number | undefined;
@@ -323,6 +324,7 @@ export interface BooleanOptions extends CallOptions {
     thin?: 'keep' | 'drop' | undefined;
     keepCrumbs?: boolean | undefined;
     leastPart?: number | undefined;
+    keepLargest?: number | undefined;
 }
 /** [bvx_boolean_report] */
 export interface BooleanReport {
@@ -371,6 +373,7 @@ export interface LevelsOptions extends ChainOptions {
     outer?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;
+    keepLargest?: number | undefined;
     leastCavity?: number | undefined;
 }
 /** [bvx_level_report] */

@@ -89,7 +89,7 @@ export function readHeader(header) {
         for (const [, declaration, comment] of body.matchAll(
             /^ {4}([a-z][^;]*);(?:\s*\/\*\*<([^]*?)\*\/)?/gm,
         )) {
-            const [, type, names] = declaration.match(/^((?:const )?(?:struct )?\w+) (.*)$/s);
+            const [, type, names] = declaration.match(/^((?:const )?(?:struct )?\w+)\s+(.*)$/s);
             for (const part of names.split(',').map(text => text.trim())) {
                 const [, star, field, counts] = part.match(/^(\**)(\w+)((?:\[\d+\])*)$/);
                 const plain = type.replace(/^const |^struct /g, '');
