@@ -2234,10 +2234,13 @@ enum { BVX_NESTING_LIST(BVX_LIST_ENUM) };
  *  LINEAR  straight between neighbours: the surface has a kink at every section
  *  CUBIC   the monotone cubic over four sections: as exact on the sections, smooth across them, with a zero
  *          only where LINEAR has one. LINEAR all the same for two sections, between sections where parts end,
- *          and for nesting levels that would cross otherwise */
+ *          and for nesting levels that would cross otherwise
+ *  AUTO    CUBIC from five sections on, where it is nearer to the body; LINEAR for fewer, where it may be
+ *          farther from it, and with crossings PAPER and CLASSIC */
 #define BVX_BLEND_LIST(X)            \
     X(BVX_BLEND_LINEAR, 0, "linear") \
-    X(BVX_BLEND_CUBIC, 1, "cubic")
+    X(BVX_BLEND_CUBIC, 1, "cubic")   \
+    X(BVX_BLEND_AUTO, 2, "auto")
 enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
 enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
@@ -2309,7 +2312,7 @@ typedef struct bvx_sections_options {
     int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
                         what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
                         borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
-    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_LINEAR] */
+    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
     int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours'
                         box; spacing replaces it [Limit: 0, or 8..1024] [Default: 0; with no spacing either:
                         64] */

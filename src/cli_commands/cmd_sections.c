@@ -55,8 +55,8 @@ static const cli_argument sections_rows[] = {
             "polylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", OWN(body.layers), 1, 64, "layers of cells from section to section [1]"),
     CHOICE("--blend", "HOW", OWN(body.blend), blend_names, BVX_BLEND_LINEAR,
-           "from section to section: linear, or cubic over four of them, smooth\n"
-           "across sections [linear]"),
+           "from section to section: linear; cubic over four of them, smooth\n"
+           "across sections; auto: cubic from five sections on [auto]"),
     CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
            "the ends: flat on the first and last section; taper: each part to a\n"
            "ridge half a spacing beyond, also those that end in between; open [flat]"),

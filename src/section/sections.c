@@ -32,6 +32,7 @@ void bvx_sections_options_init(bvx_sections_options *options, size_t size)
     d.depth = 5;
     d.label = BVX_LABEL_ONLY;
     d.position_type = BVX_F64;
+    d.blend = BVX_BLEND_AUTO;
     bvxi_give_options(options, size, &d, sizeof d);
 }
 
@@ -42,7 +43,7 @@ static const bvxi_option sections_rows[] = {
     BVXI_WHOLE(bvx_sections_options, depth, 0, BVXI_SECTION_DEEPEST),
     BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
     BVXI_SWITCH(bvx_sections_options, mend),
-    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_LINEAR, BVX_BLEND_CUBIC),
+    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_LINEAR, BVX_BLEND_AUTO),
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),

@@ -11,6 +11,8 @@
 
 #include <math.h>
 
+enum { LEAST_CUBIC = 5 }; /* sections */
+
 /* ---- which loops ---- */
 
 static bvx_status choose_label(bvxi_stack *s)
@@ -247,6 +249,17 @@ static void link_loops(bvxi_plane *p)
     }
 }
 
+/* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
+ * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
+static void choose_blend(bvxi_stack *s)
+{
+    bvx_sections_options *const o = &s->options;
+    int const many = s->plane_count >= LEAST_CUBIC;
+
+    if (o->blend != BVX_BLEND_AUTO) return;
+    o->blend = many && o->crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
+}
+
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *s)
 {
@@ -261,6 +274,7 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
     BVXI_TRY(choose_label(s));
     BVXI_TRY(gather_planes(s));
+    choose_blend(s);
     find_reach(s);
     for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
     return bvxi_stack_grid(s);

@@ -147,7 +147,8 @@ static double time_two(const bvx_sections *s, const bvx_sections_options *o, int
     return bench_min(&times);
 }
 
-static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int32_t crossings, int runs)
+static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int32_t crossings, int32_t blend,
+                     int runs)
 {
     static const char *const name[] = {"exact", "paper", "classic"};
     bvx_sections_options o;
@@ -163,6 +164,7 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = o.grid[1] = grid;
     o.crossings = crossings;
+    o.blend = blend;
     o.report = &report;
     for (int i = 0; i < runs; i++) {
         double start;
@@ -175,8 +177,9 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
     bench_try(ctx, bvx_mesh_check(ctx, &view, 0, &certificate), "certificate");
     measure_contours(ctx, s, &mesh, &mean, &most);
     printf(
-        "| %d x %d | %s | %.2f | %.2f | %s | %llu | %s | %.2f %% | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n",
-        (int)grid, (int)grid, name[crossings], bench_min(&times), time_two(s, &o, runs),
+        "| %d x %d | %s%s | %.2f | %.2f | %s | %llu | %s | %.2f %% | %llu, %llu | %.3g, %.3g | %.5g : %.5g |\n",
+        (int)grid, (int)grid, name[crossings], blend == BVX_BLEND_CUBIC ? ", cubic" : "", bench_min(&times),
+        time_two(s, &o, runs),
         grid == 20   ? "823"
         : grid == 40 ? "1452"
                      : "-",
@@ -420,9 +423,11 @@ int main(int argc, char **argv)
     printf(
         "| grid | crossings | ms | two threads: ms | the paper's ms | triangles | closed, manifold | distances skipped | edges and loops, points not kept | contour to "
         "mesh: mean, most | volume : prismoids |\n|--:|---|--:|--:|--:|--:|---|--:|--:|--:|--:|\n");
-    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++)
+    for (size_t i = 0; i < sizeof grids / sizeof *grids; i++) {
+        show_row(ctx, &ore, grids[i], BVX_CROSSINGS_EXACT, BVX_BLEND_CUBIC, runs);
         for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
-            show_row(ctx, &ore, grids[i], crossings, runs);
+            show_row(ctx, &ore, grids[i], crossings, BVX_BLEND_LINEAR, runs);
+    }
     show_any_planes(runs < 5 ? runs : 5);
     show_joint_table(runs < 3 ? runs : 3);
     bvx_context_destroy(ctx);

@@ -18,6 +18,7 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
             bvx_sections_options_init(&o, sizeof o);
             o.crossings = crossings;
             o.caps = caps;
+            o.blend = BVX_BLEND_LINEAR;
             o.grid[0] = o.grid[1] = cells;
             o.layers = 1 + caps;
             o.report = &report;

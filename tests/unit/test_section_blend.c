@@ -222,6 +222,33 @@ static void test_two_sections_are_as_ever(void)
     TEST_ASSERT_EQUAL_HEX64(linear, body_hash());
 }
 
+/* Auto, the default, is cubic from five sections on. */
+static void test_auto_goes_by_the_number_of_sections(void)
+{
+    for (int sections = 3; sections <= 7; sections++) {
+        uint64_t body[3];
+
+        make_ball(sections, 0.0);
+        bvx_sections_options_init(&o, sizeof o);
+        o.layers = 3;
+        TEST_ASSERT_EQUAL_INT32(BVX_BLEND_AUTO, o.blend);
+        for (int32_t blend = BVX_BLEND_LINEAR; blend <= BVX_BLEND_AUTO; blend++) {
+            build_blend(blend);
+            body[blend] = body_hash();
+        }
+        TEST_ASSERT_TRUE(body[BVX_BLEND_LINEAR] != body[BVX_BLEND_CUBIC]);
+        TEST_ASSERT_EQUAL_HEX64(body[sections < 5 ? BVX_BLEND_LINEAR : BVX_BLEND_CUBIC],
+                                body[BVX_BLEND_AUTO]);
+
+        /* The paper's way is straight. */
+        o.crossings = BVX_CROSSINGS_PAPER;
+        build_blend(BVX_BLEND_LINEAR);
+        body[BVX_BLEND_LINEAR] = body_hash();
+        build_blend(BVX_BLEND_AUTO);
+        TEST_ASSERT_EQUAL_HEX64(body[BVX_BLEND_LINEAR], body_hash());
+    }
+}
+
 static void test_turning_a_stack_over_turns_the_body(void)
 {
     double first;
@@ -314,12 +341,12 @@ static void test_threads_change_nothing(void)
     ctx = first;
 }
 
-static void test_blend_is_one_of_two(void)
+static void test_blend_is_one_of_three(void)
 {
     make_ball(3, 0.0);
-    o.blend = 2;
+    o.blend = 3;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "blend 2 is unknown"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "blend 3 is unknown"));
     o.blend = BVX_BLEND_CUBIC;
     o.cells = 1; /* a few are too few */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
@@ -335,11 +362,12 @@ int main(void)
     RUN_TEST(test_ball_is_nearer);
     RUN_TEST(test_straight_sides_stay_straight);
     RUN_TEST(test_two_sections_are_as_ever);
+    RUN_TEST(test_auto_goes_by_the_number_of_sections);
     RUN_TEST(test_turning_a_stack_over_turns_the_body);
     RUN_TEST(test_walls_keep_no_windows);
     RUN_TEST(test_thin_walls_do_not_cross);
     RUN_TEST(test_random_stacks_are_sound);
     RUN_TEST(test_threads_change_nothing);
-    RUN_TEST(test_blend_is_one_of_two);
+    RUN_TEST(test_blend_is_one_of_three);
     return UNITY_END();
 }

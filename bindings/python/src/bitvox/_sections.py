@@ -409,7 +409,7 @@ def from_sections(
     caps: Caps = "flat",
     thickness: float | None = None,
     join: float | None = None,
-    blend: Blend = "linear",
+    blend: Blend = "auto",
     nesting: Nesting = "levels",
     mend: bool = False,
     crossings: Crossings = "exact",
@@ -452,7 +452,8 @@ def from_sections(
         parallel planes: parts of neighboring sections that share no area, as of slanted vessels, are joined by shifting
         where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
     blend
-        from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them.
+        from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
+        "auto" is cubic from five sections on.
     nesting
         loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
         have no windows; "whole" blends sections as they are.
