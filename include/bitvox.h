@@ -303,7 +303,11 @@ static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_
     view.position_stride = 0;
     view.index_type = BVX_U32;
     view.index_stride = 0;
+#ifdef __cplusplus
+    view.colours = nullptr;
+#else
     view.colours = NULL;
+#endif
     view.reserved = 0;
     return view;
 }
