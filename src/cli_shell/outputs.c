@@ -342,12 +342,13 @@ static int write_bytes(cli_run *run, cli_output *o, const bvx_buffer *buffer)
     errno = 0;
     if ((standard ? fflush(file) : fclose(file)) != 0 && error == 0) error = errno != 0 ? errno : EIO;
     if (stopped) return cli_fail_interrupted(run);
-    /* It is the only output, so nothing of another one is half done. */
-    if (error != 0 && standard) cli_end_without_reader();
-    if (error != 0)
-        return cli_fail(run, "%s: cannot be written: %s", standard ? "standard output" : o->path,
-                        strerror(error));
-    return CLI_DONE;
+    if (error == 0) return CLI_DONE;
+
+    /* -o - is the only output, so nothing of another one is half done; a file that leads there may be one
+     * of several. */
+    int const is_dash = cli_is_standard_output(run, o->path);
+    if (is_dash) cli_end_without_reader();
+    return cli_fail(run, "%s: cannot be written: %s", is_dash ? "standard output" : o->path, strerror(error));
 }
 
 int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
