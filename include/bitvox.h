@@ -1106,8 +1106,7 @@ typedef struct bvx_repair_options {
                                     frame, whatever the other options are [Limit: 0..1] [Default: 0] */
     int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     int32_t reserved0;
-    uint64_t
-        keep_largest; /**< of what least_part leaves so many of the largest parts are kept, by voxels that
+    uint64_t keep_largest; /**< so many of the largest parts that least_part leaves are kept, by voxels that
                                 join through faces, as in bvx_keep_options [Limit: any] [Default: 0, all] */
 } bvx_repair_options;
 
@@ -1123,8 +1122,9 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts
  *  below least_part), BVX_ERR_RANGE (also target_triangles that no resolution meets).
  *  [Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to
- *  the surface and what bvx_measure_field needs a triangle; with a report that of bvx_mesh_check on both
- *  meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512, with a report 36 and 155]
+ *  the surface and what bvx_measure_field needs a triangle; parts inside out: 32 a crossing pair; with a
+ *  report that of bvx_mesh_check on both meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512,
+ *  with a report 36 and 155]
  *  [Cost: the solid, closest points of the centres next to the surface, the surface; target_triangles: the
  *  solid at each resolution tried]
  *  [Exact: any order of triangles, vertices and corners of a closed mesh, also inside out, gives the same

@@ -340,7 +340,7 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
         out[a] = front.distance > 1e-6 * t->unit ? (centre[a] - front.position[a]) / front.distance : n[a];
     look_behind(t, &front, out, n, &hint[1], found, &back);
 
-    /* Closed bodies only: through a hole the other side of the same face would be one that stands on it. */
+    /* Not of bodies with holes: through one the other side of the same face would be one that stands on it. */
     if (!t->parts || t->open == BVXI_WALLS_HOLES || found->wall != BVXI_NO_WALL) return;
     if (look_beside(t, centre, out, hint, found)) return;
     unit_normal(t, back.triangle, n);

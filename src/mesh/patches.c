@@ -14,9 +14,9 @@
 /* A link is a triangle << 1 | 1 when the two run differently; triangles are
  * below 2^31. A root links to itself. */
 typedef struct patch_sums {
-    uint32_t same,
-        other;     /* triangles that run as the root does, and those that do not; later same: its number */
-    double volume; /* that the patch encloses when all run as the root does */
+    uint32_t same;  /* triangles that run as the root does; later the patch's number */
+    uint32_t other; /* and those that do not */
+    double volume;  /* that the patch encloses when all run as the root does */
 } patch_sums;
 
 typedef struct patch_work {
