@@ -341,7 +341,7 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     look_behind(t, &front, out, n, &hint[1], found, &back);
 
     /* Not of bodies with holes: through one the other side of the same face would be one that stands on it. */
-    if (!t->parts || t->open == BVXI_WALLS_HOLES || found->wall != BVXI_NO_WALL) return;
+    if (!t->parts || t->open != BVXI_WALLS_CLOSED || found->wall != BVXI_NO_WALL) return;
     if (look_beside(t, centre, out, hint, found)) return;
     unit_normal(t, back.triangle, n);
     for (int a = 0; a < 3; a++) side += (centre[a] - back.position[a]) * n[a];
