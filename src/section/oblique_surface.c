@@ -188,15 +188,6 @@ static bvx_status march_all(bvxi_oblique *o)
 
 /* ---- what is kept ---- */
 
-static uint32_t root_vertex(uint32_t *joined, uint32_t i)
-{
-    while (joined[i] != i) {
-        joined[i] = joined[joined[i]];
-        i = joined[i];
-    }
-    return i;
-}
-
 /* Handles of all bodies, of a closed surface: V - E + F = 2 (parts - handles), E = 3 F / 2. */
 static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
 {
@@ -206,13 +197,8 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->position_count * 4, "the parts of the surface", &joined));
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
-        for (int k = 1; k < 3; k++) {
-            uint32_t const a = root_vertex(joined, o->triangle[3 * t]);
-            uint32_t const b = root_vertex(joined, o->triangle[3 * t + (uint64_t)k]);
-            if (a == b) continue;
-            joined[a > b ? a : b] = a > b ? b : a;
-            parts--;
-        }
+        for (int k = 1; k < 3; k++)
+            parts -= bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
     bvxi_drop(o->ctx, joined);
     *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
     return BVX_OK;
@@ -359,12 +345,8 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     /* What hangs together by triangles is one body. */
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
-        for (int k = 1; k < 3; k++) {
-            uint32_t const a = root_vertex(joined, o->triangle[3 * t]);
-            uint32_t const b = root_vertex(joined, o->triangle[3 * t + (uint64_t)k]);
-            joined[a > b ? a : b] = a > b ? b : a;
-        }
-    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = root_vertex(joined, (uint32_t)i);
+        for (int k = 1; k < 3; k++) bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
+    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
     memset(o->kept, 0, (size_t)o->position_count);
     mark_bodies(o, joined);
 
