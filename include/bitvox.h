@@ -284,8 +284,13 @@ typedef struct bvx_mesh_view {
     uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
     uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
     uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed; for pictures, and levels with
-                                 a colour_weight [Default: NULL] */
+    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
+    const float *normals;   /**< x, y, z of each vertex, packed [Default: NULL] */
+    const float *uvs;       /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
+    const uint32_t *uv_indices; /**< three indices into uvs a triangle; NULL: each vertex has its own */
+    uint64_t uv_count;          /**< of uvs, with uv_indices */
+    const float *uvs2;          /**< second texture coordinates of each vertex [Default: NULL] */
+    const uint32_t *materials;  /**< index of each triangle's material [Default: NULL] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -305,14 +310,23 @@ static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_
     view.index_stride = 0;
 #ifdef __cplusplus
     view.colours = nullptr;
+    view.normals = view.uvs = view.uvs2 = nullptr;
+    view.uv_indices = view.materials = nullptr;
 #else
     view.colours = NULL;
+    view.normals = view.uvs = view.uvs2 = NULL;
+    view.uv_indices = view.materials = NULL;
 #endif
+    view.uv_count = 0;
     view.reserved = 0;
     return view;
 }
 
-/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. See Outputs above. */
+/** Materials, textures and images as a file had them; a mesh that owns its arrays owns them too. */
+typedef struct bvx_assets bvx_assets;
+
+/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. See Outputs above. Where
+ *  attributes have a seam, vertices of equal positions have one side's each. */
 typedef struct bvx_mesh {
     void *positions;         /**< float or double [Size: vertex_count * 3] [Units: world, less frame] */
     uint32_t *triangles;     /**< [Size: triangle_count * 3] */
@@ -330,7 +344,11 @@ typedef struct bvx_mesh {
     uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: each
                                  vertex has the uv of its own index, and uv_count is vertex_capacity */
     uint64_t uv_count;
-    uint64_t reserved[4];
+    float *normals;      /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
+    float *uvs2;         /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
+    uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
+    bvx_assets *assets;  /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
+    uint64_t reserved[2];
 } bvx_mesh;
 
 /** Free what the library allocated and zero the struct. So do all bvx_..._free. */

@@ -24,6 +24,12 @@ bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int3
                          function, (int64_t)position_type);
 }
 
+int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
+{
+    return mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL || mesh->normals != NULL ||
+           mesh->uvs2 != NULL || mesh->materials != NULL || mesh->assets != NULL;
+}
+
 /* 1 when arrays that the library made hold such a surface and nothing else. */
 static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
                  uint64_t triangle_count)
@@ -31,7 +37,7 @@ static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint
     /* Arrays with anything more would keep values of another surface. */
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
     if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
-    if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) return 0;
+    if (bvxi_mesh_has_attributes(mesh)) return 0;
     return mesh->vertex_capacity >= vertex_count && mesh->triangle_capacity >= triangle_count;
 }
 
@@ -52,9 +58,11 @@ static bvx_status take_arrays(bvx_context *ctx, const char *function, int32_t po
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: the mesh brings arrays for keys; ask for keys or leave them NULL",
                              function);
-    if (mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL) /* and these too */
+    if (bvxi_mesh_has_attributes(mesh)) /* and these too */
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
-                             "%s: the mesh brings colours or texture coordinates; leave them NULL", function);
+                             "%s: the mesh brings attributes such as colours or texture coordinates; leave "
+                             "them NULL",
+                             function);
 
     /* Checked last, so that a message about room means that all else is right. */
     if (mesh->vertex_capacity < vertex_count || mesh->triangle_capacity < triangle_count)
@@ -117,6 +125,10 @@ void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays)
         void *block;
         uint64_t count, bytes;
     } const owned[] = {
+        {BVXI_MESH_ASSETS, mesh->assets, 1, bvxi_assets_bytes(mesh->assets)},
+        {BVXI_MESH_MATERIALS, mesh->materials, triangles, 4},
+        {BVXI_MESH_UVS2, mesh->uvs2, vertices, 8},
+        {BVXI_MESH_NORMALS, mesh->normals, vertices, 12},
         {BVXI_MESH_UV_TRIANGLES, mesh->uv_triangles, triangles, 12},
         {BVXI_MESH_UVS, mesh->uvs, mesh->uv_count, 8},
         {BVXI_MESH_COLOURS, mesh->colours, vertices, 4},
@@ -129,6 +141,10 @@ void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays)
     for (size_t i = 0; i < sizeof owned / sizeof owned[0]; i++)
         if ((arrays & owned[i].array) != 0) bvxi_free(ctx, owned[i].block, owned[i].count * owned[i].bytes);
 
+    if ((arrays & BVXI_MESH_ASSETS) != 0) mesh->assets = NULL;
+    if ((arrays & BVXI_MESH_MATERIALS) != 0) mesh->materials = NULL;
+    if ((arrays & BVXI_MESH_UVS2) != 0) mesh->uvs2 = NULL;
+    if ((arrays & BVXI_MESH_NORMALS) != 0) mesh->normals = NULL;
     if ((arrays & BVXI_MESH_UV_TRIANGLES) != 0) mesh->uv_triangles = NULL;
     if ((arrays & BVXI_MESH_UVS) != 0) mesh->uvs = NULL;
     if ((arrays & BVXI_MESH_COLOURS) != 0) mesh->colours = NULL;
@@ -157,11 +173,17 @@ void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view)
     view->position_type = mesh->position_type == BVX_F64 ? BVX_F64 : BVX_F32;
     view->index_type = BVX_U32;
     view->colours = mesh->colours;
+    view->normals = mesh->normals;
+    view->uvs = mesh->uvs;
+    view->uv_indices = mesh->uv_triangles;
+    view->uv_count = mesh->uv_triangles != NULL ? mesh->uv_count : 0;
+    view->uvs2 = mesh->uvs2;
+    view->materials = mesh->materials;
 }
 
 bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
-    for (uint64_t i = 0; i < 4; i++)
+    for (uint64_t i = 0; i < 2; i++)
         if (mesh->reserved[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
                                  "%s: mesh.reserved[%u] must be 0", function, i);

@@ -20,9 +20,36 @@ enum {
     BVXI_MESH_COLOURS = 8,
     BVXI_MESH_UVS = 16,
     BVXI_MESH_UV_TRIANGLES = 32,
-    BVXI_MESH_ALL = 63
+    BVXI_MESH_NORMALS = 64,
+    BVXI_MESH_UVS2 = 128,
+    BVXI_MESH_MATERIALS = 256,
+    BVXI_MESH_ASSETS = 512,
+    BVXI_MESH_ALL = 1023
 };
 void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays);
+
+int bvxi_mesh_has_attributes(const bvx_mesh *mesh);
+
+/* Materials, textures and images of a glTF file: one block, in which all pointers lead. The texts are JSON
+ * arrays as the file has them, or NULL; an image's bytes are its own, whatever its bufferView or uri was. */
+typedef struct bvxi_asset_image {
+    const char *members; /* the members of its JSON object without uri and bufferView, such as "mimeType":"..." */
+    const uint8_t *bytes;
+    uint64_t size;
+} bvxi_asset_image;
+
+struct bvx_assets {
+    uint64_t block_bytes; /* of all of it, this struct included */
+    const char *materials, *textures, *samplers;
+    const char *extensions_used; /* JSON array of those that materials and textures use */
+    uint64_t material_count, image_count;
+    const bvxi_asset_image *images;
+};
+
+static inline uint64_t bvxi_assets_bytes(const bvx_assets *assets)
+{
+    return assets != NULL ? assets->block_bytes : 0;
+}
 
 /* Refuse a position_type of options that has no meaning. */
 bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type);
