@@ -12,8 +12,10 @@
 #include <math.h>
 
 enum {
-    COLLAPSE_REPORT = 1024,  /* edges that are tried between two reports of progress */
-    COLLAPSE_CURVE_BITS = 21 /* of the order in space along each axis */
+    COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
+    COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
+    COLLAPSE_IDLE = 12,       /* sweeps without a collapse until all edges are looked at anew */
+    COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
 };
 
 /* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
@@ -26,64 +28,60 @@ enum {
 
 /* ---- The run to a target ---- */
 
-/* Pack the mesh, and make boxes and queue anew. */
-static void pack_collapse(bvxi_collapse *c)
+/* Sweeps until the target is met or none makes a collapse. */
+static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, double from, double to)
 {
-    bvxi_corners *const m = &c->mesh;
+    uint64_t const begun = c->mesh.left;
+    uint64_t since = 0; /* collapses since all edges were looked at */
+    int idle = 0;
 
-    if (m->left != m->triangles) {
-        uint64_t const vertices = m->vertices;
+    while (c->mesh.left > target) {
+        uint64_t done;
 
-        bvxi_corners_pack(m, c->version);
-        if (c->colour != NULL) bvxi_colours_pack(c->colour, vertices, c->version);
+        BVXI_TRY(bvxi_progress(c->ctx, "collapse",
+                               from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target)));
+        BVXI_TRY(bvxi_collapse_sweep(c, target, idle, &done));
+        since += done;
+        idle = done == 0 ? idle + 1 : 0;
+        if (idle < COLLAPSE_IDLE) continue;
+
+        /* Refused edges may be safe now that others have gone. */
+        if (since == 0) break;
+        BVXI_TRY(bvxi_collapse_evaluate(c));
+        since = 0;
+        idle = 0;
     }
+    return BVX_OK;
+}
 
-    /* The old queue's entries go, so versions may begin anew. */
-    memset(c->version, 0, (size_t)m->vertices * sizeof *c->version);
-    bvxi_box_tree_set(&c->boxes, m);
+/* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
+ * one by one. */
+static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, double from, double to)
+{
+    double const middle = from + 0.8 * (to - from);
+    uint64_t undone;
 
-    /* Each edge once: from the smaller of the two corners opposite to it. */
-    bvxi_queue_clear(&c->queue);
-    for (int32_t t = 0; t < (int32_t)m->triangles; t++)
-        for (int32_t corner = 4 * t; corner < 4 * t + 3; corner++)
-            if (corner < bvxi_corner_opposite(m, corner)) bvxi_collapse_put(c, corner);
-    c->packed = m->left;
+    BVXI_TRY(collapse_edges(c, target, from, middle));
+    BVXI_TRY(bvxi_collapse_judge(c, 0, middle, to, &undone));
+    if (undone != 0) BVXI_TRY(collapse_edges(c, target, to, to));
+    bvxi_collapse_end_careful(c);
+    return BVX_OK;
 }
 
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to)
 {
-    uint64_t begun, collapsed = c->counts.collapsed;
-    bvxi_queue_entry entry;
+    uint64_t const begun = c->mesh.left;
+    (void)level;
 
-    /* Colours are kept beside the mesh, which cells do not copy. */
-    if (c->colour == NULL && bvxi_collapse_is_far(c, target, level)) {
-        BVXI_TRY(bvxi_collapse_cells(c, target, level, from, 0.5 * (from + to)));
-        from = 0.5 * (from + to);
-    }
-    begun = c->mesh.left;
+    /* Judged on the way, what crosses has little built on it. */
+    while (c->mesh.left > target) {
+        uint64_t const before = c->mesh.left, step = before / COLLAPSE_JUDGED;
+        uint64_t const next = step > target ? step : target;
+        double const at = from + (to - from) * (double)(begun - before) / (double)(begun - target);
+        double const end = from + (to - from) * (double)(begun - next) / (double)(begun - target);
 
-    for (uint64_t tried = 0; c->mesh.left > target; tried++) {
-        if (tried % COLLAPSE_REPORT == 0)
-            BVXI_TRY(bvxi_progress(c->ctx, "collapse",
-                                   from + (to - from) * (double)(begun - c->mesh.left) /
-                                              (double)(begun - target)));
-
-        /* After each halving memory is in the order of space again, and refused edges come back. */
-        if (c->mesh.left <= c->packed / 2 || bvxi_queue_room(&c->queue) < BVXI_STAR_MOST) pack_collapse(c);
-        if (bvxi_queue_take(&c->queue, &entry)) {
-            /* What comes next is fetched while this one is judged. */
-            int32_t const soon = bvxi_queue_soon(&c->queue);
-
-            if (soon >= 0) BVXI_PREFETCH(&c->mesh.triangle[soon >> 2]);
-            bvxi_collapse_try(c, &entry);
-            continue;
-        }
-
-        /* The queue is empty above the target. Edges that were refused may be safe now that others have gone:
-         * all are queued again, unless the last pass has collapsed nothing. */
-        if (collapsed == c->counts.collapsed) break;
-        collapsed = c->counts.collapsed;
-        pack_collapse(c);
+        BVXI_TRY(collapse_judged(c, next, at, end));
+        if (c->mesh.left > next && c->mesh.left + c->mesh.left / 8 > before) break;
     }
     return BVX_OK;
 }
@@ -141,39 +139,76 @@ static void order_equal_keys(collapse_order *o, uint64_t used)
         }
 }
 
-/* Triangles by their least vertex, which comes first, and the one after it: no two begin alike in an oriented
- * manifold. */
+/* The corners of a triangle in the new order of vertices, the least one first, which keeps the sense. */
+static void ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
+{
+    uint32_t v[3];
+    int first;
+
+    bvxi_view_triangle(o->view, t, v);
+    for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
+    first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
+    for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
+}
+
+/* Triangles that begin with one vertex by the one after it: few, but where a vertex has very many. */
+static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t begin, uint64_t end)
+{
+    bvxi_corner_triangle *const t = c->mesh.triangle;
+
+    if (end - begin > COLLAPSE_BUCKET) {
+        for (uint64_t i = begin; i < end; i++) {
+            o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
+            o->index[i - begin] = 0;
+        }
+        BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, end - begin));
+        for (uint64_t i = begin; i < end; i++) {
+            t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
+            t[i].vertex[2] = (uint32_t)o->key[i - begin];
+        }
+        return BVX_OK;
+    }
+    for (uint64_t i = begin + 1; i < end; i++) {
+        bvxi_corner_triangle const moving = t[i];
+        uint64_t j = i;
+
+        for (; j > begin && (t[j - 1].vertex[1] > moving.vertex[1] || (t[j - 1].vertex[1] == moving.vertex[1] &&
+                                                                       t[j - 1].vertex[2] > moving.vertex[2]));
+             j--)
+            t[j] = t[j - 1];
+        t[j] = moving;
+    }
+    return BVX_OK;
+}
+
+/* Triangles by their least vertex, which comes first, and the ones after it: the order depends on the mesh
+ * alone. */
 static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
 {
     uint64_t const n = o->view->triangle_count;
+    uint32_t *begin, v[3];
+    uint64_t sum = 0;
 
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
     for (uint64_t t = 0; t < n; t++) {
-        uint32_t v[3];
+        ranked_triangle(o, t, v);
+        begin[v[0]]++;
+    }
+    for (uint64_t i = 0; i <= c->mesh.vertices; i++) {
+        uint64_t const own = begin[i];
 
-        bvxi_view_triangle(o->view, t, v);
-        for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
-        {
-            int const first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
-            o->key[t] = (uint64_t)v[first] << 32 | v[(first + 1) % 3];
-        }
-        o->index[t] = (uint32_t)t;
+        begin[i] = (uint32_t)sum;
+        sum += own;
+    }
+    for (uint64_t t = 0; t < n; t++) {
+        ranked_triangle(o, t, v);
+        memcpy(c->mesh.triangle[begin[v[0]]++].vertex, v, sizeof v);
     }
 
-    /* Ties cannot be: the order depends on the mesh alone. */
-    BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, n));
-
-    for (uint64_t t = 0; t < n; t++) {
-        uint32_t v[3];
-        uint32_t *const to = c->mesh.triangle[t].vertex;
-
-        bvxi_view_triangle(o->view, o->index[t], v);
-        for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
-        for (int k = 0; k < 3; k++)
-
-            /* Turned so that the least vertex comes first, which keeps the orientation. */
-            if (v[k] == o->key[t] >> 32)
-                for (int j = 0; j < 3; j++) to[j] = v[(k + j) % 3];
-    }
+    /* Each bucket ends where the next one began. */
+    for (uint64_t i = 0; i < c->mesh.vertices; i++)
+        BVXI_TRY(order_bucket(c, o, i == 0 ? 0 : begin[i - 1], begin[i]));
+    bvxi_drop(c->ctx, begin);
     return BVX_OK;
 }
 
@@ -194,7 +229,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
         /* Rounded to the type of the result from the start, so that what is judged is what is given. */
         for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = bvxi_collapse_rounded(c, p[a]);
-        if (c->mesh.tint != NULL) memcpy(c->mesh.tint + 4 * i, o->view->colours + 4 * (size_t)o->index[i], 4);
+        c->mesh.source[i] = o->index[i];
         o->rank[o->index[i]] = (uint32_t)i;
     }
     return order_triangles(c, o);
@@ -223,7 +258,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
 {
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
-    uint64_t const bytes = items * 12 + mesh->vertex_count * 4;
+    uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
     collapse_order o = {.view = mesh, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
 
@@ -238,9 +273,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     c->mesh.vertex_room = mark_used(&o);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at));
-    if (c->options.colour_weight > 0 && mesh->colours != NULL)
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' colours",
-                            &c->mesh.tint));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' sources", &c->mesh.source));
     BVXI_TRY(take_mesh(c, &o));
     bvxi_drop(c->ctx, block);
     return BVX_OK;
@@ -266,7 +299,8 @@ static void add_planes(bvxi_collapse *c, double (*normal)[3])
 
     for (uint64_t t = 0; t < m->triangles; t++) {
         const uint32_t *const v = m->triangle[t].vertex;
-        double n[3], length;
+        double n[3], a[6], length, inverse, weight;
+        int index = 0;
 
         bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
         length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -275,13 +309,16 @@ static void add_planes(bvxi_collapse *c, double (*normal)[3])
         if (!(length > 0)) continue;
         c->area += 0.5 * length * c->scale * c->scale;
 
-        for (int k = 0; k < 3; k++) {
-            for (int i = 0; i < 3; i++) normal[v[i]][k] += n[k];
-            n[k] /= length;
-        }
+        inverse = 1 / length;
+        weight = inverse * c->scale * c->scale;
+        for (int i = 0; i < 3; i++)
+            for (int k = i; k < 3; k++) a[index++] = n[i] * n[k] * weight;
 
         /* Weighed by area, so that cutting a triangle in two changes nothing. */
-        for (int i = 0; i < 3; i++) add_plane(&m->at[v[i]], n, length * c->scale * c->scale);
+        for (int i = 0; i < 3; i++) {
+            for (int k = 0; k < 3; k++) normal[v[i]][k] += n[k];
+            for (int k = 0; k < 6; k++) m->at[v[i]].a[k] += a[k];
+        }
     }
 }
 
@@ -351,45 +388,49 @@ static bvx_status start_quadrics(bvxi_collapse *c)
     return BVX_OK;
 }
 
-static bvx_status start_colours(bvxi_collapse *c)
-{
-    if (c->mesh.tint == NULL) return BVX_OK;
-
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->colour,
-                             "the quadrics of colours", &c->colour));
-    bvxi_colours_start(&c->mesh, c->mesh.tint, c->options.colour_weight, c->scale, c->colour);
-    return BVX_OK;
-}
-
 /* ---- Opening, results ---- */
+
+/* Vertices on borders move along them only. */
+static void mark_kinds(bvxi_collapse *c)
+{
+    const bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t t = m->triangles; t < m->triangles + m->ghosts; t++)
+        for (int k = 1; k < 3; k++)
+            c->kind[m->triangle[t].vertex[k]] |= c->options.lock_border ? VERTEX_FIXED : VERTEX_LINE;
+    for (uint64_t v = 0; v < m->vertices && c->options.locked != NULL; v++)
+        if (c->options.locked[m->source[v]] != 0) c->kind[v] |= VERTEX_FIXED;
+}
 
 static bvx_status open_arrays(bvxi_collapse *c)
 {
-    uint64_t const entries = 3 * c->mesh.triangles + BVXI_STAR_MOST;
-    uint64_t const spread = entries / (BVXI_QUEUE_CHUNK - 1) + BVXI_QUEUE_HEADS;
+    bvxi_corners *const m = &c->mesh;
+    uint64_t const n = m->vertices;
 
-    /* Room for each edge, spread over the buckets as badly as can be. */
-    c->queue.chunks = (int32_t)(entries < spread ? entries : spread) + 2 * BVXI_STAR_MOST;
-    c->begun_vertices = c->mesh.vertices;
-    c->node_bytes = bvxi_box_tree_bytes(c->mesh.triangles);
-    c->chunk_bytes = (uint64_t)c->queue.chunks * sizeof *c->queue.chunk +
-                     BVXI_QUEUE_HEADS * sizeof *c->queue.head;
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->mesh.facing,
-                             "what vertices face", &c->mesh.facing));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->begun_vertices * sizeof *c->version,
-                        "the vertices' versions", &c->version));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->node_bytes, "the triangles' boxes", &c->nodes));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->chunk_bytes, "the edges by their cost", &c->chunks));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->triangles * 12, "the mesh's corners", &c->origin));
+    for (uint64_t t = 0; t < m->triangles; t++) memcpy(c->origin + 3 * t, m->triangle[t].vertex, 12);
+    c->edge = (int32_t *)(void *)(c->least + n);
+    c->any = c->edge + n;
+    c->last = (uint32_t *)(void *)(c->any + n);
+    c->waits = c->kind + n;
+    c->fresh = c->waits + n;
 
-    /* The proof by facing (one_sheet.c) needs a closed surface of one piece without crossings. */
-    c->boxes.faces = c->options.simple && !c->options.lenient && c->mesh.ghosts == 0 &&
-                     bvxi_corners_pieces(&c->mesh, c->version) == 1;
-
-    /* Memory of the queue serves cells while they collapse, so it is one block that is laid out anew. */
-    c->queue.chunk = (bvxi_queue_chunk *)(void *)c->chunks;
-    c->queue.head = (int32_t *)(void *)(c->queue.chunk + c->queue.chunks);
-    bvxi_box_tree_lay_out(&c->boxes, c->mesh.triangles, c->nodes);
-    return BVX_OK;
+    for (uint64_t v = 0; v < n; v++) {
+        c->edge[v] = -1;
+        c->last[v] = BVXI_VERTEX_NONE;
+    }
+    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
+        for (int k = 0; k < 3; k++) {
+            m->triangle[t].cost[k] = COLLAPSE_NEVER;
+            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
+                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+        }
+    c->alive = n;
+    mark_kinds(c);
+    return bvxi_collapse_evaluate(c);
 }
 
 static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
@@ -398,7 +439,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
 
     BVXI_TRY(bvxi_view_bounds(c->ctx, c->function, mesh, low, high));
     for (int a = 0; a < 3; a++) {
-        c->boxes.low[a] = low[a];
+        c->low[a] = low[a];
         if (high[a] - low[a] > size) size = high[a] - low[a];
     }
 
@@ -408,7 +449,6 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
                              c->function, size, COLLAPSE_NARROWEST, COLLAPSE_WIDEST);
 
     /* The longest side decides: steps are the same along all axes. */
-    c->boxes.scale = size > 0 ? BVXI_BOX_HIGHEST / size : 0;
     c->scale = size > 0 ? 1 / size : 1;
 
     c->mesh.triangle_room = c->mesh.triangles = mesh->triangle_count;
@@ -421,9 +461,6 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
     BVXI_TRY(start_quadrics(c));
-    BVXI_TRY(start_colours(c));
-
-    c->packed = UINT64_MAX; /* boxes and queue are not set yet */
     return open_arrays(c);
 }
 
@@ -440,11 +477,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->ctx = ctx;
     c->function = function;
     c->options = *options;
-    c->star.lenient = options->lenient;
-
-    /* All costs are allowed; cells have a limit of their own. */
-    c->dearest = BVXI_QUEUE_FINE - 1;
-    c->queue.batch = INT32_MAX;
+    c->view = mesh;
     BVXI_TRY(open_steps(c, mesh));
     *collapse = c;
     return BVX_OK;
@@ -453,32 +486,50 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
 void bvxi_collapse_close(bvxi_collapse *c)
 {
     if (c == NULL) return;
-    bvxi_drop(c->ctx, c->chunks);
-    bvxi_drop(c->ctx, c->nodes);
-    bvxi_drop(c->ctx, c->version);
-    bvxi_drop(c->ctx, c->mesh.facing);
+    bvxi_drop(c->ctx, c->tree.node[0]);
+    bvxi_drop(c->ctx, c->came);
+    bvxi_drop(c->ctx, c->origin);
+    bvxi_drop(c->ctx, c->kind);
+    bvxi_drop(c->ctx, c->least);
+    bvxi_drop(c->ctx, c->undo);
     bvxi_drop(c->ctx, c->mesh.triangle);
-    bvxi_drop(c->ctx, c->colour);
-    bvxi_drop(c->ctx, c->mesh.tint);
+    bvxi_drop(c->ctx, c->mesh.source);
     bvxi_drop(c->ctx, c->mesh.at);
     bvxi_drop(c->ctx, c);
+}
+
+bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
+{
+    uint32_t next = 0;
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices * 4, "the vertices' indices", index));
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+        (*index)[v] = next;
+        next += !bvxi_collapse_is_gone(c, (uint32_t)v);
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 {
     const bvxi_corners *const m = &c->mesh;
+    uint32_t *index, *to;
 
-    /* Packed, triangles and vertices stand as the result has them, and the run can go on to the next
-     * level. */
-    pack_collapse(c);
-    BVXI_TRY(
-        bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, m->vertices, m->triangles, level));
-    for (uint64_t t = 0; t < m->triangles; t++) memcpy(level->triangles + 3 * t, m->triangle[t].vertex, 12);
+    BVXI_TRY(bvxi_collapse_number(c, &index));
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, c->alive, m->left, level));
+    to = level->triangles;
+    for (uint64_t t = 0; t < m->triangles; t++) {
+        if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
+        for (int k = 0; k < 3; k++) *to++ = index[m->triangle[t].vertex[k]];
+    }
     for (uint64_t v = 0; v < m->vertices; v++)
-        for (uint64_t k = 0; k < 3; k++) {
-            if (c->options.position_type == BVX_F64) ((double *)level->positions)[3 * v + k] = m->at[v].p[k];
-            else ((float *)level->positions)[3 * v + k] = (float)m->at[v].p[k];
+        for (uint64_t k = 0; k < 3 && !bvxi_collapse_is_gone(c, (uint32_t)v); k++) {
+            uint64_t const at = 3 * (uint64_t)index[v] + k;
+
+            if (c->options.position_type == BVX_F64) ((double *)level->positions)[at] = m->at[v].p[k];
+            else ((float *)level->positions)[at] = (float)m->at[v].p[k];
         }
+    bvxi_drop(c->ctx, index);
     return BVX_OK;
 }
 

@@ -1,67 +1,65 @@
-/* collapse_state.h - a mesh while its edges collapse, all of it or a cell only: vertices, quadrics, queue,
- * tree of boxes; and the quadrics of colours. Only simplify/ includes this. Not installed. */
+/* collapse_state.h - a mesh while its edges collapse: vertices, quadrics, costs, and what undoes a collapse.
+ * Only simplify/ includes this. Not installed. */
 #ifndef BVXI_COLLAPSE_STATE_H
 #define BVXI_COLLAPSE_STATE_H
 
 #include "simplify/corners.h"
-#include "simplify/queue.h"
+#include "simplify/crossings.h"
 #include "simplify/room.h"
-#include "simplify/star.h"
-
-/* ---- Quadrics of colours, for levels that keep the borders of colours ---- */
-
-/* Of a vertex, about its position: sums over its triangles, by area w, of a
- * channel's value g x + d squared (a, b, c), and of gradients and values
- * themselves, by which the best colour of the vertex is taken out again. */
-typedef struct bvxi_colour_quadric {
-    double a[6], b[3], c;
-    double g[3][3], d[3]; /* of each channel */
-    double w;
-} bvxi_colour_quadric;
-
-/* Sums for all vertices, which are zeroed. colours: four bytes a vertex;
- * weight: length that a difference of 255 stands for, in units of 1 / scale. */
-void bvxi_colours_start(const bvxi_corners *mesh, const uint8_t *colours, double weight, double scale,
-                        bvxi_colour_quadric *at);
-/* Both vertices' sums about u; offset leads from u to v. */
-void bvxi_colours_join(const bvxi_colour_quadric *u, const bvxi_colour_quadric *v, const double offset[3],
-                       bvxi_colour_quadric *both);
-/* About a position that lies at an offset. */
-void bvxi_colours_move(bvxi_colour_quadric *q, const double offset[3]);
-/* Add what a vertex costs that has its best colour: a quadric of its position only. */
-void bvxi_colours_add(const bvxi_colour_quadric *q, double a[6], double b[3], double *c);
-/* Move the sums as bvxi_corners_pack moved vertices. */
-void bvxi_colours_pack(bvxi_colour_quadric *at, uint64_t vertices, const uint32_t *moved);
-
-/* ---- A mesh while its edges collapse, all of it or a cell only ---- */
+#ifndef BVX_VERTICES_KEPT
+#define BVX_VERTICES_KEPT 1
+#endif
 
 enum {
-    /* While more than so many times the level are left, more triangles than are worth the trouble, and a
-     * quarter more than the target, cells collapse on their own. */
-    COLLAPSE_FAR = 3,
-    COLLAPSE_NEAR = 20000
+    COLLAPSE_GONE = -2, /* in place of a vertex's edge */
+    COLLAPSE_STAR = 96 /* triangles around either end; a vertex of more stays, its neighbours do not */
 };
+
+/* How a vertex may move: bits. */
+enum {
+    VERTEX_LINE = 1,  /* on one line of borders or seams: along it only */
+    VERTEX_FIXED = 2 /* where such lines meet or end, or locked: not at all */
+};
+
+#define COLLAPSE_NEVER 3e38f /* the cost of an edge that must not collapse */
+
+/* What undoes the collapse in which a vertex went. */
+typedef struct collapse_undo {
+    double p[3];      /* of the vertex that stayed, as it was */
+    int32_t edge;     /* corner opposite to the edge; the vertex that stayed is next, the one that went previous */
+    uint32_t stayed;
+    uint32_t before;  /* the vertex that went into it last before this one, or BVXI_VERTEX_NONE */
+    uint32_t order;   /* of collapses that touch each other: rises */
+} collapse_undo;
 
 struct bvxi_collapse {
     bvx_context *ctx;
     const char *function;
     bvxi_collapse_options options;
     bvxi_corners mesh;
-    bvxi_box_tree boxes;
-    bvxi_queue queue;
-    bvxi_colour_quadric *colour; /* of each vertex, or NULL */
-    uint32_t *version;           /* of each vertex: grows when it moves */
-    double scale;                /* quadrics measure lengths in units of 1 / scale, the mesh's size */
-    double area;                 /* of the mesh as it was opened, in the same units */
+
+    float *least;        /* of each vertex: the cost of its cheapest edge */
+    int32_t *edge;       /* the corner opposite to that edge, -1, or COLLAPSE_GONE */
+    int32_t *any;        /* a corner of the vertex */
+    uint8_t *kind;       /* VERTEX_... */
+    uint8_t *waits;      /* 1: its edge reaches into another range */
+    uint8_t *fresh;      /* 1: it has changed since the level was judged */
+    collapse_undo *undo; /* of vertices that are gone */
+    uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
+
+    const bvx_mesh_view *view;
+    uint32_t *origin;   /* corners of the triangles as they were opened */
+    crossing_tree tree; /* while collapses are looked at one by one: node[0] is not NULL */
+    uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
+    uint64_t crossings; /* pairs of the level, where counted is 1 */
+    int counted;
+
+    double scale; /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    double area;  /* of the mesh as it was opened, in the same units */
+    double low[3];
+    uint64_t alive; /* vertices */
+    uint32_t order; /* of the next collapse */
     bvxi_collapse_counts counts;
-    uint64_t packed; /* triangles when the mesh was packed last */
-    uint64_t begun_vertices;
-    unsigned char *nodes, *chunks;
-    uint64_t node_bytes, chunk_bytes;
-    const unsigned char *locked; /* of each vertex, not 0: its edges stay; NULL: none */
-    bvxi_box bounds;             /* where some are locked: new positions stay within */
-    int32_t dearest;             /* bucket; edges that cost more do not wait */
-    bvxi_star star;              /* of the edge that is tried */
 };
 
 /* Nearest value of the type that positions have in the result. */
@@ -70,17 +68,29 @@ static inline double bvxi_collapse_rounded(const bvxi_collapse *c, double x)
     return c->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
-/* Evaluate the edge opposite to a corner and let it wait. */
-void bvxi_collapse_put(bvxi_collapse *c, int32_t corner);
-/* The bucket of its cost. */
-int32_t bvxi_collapse_bucket(const bvxi_collapse *c, int32_t corner);
-/* Collapse an edge where that is safe, else put it back among those that cost four times as much. */
-void bvxi_collapse_try(bvxi_collapse *c, bvxi_queue_entry *entry);
+static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
+{
+    return c->edge[v] == COLLAPSE_GONE;
+}
 
-/* 1 while cells collapse on their own. */
-int bvxi_collapse_is_far(const bvxi_collapse *c, uint64_t target, uint64_t level);
-/* cell_collapse.c: collapse cheap edges within cells of space until the mesh is near a level or a target, or
- * hardly any is cheap. The mesh is packed then; boxes and queue are not set. */
-bvx_status bvxi_collapse_cells(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to);
+/* collapse.c: evaluate all edges, and the cheapest of each vertex. */
+bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
+/* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
+bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
+/* Undo the collapse in which v went, or one after it that builds on it; returns the vertex that is back. */
+uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v);
+
+/* collapse_mesh.c: the new index of each vertex that is left. */
+bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
+
+/* judge.c: undo collapses until no two triangles cross but beside those of the mesh that do; *undone counts
+ * them. all: look also at triangles that nothing has changed, so that crossings are counted. From then on
+ * collapses are looked at one by one, until the end is called. */
+bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone);
+void bvxi_collapse_end_careful(bvxi_collapse *c);
+/* judge.c: 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
+ * once u and v are gone. */
+int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
+                          const double *p);
 
 #endif

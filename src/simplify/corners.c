@@ -9,12 +9,17 @@
 
 /* ---- Connecting ---- */
 
-/* Edges that wait, by their end. */
+/* A corner whose edge waits at one of its ends for its second side. */
+typedef struct edge_wait {
+    uint32_t other; /* end of the edge */
+    int32_t corner, next;
+} edge_wait;
+
 typedef struct edge_lists {
-    int32_t *first;   /* the corner opposite to the last edge that began to wait at each vertex, or -1 [Size:
-                         vertices] */
-    int32_t *next;    /* the one before, of each corner [Size: triangles * 4] */
+    int32_t *first;   /* the last that began to wait at each vertex, or -1 [Size: vertices] */
     uint32_t *around; /* triangles of each vertex [Size: vertices] */
+    edge_wait *wait;  /* [Size: triangles * 3] */
+    int32_t count;
 } edge_lists;
 
 /* An opposite of the first corner that waited at an edge whose sides are all borders. */
@@ -60,16 +65,17 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int border
     /* The end of fewer triangles has the shorter list; of equals the smaller number, so that both sides
      * choose the same. */
     int const at_u = lists->around[u] < lists->around[v] || (lists->around[u] == lists->around[v] && u < v);
-    uint32_t const end = at_u ? u : v;
+    uint32_t const end = at_u ? u : v, other = at_u ? v : u;
+    edge_wait *wait;
 
-    for (int32_t e = lists->first[end]; e >= 0; e = lists->next[e]) {
-        uint32_t const a = bvxi_corner_vertex_of(m, bvxi_corner_next(e)),
-                       b = bvxi_corner_vertex_of(m, bvxi_corner_previous(e));
+    m->triangle[c >> 2].opposite[c & 3] = -1;
+    for (int32_t i = lists->first[end]; i >= 0; i = lists->wait[i].next) {
+        int32_t const e = lists->wait[i].corner;
 
-        if (!((a == u && b == v) || (a == v && b == u))) continue;
+        if (lists->wait[i].other != other) continue;
 
         /* Opposite directions, and nobody else has joined it: a pair. */
-        if (a == v && bvxi_corner_opposite(m, e) == -1) {
+        if (bvxi_corner_vertex_of(m, bvxi_corner_next(e)) == v && bvxi_corner_opposite(m, e) == -1) {
             bvxi_corners_join(m, c, e);
             return 1;
         }
@@ -77,13 +83,14 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int border
         /* A third side, or two that run the same way. */
         if (borders != BVXI_BORDERS_CUT) return 0;
         cut_both_sides(m, e);
-        m->triangle[c >> 2].opposite[c & 3] = -1;
         return 1;
     }
 
-    m->triangle[c >> 2].opposite[c & 3] = -1;
-    lists->next[c] = lists->first[end];
-    lists->first[end] = c;
+    wait = &lists->wait[lists->count];
+    wait->other = other;
+    wait->corner = c;
+    wait->next = lists->first[end];
+    lists->first[end] = lists->count++;
     return u != v;
 }
 
@@ -155,56 +162,42 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     return BVX_OK;
 }
 
-/* A vertex whose fan is not all of its corners joins two fans. first: a corner of each vertex. */
-static bvx_status check_fans(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t *first)
+/* 1: the corners of every vertex are one fan, which is walked from any of them. */
+static int has_one_fan_each(const bvxi_corners *m, int32_t *any)
 {
     uint64_t reached = 0;
 
-    for (uint64_t v = 0; v < m->vertices; v++) first[v] = -1;
-    for (uint64_t t = 0; t < m->triangles; t++)
-        for (int k = 0; k < 3; k++) first[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+    for (uint64_t v = 0; v < m->vertices; v++) any[v] = -1;
+    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
+        for (int k = t < m->triangles ? 0 : 1; k < 3; k++) any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
 
-    /* Each vertex's fan is walked once: all corners are reached, or a vertex has two. */
     for (uint64_t v = 0; v < m->vertices; v++) {
-        int32_t c = first[v];
+        int32_t c = any[v];
 
         if (c < 0) continue;
         do {
             reached++;
             c = bvxi_corner_turn_left(m, c);
-        } while (c != first[v]);
+        } while (c != any[v]);
     }
-    if (reached == 3 * m->triangles) return BVX_OK;
-    return bvxi_fail_for(
-        ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
-        "%s: the mesh is not manifold: a vertex joins several fans of triangles; bvx_repair parts them",
-        function);
+    return reached == 3 * m->triangles + 2 * m->ghosts;
 }
 
 /* ---- Borders ---- */
 
 static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room)
 {
-    uint8_t *tint = NULL;
     bvxi_corner_vertex *larger;
+    uint32_t *sources;
 
-    if (m->tint != NULL) {
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the colours of parts that touch", &tint));
-        memcpy(tint, m->tint, (size_t)m->vertices * 4);
-    }
-    bvx_status const status = bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger,
-                                         "the vertices of parts that touch", &larger);
-    if (status != BVX_OK) {
-        bvxi_drop(ctx, tint);
-        return status;
-    }
-
-    /* Both arrays at once, when nothing can fail any more. */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the sources of parts that touch", &sources));
     memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
+    memcpy(sources, m->source, (size_t)m->vertices * 4);
+    bvxi_drop(ctx, m->source);
     bvxi_drop(ctx, m->at);
-    bvxi_drop(ctx, m->tint);
     m->at = larger;
-    m->tint = tint;
+    m->source = sources;
     m->vertex_room = room;
     return BVX_OK;
 }
@@ -282,7 +275,7 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
         if (first[v]++ > 0) {
             if (fresh != 0) {
                 m->at[fresh + shared] = m->at[v];
-                if (m->tint != NULL) memcpy(m->tint + 4 * (fresh + shared), m->tint + 4 * (size_t)v, 4);
+                m->source[fresh + shared] = m->source[v];
                 v = (uint32_t)(fresh + shared);
             }
             shared++;
@@ -298,114 +291,47 @@ static uint64_t part_fans(bvxi_corners *m, int32_t *first, int32_t *seen, uint64
     return shared;
 }
 
-static bvx_status close_borders(bvx_context *ctx, const char *function, bvxi_corners *m, int32_t *first,
-                                int32_t *seen)
+/* Parts that touch in a vertex touch no more: each has one of its own there. */
+static bvx_status part_vertices(bvx_context *ctx, bvxi_corners *m)
 {
+    int32_t *first, *seen;
     uint64_t shared;
 
-    if (m->ghosts != 0) {
-        BVXI_TRY(grow_triangles(ctx, function, m));
-        put_ghosts(m);
-        join_ghosts(m);
-    }
-
-    /* Parts that touch in a vertex touch no more: each has one of its own there. */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertices * 4, "the vertices' fans", &first));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->triangles * 16, "the corners' fans", &seen));
     shared = part_fans(m, first, seen, 0);
-    if (shared == 0) return BVX_OK;
     BVXI_TRY(grow_vertices(ctx, m, m->vertices + shared));
     part_fans(m, first, seen, m->vertices);
     m->vertices += shared;
+    bvxi_drop(ctx, seen);
+    bvxi_drop(ctx, first);
     return BVX_OK;
 }
 
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *m, int borders)
 {
-    uint64_t const bytes = m->triangles * 16 + m->vertices * 8;
-    edge_lists lists;
+    uint64_t const bytes = m->triangles * 3 * sizeof(edge_wait) + m->vertices * 8;
+    edge_lists lists = {.count = 0};
+    int one;
 
     m->left = m->triangles;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges", &lists.next));
-    lists.first = lists.next + 4 * m->triangles;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges", &lists.wait));
+    lists.first = (int32_t *)(void *)(lists.wait + 3 * m->triangles);
     lists.around = (uint32_t *)(void *)(lists.first + m->vertices);
 
-    /* A closed mesh has fans to be checked, one with borders fans to be parted. */
     BVXI_TRY(pair_corners(ctx, function, m, &lists, borders));
-    if (borders == BVXI_BORDERS_REFUSED) BVXI_TRY(check_fans(ctx, function, m, lists.first));
-    if (borders != BVXI_BORDERS_REFUSED) BVXI_TRY(close_borders(ctx, function, m, lists.first, lists.next));
-    bvxi_drop(ctx, lists.next);
-    return BVX_OK;
-}
-
-/* ---- Pieces ---- */
-
-/* The vertex that stands for a vertex's piece; the way there becomes half as long. */
-static uint32_t piece_of(uint32_t *parent, uint32_t v)
-{
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-}
-
-uint64_t bvxi_corners_pieces(const bvxi_corners *m, uint32_t *parent)
-{
-    uint64_t pieces = m->vertices;
-
-    for (uint64_t v = 0; v < m->vertices; v++) parent[v] = (uint32_t)v;
-
-    /* Two joins a triangle hold its three corners together. */
-    for (uint64_t t = 0; t < m->triangles; t++)
-        for (int k = 1; k < 3; k++) {
-            uint32_t const a = piece_of(parent, m->triangle[t].vertex[0]);
-            uint32_t const b = piece_of(parent, m->triangle[t].vertex[k]);
-
-            if (a == b) continue;
-            parent[a > b ? a : b] = a > b ? b : a;
-            pieces--;
-        }
-    return pieces;
-}
-
-/* ---- Packing ---- */
-
-/* Mark the vertices that triangles still use, then move these together. */
-static void pack_vertices(bvxi_corners *m, uint32_t *moved)
-{
-    uint32_t kept = 0;
-
-    for (uint64_t v = 0; v < m->vertices; v++) moved[v] = BVXI_VERTEX_NONE;
-    for (uint64_t t = 0; t < m->triangles; t++)
-        if (m->triangle[t].vertex[0] != BVXI_VERTEX_NONE)
-            for (int k = 0; k < 3; k++) moved[m->triangle[t].vertex[k]] = 0;
-
-    /* In their order, so that neighbours stay neighbours. */
-    for (uint64_t v = 0; v < m->vertices; v++) {
-        if (moved[v] == BVXI_VERTEX_NONE) continue;
-        m->at[kept] = m->at[v];
-        m->facing[kept] = m->facing[v];
-        moved[v] = kept++;
+    if (m->ghosts != 0) {
+        BVXI_TRY(grow_triangles(ctx, function, m));
+        put_ghosts(m);
+        join_ghosts(m);
     }
-    m->vertices = kept;
-}
-
-void bvxi_corners_pack(bvxi_corners *m, uint32_t *moved)
-{
-    uint64_t const end = m->triangles + m->ghosts;
-    uint64_t kept = 0, ghosts = 0;
-
-    pack_vertices(m, moved);
-
-    /* Opposites point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is
-     * found there when its turn comes, what lies behind has its new place already. */
-    for (uint64_t t = 0; t < end; t++) {
-        bvxi_corner_triangle moving = m->triangle[t];
-
-        if (moving.vertex[0] == BVXI_VERTEX_NONE) continue;
-        ghosts += t >= m->triangles;
-        for (int k = 0; k < 3; k++) {
-            if (moving.vertex[k] != BVXI_VERTEX_GHOST) moving.vertex[k] = moved[moving.vertex[k]];
-            m->triangle[moving.opposite[k] >> 2].opposite[moving.opposite[k] & 3] = (int32_t)(4 * kept) + k;
-        }
-        m->triangle[kept++] = moving;
-    }
-    m->triangles = m->left = kept - ghosts;
-    m->ghosts = ghosts;
+    one = has_one_fan_each(m, lists.first);
+    bvxi_drop(ctx, lists.wait);
+    if (one) return BVX_OK;
+    if (borders == BVXI_BORDERS_REFUSED)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOPOLOGY,
+            "%s: the mesh is not manifold: a vertex joins several fans of triangles; bvx_repair parts them",
+            function);
+    return part_vertices(ctx, m);
 }

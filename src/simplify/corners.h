@@ -26,25 +26,20 @@ typedef struct bvxi_corner_vertex {
     double a[6], b[3], c;
 } bvxi_corner_vertex;
 
+/* A triangle that is gone keeps its corners and neighbours, so that the collapse can be undone. */
 typedef struct bvxi_corner_triangle {
-    uint32_t vertex[3];  /* the first BVXI_VERTEX_NONE once the triangle is gone */
+    uint32_t vertex[3];
     int32_t opposite[3]; /* the corner across the edge opposite to each */
+    float cost[3];       /* of collapsing that edge; the first below 0 once the triangle is gone */
 } bvxi_corner_triangle;
-
-/* Seen along it all triangles around a vertex lie side by side; 0, 0, 0 where that is not known. */
-typedef struct bvxi_facing {
-    float along[3];
-} bvxi_facing;
 
 typedef struct bvxi_corners {
     bvxi_corner_vertex *at;         /* [Size: vertices] */
     bvxi_corner_triangle *triangle; /* [Size: triangles + ghosts] */
-    bvxi_facing *facing;            /* [Size: vertices] not needed to connect */
+    uint32_t *source;               /* vertex of the view at each position [Size: vertices] */
     uint64_t vertices, triangles;
     uint64_t ghosts; /* triangles between borders and the ghost vertex, after all others */
     uint64_t left;   /* triangles that are not gone, without ghosts */
-    /* colours of the vertices as they were opened, four bytes each, or NULL */
-    uint8_t *tint;
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 
@@ -75,7 +70,7 @@ static inline const double *bvxi_corner_position(const bvxi_corners *m, uint32_t
 
 static inline int bvxi_corner_gone(const bvxi_corners *m, int32_t c)
 {
-    return m->triangle[c >> 2].vertex[0] == BVXI_VERTEX_NONE;
+    return m->triangle[c >> 2].cost[0] < 0;
 }
 
 /* 1 when a corner belongs to a ghost triangle. */
@@ -113,12 +108,5 @@ static inline void bvxi_area_normal(const double *a, const double *b, const doub
  * for vertices that join several fans, of which each fan gets its own. Scratch: 16 bytes a triangle and 8 a
  * vertex; while an array is replaced, both. */
 bvx_status bvxi_corners_connect(bvx_context *ctx, const char *function, bvxi_corners *mesh, int borders);
-
-/* How many pieces a mesh has; of vertices that no triangle uses each is one. scratch [Size: vertices] */
-uint64_t bvxi_corners_pieces(const bvxi_corners *mesh, uint32_t *scratch);
-
-/* Close the gaps that collapses left: vertices and triangles keep their order. moved [Size: vertices before]
- * becomes the new index of each vertex, or BVXI_VERTEX_NONE. */
-void bvxi_corners_pack(bvxi_corners *mesh, uint32_t *moved);
 
 #endif

@@ -22,6 +22,11 @@ typedef struct bvxi_collapse_options {
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */
     double colour_weight;
+
+    /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
+    double attribute_weight;
+    int32_t lock_border, vertices, topology;
+    const uint8_t *locked;
 } bvxi_collapse_options;
 
 /* What became of the edges that were tried. */

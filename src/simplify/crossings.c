@@ -1,0 +1,457 @@
+/* crossings.c - pairs of triangles of a level that cross.
+ *
+ * Boxes in whole steps, eight to a node, lie over the triangles in their order, which is one of space. Each
+ * node of eight triangles goes down that tree to those after it whose boxes meet its own. Triangles with a
+ * common vertex are not looked at where the triangles around that vertex lie side by side: then they meet in
+ * nothing else. All others are parted by the plane of one of them, or judged exactly (mesh/cross.h).
+ *
+ * Source: Brinkhoff, Kriegel, Seeger. Efficient Processing of Spatial Joins Using R-trees. 1993. Kamel,
+ * Faloutsos. On Packing R-trees. 1993.
+ *
+ * A first run counts and marks the nodes that have crossings, a second one visits these and writes the pairs to
+ * where the counts say: no thread shows. */
+#include "simplify/crossings.h"
+#include "bits/bits.h"
+#include "core/simd_shorts.h"
+#include "mesh/cross.h"
+#include "mesh/mesh.h"
+
+enum {
+    WIDTH = CROSSING_WIDTH,
+    BOX_HIGHEST = 32767,
+    CROSSING_GRAIN = 64 /* nodes of a task, at least */
+};
+
+typedef crossing_node box_node;
+
+typedef struct crossing_job {
+    const crossing_tree *tree;
+    int all;
+    int32_t pieces;
+    uint64_t *counts; /* of each piece, then where its pairs begin */
+    uint8_t *marks;   /* of each node of level 0 */
+    uint64_t *keys;   /* lower index << 32 | higher one, or NULL */
+} crossing_job;
+
+/* ---- Boxes ---- */
+
+typedef struct box_query {
+    bvxi_shorts low[3], high[3];
+} box_query;
+
+static box_query query_of(const int16_t low[3], const int16_t high[3])
+{
+    box_query q;
+
+    for (int a = 0; a < 3; a++) {
+        q.low[a] = bvxi_shorts_all(low[a]);
+        q.high[a] = bvxi_shorts_all(high[a]);
+    }
+    return q;
+}
+
+/* Bit k: child k of the node overlaps the box. */
+static uint32_t overlaps(const box_node *node, const box_query *q)
+{
+    bvxi_shorts apart = bvxi_shorts_all(0);
+
+    for (int a = 0; a < 3; a++) {
+        apart = bvxi_shorts_or(apart, bvxi_shorts_more(bvxi_shorts_load(node->low[a]), q->high[a]));
+        apart = bvxi_shorts_or(apart, bvxi_shorts_more(q->low[a], bvxi_shorts_load(node->high[a])));
+    }
+    return ~bvxi_shorts_bits(apart) & 0xff;
+}
+
+/* The box of all children. */
+static void whole_box(const box_node *node, int16_t low[3], int16_t high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = node->low[a][0];
+        high[a] = node->high[a][0];
+        for (int k = 1; k < WIDTH; k++) {
+            if (node->low[a][k] < low[a]) low[a] = node->low[a][k];
+            if (node->high[a][k] > high[a]) high[a] = node->high[a][k];
+        }
+    }
+}
+
+/* Rounding down keeps order: what overlaps, overlaps in steps too. */
+static int16_t step_of(const crossing_tree *tree, double x, int axis)
+{
+    double const at = (x - tree->low[axis]) * tree->scale * BOX_HIGHEST;
+    double const above = at > 0 ? at : 0;
+
+    return (int16_t)(int32_t)(above < BOX_HIGHEST ? above : BOX_HIGHEST);
+}
+
+/* The box of three corners. */
+static void box_of(const crossing_tree *tree, const double *const p[3], int16_t low[3], int16_t high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        double const x = p[0][a], y = p[1][a], z = p[2][a];
+        double const least = x < y ? x : y, most = x > y ? x : y;
+
+        low[a] = step_of(tree, least < z ? least : z, a);
+        high[a] = step_of(tree, most > z ? most : z, a);
+    }
+}
+
+static void put_box(box_node *node, uint64_t child, const int16_t low[3], const int16_t high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        node->low[a][child % WIDTH] = low[a];
+        node->high[a][child % WIDTH] = high[a];
+    }
+}
+
+static int is_there(const crossing_tree *tree, uint64_t t)
+{
+    return t < tree->triangles && !(tree->triangle[t].cost[0] < 0);
+}
+
+static void corners_of(const crossing_tree *tree, uint64_t t, const double *p[3])
+{
+    for (int k = 0; k < 3; k++) p[k] = tree->at[tree->triangle[t].vertex[k]].p;
+}
+
+static void leaf_piece(void *user, int32_t index, int32_t worker)
+{
+    const crossing_job *const job = user;
+    const crossing_tree *const tree = job->tree;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
+    for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
+        /* What is not there overlaps nothing. */
+        int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
+        const double *p[3];
+
+        if (is_there(tree, t)) {
+            corners_of(tree, t, p);
+            box_of(tree, p, low, high);
+        }
+        put_box(&tree->node[0][t / WIDTH], t, low, high);
+    }
+}
+
+static void upper_boxes(const crossing_tree *tree, int32_t level)
+{
+    for (uint64_t i = 0; i < tree->nodes[level] * WIDTH; i++) {
+        int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
+
+        if (i < tree->nodes[level - 1]) whole_box(&tree->node[level - 1][i], low, high);
+        put_box(&tree->node[level][i / WIDTH], i, low, high);
+    }
+}
+
+bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
+{
+    crossing_job job = {.tree = tree};
+    uint64_t count = tree->triangles, sum = 0;
+    box_node *block;
+
+    tree->levels = 0;
+    do {
+        count = (count + WIDTH - 1) / WIDTH;
+        tree->nodes[tree->levels++] = count;
+        sum += count;
+    } while (count > 1);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, sum * sizeof *block, "the triangles' boxes", &block));
+    for (int32_t l = 0; l < tree->levels; l++) {
+        tree->node[l] = block;
+        block += tree->nodes[l];
+    }
+    job.pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN);
+    bvxi_tasks(ctx, job.pieces, leaf_piece, &job);
+    for (int32_t l = 1; l < tree->levels; l++) upper_boxes(tree, l);
+    return BVX_OK;
+}
+
+/* Grow the box of a child; 0 when it contained the other already. */
+static int grow_box(box_node *node, uint64_t child, const int16_t low[3], const int16_t high[3])
+{
+    uint64_t const k = child % WIDTH;
+    int grown = 0;
+
+    for (int a = 0; a < 3; a++) {
+        grown |= (low[a] < node->low[a][k]) | (high[a] > node->high[a][k]);
+        if (low[a] < node->low[a][k]) node->low[a][k] = low[a];
+        if (high[a] > node->high[a][k]) node->high[a][k] = high[a];
+    }
+    return grown;
+}
+
+void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
+{
+    const double *p[3];
+    int16_t low[3], high[3];
+    uint64_t child = t / WIDTH;
+
+    corners_of(tree, t, p);
+    box_of(tree, p, low, high);
+    put_box(&tree->node[0][child], t, low, high);
+
+    /* Up to the first node that contains it already; those above it do too. */
+    for (int32_t l = 1; l < tree->levels && grow_box(&tree->node[l][child / WIDTH], child, low, high); l++)
+        child /= WIDTH;
+}
+
+/* ---- Pairs ---- */
+
+/* A triangle that is held against many. */
+typedef struct held_triangle {
+    int wanted; /* 0: it is not looked at */
+    const double *p[3];
+    bvxi_orient_plane plane;
+    box_query query;
+} held_triangle;
+
+static int is_fresh(const crossing_tree *tree, const uint32_t *v)
+{
+    return tree->fan == NULL || ((tree->fan[v[0]] | tree->fan[v[1]] | tree->fan[v[2]]) & FAN_FRESH) != 0;
+}
+
+static int same_position(const double *p, const double *q)
+{
+    return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
+}
+
+/* What planes leave open: equal positions are one pointer to the exact test. */
+static int crosses_exactly(const bvxi_orient_plane *plane, const double *const p[3], const double *q[3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            if (q[k] != p[i] && same_position(q[k], p[i])) q[k] = p[i];
+    return bvxi_triangles_cross_at(plane, p, q) && bvxi_has_area(p) && bvxi_has_area(q);
+}
+
+static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3], uint64_t t)
+{
+    const double *q[3];
+
+    corners_of(tree, t, q);
+    if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
+    return crosses_exactly(plane, p, q);
+}
+
+/* 1: both have a vertex whose triangles lie side by side, and so meet in nothing else. */
+static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint32_t *b)
+{
+    if (tree->fan == NULL) return 0;
+    for (int k = 0; k < 3; k++)
+        if ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2]) && (tree->fan[b[k]] & FAN_GRAPH) != 0) return 1;
+    return 0;
+}
+
+/* Pairs between two nodes, or within one. */
+static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *held, uint64_t first, uint64_t second,
+                               uint64_t *keys)
+{
+    const crossing_tree *const tree = job->tree;
+    uint64_t found = 0;
+
+    for (uint64_t i = 0; i < WIDTH; i++) {
+        uint64_t const s = first * WIDTH + i;
+        uint32_t bits;
+
+        if (!held[i].wanted) continue;
+        bits = overlaps(&tree->node[0][second], &held[i].query);
+        if (first == second) bits &= job->all ? ~0u << (i + 1) : ~(1u << i);
+        for (; bits != 0; bits &= bits - 1) {
+            uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
+            const uint32_t *const v = tree->triangle[t].vertex;
+
+            if (!is_there(tree, t) || share_graph(tree, tree->triangle[s].vertex, v)) continue;
+            /* Each pair once: from its first triangle, or from the only one that is fresh. */
+            if (t < s && is_fresh(tree, v)) continue;
+            if (!crosses(tree, &held[i].plane, held[i].p, t)) continue;
+            if (keys != NULL) keys[found] = t < s ? t << 32 | s : s << 32 | t;
+            found++;
+        }
+    }
+    return found;
+}
+
+/* 0: none of the node's triangles is looked at. */
+static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[WIDTH])
+{
+    const crossing_tree *const tree = job->tree;
+    const box_node *const box = &tree->node[0][node];
+    int any = 0;
+
+    for (uint64_t i = 0; i < WIDTH; i++) {
+        uint64_t const t = node * WIDTH + i;
+        int16_t const low[3] = {box->low[0][i], box->low[1][i], box->low[2][i]};
+        int16_t const high[3] = {box->high[0][i], box->high[1][i], box->high[2][i]};
+
+        held[i].wanted = is_there(tree, t) && (job->all || is_fresh(tree, tree->triangle[t].vertex));
+        if (!held[i].wanted) continue;
+        any = 1;
+        held[i].query = query_of(low, high);
+        corners_of(tree, t, held[i].p);
+        bvxi_orient_plane_of(held[i].p, &held[i].plane);
+    }
+    return any;
+}
+
+/* Pairs of a node's triangles with each other and with all after them. */
+static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *keys)
+{
+    const crossing_tree *const tree = job->tree;
+    held_triangle held[WIDTH];
+    box_query whole;
+    uint64_t stack[WIDTH * CROSSING_LEVELS]; /* level in the low bits */
+    int16_t low[3], high[3];
+    uint64_t found;
+    int32_t depth = 0;
+
+    if (!hold_node(job, node, held)) return 0;
+    found = pairs_of_nodes(job, held, node, node, keys);
+    whole_box(&tree->node[0][node], low, high);
+    whole = query_of(low, high);
+
+    if (tree->levels > 1) stack[depth++] = (uint64_t)(tree->levels - 1);
+    while (depth > 0) {
+        uint64_t const top = stack[--depth], index = top >> 4;
+        int32_t const level = (int32_t)(top & 15);
+
+        for (uint32_t bits = overlaps(&tree->node[level][index], &whole); bits != 0; bits &= bits - 1) {
+            uint64_t const child = index * WIDTH + (uint64_t)bvxi_lowest(bits);
+
+            /* A child of this level holds 8^(level - 1) nodes. Those up to this node have had their turn, but
+             * where only fresh triangles are looked at. */
+            if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
+            if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
+            else found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
+        }
+    }
+    return found;
+}
+
+static void count_piece(void *user, int32_t index, int32_t worker)
+{
+    const crossing_job *const job = user;
+    uint64_t begin, end, sum = 0;
+    (void)worker;
+
+    bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const found = pairs_of_node(job, i, NULL);
+
+        job->marks[i] = found != 0;
+        sum += found;
+    }
+    job->counts[index] = sum;
+}
+
+static void write_piece(void *user, int32_t index, int32_t worker)
+{
+    const crossing_job *const job = user;
+    uint64_t *to = job->keys + job->counts[index];
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++)
+        if (job->marks[i]) to += pairs_of_node(job, i, to);
+}
+
+static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t count, uint32_t **pairs)
+{
+    uint32_t *unused;
+    uint64_t sum = 0;
+
+    for (int32_t i = 0; i < job->pieces; i++) {
+        uint64_t const own = job->counts[i];
+
+        job->counts[i] = sum;
+        sum += own;
+    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossing pairs", pairs));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings' keys", &job->keys));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * 4, "the crossings' indices", &unused));
+    bvxi_tasks(ctx, job->pieces, write_piece, job);
+    BVXI_TRY(bvxi_radix_sort(ctx, job->keys, unused, count));
+    for (uint64_t i = 0; i < count; i++) {
+        (*pairs)[2 * i] = (uint32_t)(job->keys[i] >> 32);
+        (*pairs)[2 * i + 1] = (uint32_t)job->keys[i];
+    }
+    bvxi_drop(ctx, unused);
+    bvxi_drop(ctx, job->keys);
+    return BVX_OK;
+}
+
+bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
+                               uint32_t **pairs, uint64_t *count)
+{
+    crossing_job job = {.tree = tree, .all = all, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
+
+    *pairs = NULL;
+    *count = 0;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job.pieces * 8, "the crossings' counts", &job.counts));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0], "the crossings' marks", &job.marks));
+    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, count_piece, &job));
+    for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
+    if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
+    bvxi_drop(ctx, job.marks);
+    bvxi_drop(ctx, job.counts);
+    return BVX_OK;
+}
+
+/* ---- One triangle ---- */
+
+static int visit_node(const crossing_tree *tree, uint64_t node, const box_query *query,
+                      const bvxi_orient_plane *plane, const double *const p[3], const uint32_t ends[2],
+                      crossing_visit *visit, void *user)
+{
+    for (uint32_t bits = overlaps(&tree->node[0][node], query); bits != 0; bits &= bits - 1) {
+        uint64_t const t = node * WIDTH + (uint64_t)bvxi_lowest(bits);
+        const uint32_t *const v = tree->triangle[t].vertex;
+
+        if (!is_there(tree, t)) continue;
+        for (int k = 0; k < 2; k++)
+            if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
+        if (crosses(tree, plane, p, t) && visit(user, (uint32_t)t)) return 1;
+    next:;
+    }
+    return 0;
+}
+
+int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
+                             crossing_visit *visit, void *user)
+{
+    uint32_t const ends[2] = {u, v};
+    uint64_t stack[WIDTH * CROSSING_LEVELS];
+    int16_t low[3], high[3];
+    int32_t depth = 0;
+    bvxi_orient_plane plane;
+    box_query query;
+
+    box_of(tree, p, low, high);
+    query = query_of(low, high);
+    bvxi_orient_plane_of(p, &plane);
+    stack[depth++] = (uint64_t)(tree->levels - 1);
+    while (depth > 0) {
+        uint64_t const top = stack[--depth], index = top >> 4;
+        int32_t const level = (int32_t)(top & 15);
+
+        if (level == 0) {
+            if (visit_node(tree, index, &query, &plane, p, ends, visit, user)) return 1;
+            continue;
+        }
+        for (uint32_t bits = overlaps(&tree->node[level][index], &query); bits != 0; bits &= bits - 1)
+            stack[depth++] = (index * WIDTH + (uint64_t)bvxi_lowest(bits)) << 4 | (uint64_t)(level - 1);
+    }
+    return 0;
+}
+
+int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t)
+{
+    const double *p[3];
+    bvxi_orient_plane plane;
+
+    corners_of(tree, s, p);
+    bvxi_orient_plane_of(p, &plane);
+    return crosses(tree, &plane, p, t);
+}

@@ -1,0 +1,53 @@
+/* crossings.h - triangles of a level that cross, and boxes over them that follow collapses. Only simplify/
+ * includes this. Not installed. */
+#ifndef BVXI_CROSSINGS_H
+#define BVXI_CROSSINGS_H
+
+#include "simplify/corners.h"
+
+enum { CROSSING_WIDTH = 8, CROSSING_LEVELS = 12 };
+
+/* What is known of a vertex, in bits. */
+enum {
+    FAN_GRAPH = 1, /* its triangles lie side by side, seen along some direction */
+    FAN_FRESH = 2  /* it has changed */
+};
+
+typedef struct crossing_node {
+    int16_t low[3][CROSSING_WIDTH], high[3][CROSSING_WIDTH];
+} crossing_node;
+
+/* Boxes over triangles in an order of space; those that are gone have none. */
+typedef struct crossing_tree {
+    const bvxi_corner_vertex *at;
+    const bvxi_corner_triangle *triangle;
+    const uint8_t *fan; /* FAN_... of each vertex; NULL: all are fresh, and nothing else is known */
+    uint64_t triangles;
+    double low[3], scale; /* (position - low) * scale is within 0 and 1 */
+
+    /* node[0][i]: triangles 8i .. 8i + 7; node[l][i]: nodes 8i .. 8i + 7 of level l - 1 */
+    crossing_node *node[CROSSING_LEVELS];
+    uint64_t nodes[CROSSING_LEVELS];
+    int32_t levels;
+} crossing_tree;
+
+/* Set the boxes of a tree whose fields before node are set. Scratch: 14 bytes a triangle, at node[0]. */
+bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree);
+/* Triangle t has moved or come back: its box is its own again, those above grow. */
+void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t);
+
+/* Find pairs of triangles that cross; all: also those of which neither has a fresh vertex. *pairs becomes a block
+ * of scratch [Size: *count * 2], in rising order, each with its lower index first, or NULL where none cross. */
+bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
+                               uint32_t **pairs, uint64_t *count);
+
+/* Call visit for each triangle that crosses the one with corners p, but those with a vertex u or v, until it
+ * returns 1; returns what it returned last, or 0. */
+typedef int crossing_visit(void *user, uint32_t t);
+int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
+                             crossing_visit *visit, void *user);
+
+/* 1 when both triangles cross. */
+int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t);
+
+#endif

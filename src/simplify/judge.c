@@ -1,0 +1,448 @@
+/* judge.c - a level without crossings that the mesh did not have: what makes them is undone by name.
+ *
+ * Collapses go without a look at what is near. Then the level is searched once for pairs of triangles that
+ * cross. A pair has come with the mesh where triangles crossed whose vertices went into its own; of every
+ * other one the last collapse that changed it is undone, with those after it that build on it, until none is
+ * left. Vertices beside what was undone are held, so that other edges go in its place.
+ *
+ * Guarantee: no pair of triangles crosses but beside those that the mesh had. */
+#include "core/vec3.h"
+#include "mesh/cross.h"
+#include "mesh/view.h"
+#include "simplify/collapse_state.h"
+
+enum {
+    FAN_MOST = 64, /* triangles around a vertex that is looked at */
+    JUDGE_GRAIN = 1024
+};
+
+/* Cosines and sines that rounding does not bring to the other side of 0. */
+#define FAN_COSINE 1e-6
+#define FAN_SINE   1e-9
+
+/* ---- Fans ---- */
+
+/* A vertex's neighbours relative to it, counter-clockwise, from its border on where it has one. */
+typedef struct vertex_fan {
+    double way[FAN_MOST + 1][3];
+    int32_t count; /* triangles */
+    int open;
+} vertex_fan;
+
+/* 0: too many triangles, or borders. */
+static int gather_fan(const bvxi_corners *m, uint32_t v, int32_t any, vertex_fan *f)
+{
+    const double *const p = bvxi_corner_position(m, v);
+    int32_t start = any, at;
+
+    f->open = 0;
+    f->count = 0;
+    for (at = any; !f->open;) {
+        f->open = bvxi_corner_vertex_of(m, bvxi_corner_next(at)) == BVXI_VERTEX_GHOST;
+        at = bvxi_corner_turn_left(m, at);
+        if (f->open) start = at;
+        if (at == any) break;
+    }
+    at = start;
+    for (;;) {
+        uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
+        const double *q;
+
+        if (w == BVXI_VERTEX_GHOST || f->count > FAN_MOST) return 0;
+        q = bvxi_corner_position(m, w);
+        for (int k = 0; k < 3; k++) f->way[f->count][k] = q[k] - p[k];
+        if (bvxi_corner_vertex_of(m, bvxi_corner_previous(at)) == BVXI_VERTEX_GHOST) return 1;
+        f->count++;
+        at = bvxi_corner_turn_left(m, at);
+        if (at == start) break;
+    }
+    if (f->count > FAN_MOST) return 0;
+    memcpy(f->way[f->count], f->way[0], sizeof f->way[0]);
+    return 1;
+}
+
+/* Seen along the sum of their normals all triangles face one way, and go around the vertex once, or less where
+ * they begin and end at a border: then no two of them meet beside their common edges. */
+static int is_graph(const vertex_fan *f)
+{
+    double n[FAN_MOST][3], sum[3] = {0, 0, 0}, left[3], sum_square, left_square;
+    int changes = 0, side_before = 1;
+
+    for (int32_t i = 0; i < f->count; i++) {
+        double const sides = bvxi_vec_dot(f->way[i], f->way[i]) * bvxi_vec_dot(f->way[i + 1], f->way[i + 1]);
+
+        bvxi_vec_cross(f->way[i], f->way[i + 1], n[i]);
+        if (!(bvxi_vec_dot(n[i], n[i]) > FAN_SINE * FAN_SINE * sides)) return 0;
+        for (int k = 0; k < 3; k++) sum[k] += n[i][k];
+    }
+    sum_square = bvxi_vec_dot(sum, sum);
+    for (int32_t i = 0; i < f->count; i++) {
+        double const along = bvxi_vec_dot(n[i], sum);
+
+        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * bvxi_vec_dot(n[i], n[i])))
+            return 0;
+    }
+
+    /* Each triangle turns left by less than half a turn. A fan that goes around once is first to the left of
+     * its first edge, then to the right: one change. One that ends at a border may end anywhere before it
+     * comes to its first edge. What lies on that line within rounding tells nothing. */
+    bvxi_vec_cross(sum, f->way[0], left);
+    left_square = bvxi_vec_dot(left, left);
+    for (int32_t i = 1; i < f->count + f->open; i++) {
+        double const side = bvxi_vec_dot(f->way[i], left);
+
+        if (side * side < FAN_SINE * FAN_SINE * bvxi_vec_dot(f->way[i], f->way[i]) * left_square) {
+            if (f->open && bvxi_vec_dot(f->way[i], f->way[0]) > 0) return 0;
+            continue;
+        }
+        changes += (side > 0) != side_before;
+        side_before = side > 0;
+    }
+    return f->open ? changes <= 1 : changes == 1 && !side_before;
+}
+
+/* ---- The level's boxes ---- */
+
+typedef struct judge_level {
+    const bvxi_collapse *c;
+    int all;
+    uint8_t *fan;
+} judge_level;
+
+/* 1: a triangle of the vertex has changed. */
+static int is_beside_fresh(const bvxi_collapse *c, uint32_t v)
+{
+    int32_t at = c->any[v];
+
+    if (c->fresh[v] != 0) return 1;
+    do {
+        uint32_t const w = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(at));
+
+        if (w != BVXI_VERTEX_GHOST && c->fresh[w] != 0) return 1;
+        at = bvxi_corner_turn_left(&c->mesh, at);
+    } while (at != c->any[v]);
+    return 0;
+}
+
+static void fans_piece(void *user, int32_t piece, int32_t worker)
+{
+    const judge_level *const l = user;
+    const bvxi_collapse *const c = l->c;
+    vertex_fan f;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), piece, &begin, &end);
+    for (uint64_t v = begin; v < end; v++) {
+        if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
+        l->fan[v] = c->fresh[v] != 0 ? FAN_FRESH : 0;
+        if (!l->all && !is_beside_fresh(c, (uint32_t)v)) continue;
+        if (gather_fan(&c->mesh, (uint32_t)v, c->any[v], &f) && is_graph(&f)) l->fan[v] |= FAN_GRAPH;
+    }
+}
+
+/* Boxes over the level, and pairs that cross. */
+static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs, uint64_t *count)
+{
+    judge_level l = {c, all, NULL};
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.fan));
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
+    c->tree.at = c->mesh.at;
+    c->tree.triangle = c->mesh.triangle;
+    c->tree.triangles = c->mesh.triangles;
+    c->tree.fan = l.fan;
+    c->tree.scale = c->scale;
+    memcpy(c->tree.low, c->low, sizeof c->low);
+    BVXI_TRY(bvxi_crossing_tree_open(c->ctx, &c->tree));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, all, from, to, pairs, count));
+
+    /* Fans change from now on. */
+    c->tree.fan = NULL;
+    bvxi_drop(c->ctx, l.fan);
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
+    return BVX_OK;
+}
+
+void bvxi_collapse_end_careful(bvxi_collapse *c)
+{
+    if (c->tree.node[0] != NULL) memset(c->fresh, 0, (size_t)c->mesh.vertices);
+    bvxi_drop(c->ctx, c->tree.node[0]);
+    c->tree.node[0] = NULL;
+}
+
+/* ---- What has come with the mesh ---- */
+
+/* The mesh's triangles whose vertices went into those of crossing ones, as a mesh of its own. */
+typedef struct judge_origin {
+    uint32_t *now;          /* of each vertex of the mesh: the one that it is part of */
+    uint8_t *beside;        /* of each vertex: of a crossing triangle */
+    uint32_t *small, *back; /* vertices of the small mesh, and where they come from */
+    bvxi_corner_vertex *at;
+    bvxi_corner_triangle *triangle;
+    uint64_t vertices;
+    crossing_tree tree;
+} judge_origin;
+
+static uint32_t now_of(const bvxi_collapse *c, uint32_t v)
+{
+    while (bvxi_collapse_is_gone(c, v)) v = c->undo[v].stayed;
+    return v;
+}
+
+static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
+{
+    const uint32_t *const v = c->origin + 3 * t;
+
+    return (o->beside[o->now[v[0]]] | o->beside[o->now[v[1]]] | o->beside[o->now[v[2]]]) != 0;
+}
+
+static uint32_t small_vertex(const bvxi_collapse *c, judge_origin *o, uint32_t v)
+{
+    uint32_t const i = (uint32_t)o->vertices;
+    double p[3];
+
+    if (o->small[v] != BVXI_VERTEX_NONE) return o->small[v];
+    bvxi_view_position(c->view, c->mesh.source[v], p);
+    for (int k = 0; k < 3; k++) o->at[i].p[k] = bvxi_collapse_rounded(c, p[k]);
+    o->back[i] = v;
+    o->vertices++;
+    return o->small[v] = i;
+}
+
+static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
+{
+    uint64_t count = 0;
+
+    for (uint64_t t = 0; t < c->mesh.triangles; t++) count += (uint64_t)is_beside(c, o, t);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 3 * sizeof *o->at, "positions beside crossings", &o->at));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
+                        &o->triangle));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 12, "vertices beside crossings", &o->back));
+    count = 0;
+    for (uint64_t t = 0; t < c->mesh.triangles; t++) {
+        if (!is_beside(c, o, t)) continue;
+        for (uint64_t k = 0; k < 3; k++) {
+            o->triangle[count].vertex[k] = small_vertex(c, o, c->origin[3 * t + k]);
+            o->triangle[count].cost[k] = 0;
+        }
+        count++;
+    }
+    o->tree.at = o->at;
+    o->tree.triangle = o->triangle;
+    o->tree.triangles = count;
+    o->tree.scale = c->scale;
+    memcpy(o->tree.low, c->low, sizeof c->low);
+    return bvxi_crossing_tree_open(c->ctx, &o->tree);
+}
+
+/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
+static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count)
+{
+    const bvxi_corners *const m = &c->mesh;
+    judge_origin o = {NULL};
+    uint32_t *crossing;
+    uint64_t found;
+
+    if (c->came == NULL)
+        BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->vertices * 8, "vertices that went", &o.now));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
+    o.small = o.now + m->vertices;
+    for (uint64_t v = 0; v < m->vertices; v++) {
+        o.now[v] = now_of(c, (uint32_t)v);
+        o.small[v] = BVXI_VERTEX_NONE;
+    }
+    for (uint64_t i = 0; i < 2 * count; i++)
+        for (int k = 0; k < 3; k++) o.beside[m->triangle[pairs[i]].vertex[k]] = 1;
+    BVXI_TRY(gather_origin(c, &o));
+
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, 1.0, 1.0, &crossing, &found));
+    for (uint64_t i = 0; i < 2 * found; i++)
+        for (int k = 0; k < 3; k++) c->came[o.now[o.back[o.triangle[crossing[i]].vertex[k]]]] = 1;
+    bvxi_drop(c->ctx, crossing);
+    bvxi_drop(c->ctx, o.tree.node[0]);
+    bvxi_drop(c->ctx, o.back);
+    bvxi_drop(c->ctx, o.triangle);
+    bvxi_drop(c->ctx, o.at);
+    bvxi_drop(c->ctx, o.beside);
+    bvxi_drop(c->ctx, o.now);
+    return BVX_OK;
+}
+
+static int has_come(const bvxi_collapse *c, uint32_t triangle)
+{
+    const uint32_t *const v = c->mesh.triangle[triangle].vertex;
+
+    return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
+}
+
+/* ---- Undoing ---- */
+
+/* Pairs that are still to be looked at. */
+typedef struct judge_pairs {
+    bvxi_collapse *c;
+    uint32_t *pair;
+    uint64_t count, capacity;
+    uint32_t triangle; /* whose partners are being listed */
+    bvx_status status;
+} judge_pairs;
+
+static int add_pair(void *user, uint32_t t)
+{
+    judge_pairs *const list = user;
+
+    if (t == list->triangle || (has_come(list->c, t) && has_come(list->c, list->triangle))) return 0;
+    if (list->count == list->capacity) {
+        uint32_t *larger;
+
+        list->status = bvxi_alloc(list->c->ctx, BVXI_SCRATCH, list->capacity * 16 + 1024, "crossing pairs", &larger);
+        if (list->status != BVX_OK) return 1;
+        if (list->count != 0) memcpy(larger, list->pair, (size_t)list->count * 8);
+        bvxi_drop(list->c->ctx, list->pair);
+        list->pair = larger;
+        list->capacity = list->capacity * 2 + 128;
+    }
+    list->pair[2 * list->count] = list->triangle;
+    list->pair[2 * list->count + 1] = t;
+    list->count++;
+    return 0;
+}
+
+/* The triangles around a vertex that is back where it was: their boxes, and what they cross. */
+static void look_around(judge_pairs *list, uint32_t v)
+{
+    bvxi_collapse *const c = list->c;
+    const bvxi_corners *const m = &c->mesh;
+
+    for (int pass = 0; pass < 2; pass++) {
+        int32_t at = c->any[v];
+
+        do {
+            uint32_t const t = (uint32_t)at >> 2;
+
+            if (t < m->triangles && pass == 0) bvxi_crossing_tree_move(&c->tree, t);
+            if (t < m->triangles && pass == 1) {
+                const uint32_t *const w = m->triangle[t].vertex;
+                const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
+
+                list->triangle = t;
+                bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, add_pair, list);
+            }
+            at = bvxi_corner_turn_left(m, at);
+        } while (at != c->any[v]);
+    }
+}
+
+/* The last collapse that changed one of both triangles: the vertex that went in it, or BVXI_VERTEX_NONE. */
+static uint32_t latest_of(const bvxi_collapse *c, const uint32_t *a, const uint32_t *b)
+{
+    uint32_t latest = BVXI_VERTEX_NONE;
+
+    for (int k = 0; k < 6; k++) {
+        uint32_t const went = c->last[k < 3 ? a[k] : b[k - 3]];
+
+        if (went != BVXI_VERTEX_NONE &&
+            (latest == BVXI_VERTEX_NONE || c->undo[went].order > c->undo[latest].order))
+            latest = went;
+    }
+    return latest;
+}
+
+/* Undo until none of the pairs crosses that has not come with the mesh. */
+static bvx_status undo_pairs(judge_pairs *list, uint64_t *undone)
+{
+    bvxi_collapse *const c = list->c;
+
+    while (list->count != 0 && list->status == BVX_OK) {
+        uint32_t const s = list->pair[2 * --list->count], t = list->pair[2 * list->count + 1];
+        uint32_t latest, went;
+
+        if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t))) continue;
+        if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
+        latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
+        if (latest == BVXI_VERTEX_NONE) continue;
+
+        /* One at a time, until the one that was meant is undone. */
+        do {
+            went = bvxi_collapse_undo(c, latest);
+            ++*undone;
+            look_around(list, went);
+            look_around(list, c->undo[went].stayed);
+        } while (went != latest);
+
+        /* Both are looked at again. */
+        list->triangle = s;
+        add_pair(list, t);
+    }
+    return list->status;
+}
+
+bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone)
+{
+    judge_pairs list = {.c = c};
+    uint32_t *pairs;
+    uint64_t count;
+
+    *undone = 0;
+    BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
+    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count));
+    for (uint64_t i = 0; i < count; i++) {
+        list.triangle = pairs[2 * i];
+        add_pair(&list, pairs[2 * i + 1]);
+    }
+    BVXI_TRY(list.status);
+    BVXI_TRY(undo_pairs(&list, undone));
+    c->counts.crossed += *undone;
+    c->crossings = count;
+    c->counted = all && *undone == 0;
+    bvxi_drop(c->ctx, list.pair);
+    bvxi_drop(c->ctx, pairs);
+    return BVX_OK;
+}
+
+/* ---- Collapses that are looked at one by one ---- */
+
+/* A new triangle of a star, and whether its like crossed in the mesh. */
+typedef struct new_triangle {
+    const bvxi_collapse *c;
+    int came;
+} new_triangle;
+
+static int is_new_crossing(void *user, uint32_t t)
+{
+    const new_triangle *const n = user;
+
+    return !(n->came && has_come(n->c, t));
+}
+
+int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
+                          const double *p)
+{
+    const bvxi_corner_vertex *const at = c->mesh.at;
+    int came = 0;
+
+    for (int32_t i = 0; i < count && c->came != NULL; i++)
+        came |= link[i] != BVXI_VERTEX_GHOST && c->came[link[i]] != 0;
+    if (c->came != NULL) came |= (c->came[u] | c->came[v]) != 0;
+
+    for (int32_t i = 0; i < count; i++) {
+        const double *a[3] = {p, NULL, NULL};
+        new_triangle n = {c, came};
+
+        if (link[i] == BVXI_VERTEX_GHOST || link[i + 1] == BVXI_VERTEX_GHOST) continue;
+        a[1] = at[link[i]].p;
+        a[2] = at[link[i + 1]].p;
+        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, is_new_crossing, &n)) return 1;
+
+        for (int32_t j = 0; j < i && !came; j++) {
+            const double *b[3] = {p, NULL, NULL};
+
+            if (link[j] == BVXI_VERTEX_GHOST || link[j + 1] == BVXI_VERTEX_GHOST) continue;
+            b[1] = at[link[j]].p;
+            b[2] = at[link[j + 1]].p;
+            if (bvxi_triangles_cross(a, b)) return 1;
+        }
+    }
+    return 0;
+}
