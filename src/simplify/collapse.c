@@ -34,6 +34,7 @@ enum {
     RANGE_MOST = 64,        /* ranges */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
+    THRESHOLD_WANTED = 16384, THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
     COSTS_GRAIN = 4096      /* triangles or vertices of a task */
 };
 
@@ -78,50 +79,48 @@ BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_co
     }
 }
 
-/* Where each of xx xy xz yy yz zz is found when the first axis is exchanged with another one. */
-static const unsigned char exchange_axes[3][6] = {{0, 1, 2, 3, 4, 5}, {3, 1, 4, 0, 2, 5}, {5, 4, 2, 3, 1, 0}};
+/* Of A d = g, with the largest diagonal first: the upper half of A, and g. */
+BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x, double y,
+                                 double z, double least, double *dx, double *dy, double *dz)
+{
+    double const by_x = 1 / xx, to_y = xy * by_x, to_z = xz * by_x;
+    double const a = yy - to_y * xy, b = yz - to_y * xz, c = zz - to_z * xz;
+    double const g = y - to_y * x, h = z - to_z * x;
+    double s, t;
+
+    if (a > c) {
+        double const by_a = 1 / a, share = b * by_a, last = c - share * b;
+
+        if (!((xx > least) & (a > least) & (last > least))) return 0;
+        t = (h - share * g) / last;
+        s = g * by_a - share * t;
+    } else {
+        double const by_c = 1 / c, share = b * by_c, last = a - share * b;
+
+        if (!((xx > least) & (c > least) & (last > least))) return 0;
+        s = (g - share * h) / last;
+        t = h * by_c - share * s;
+    }
+    *dx = (x - xy * s - xz * t) * by_x;
+    *dy = s;
+    *dz = t;
+    return 1;
+}
 
 /* Solve A d = -b by elimination with the largest remaining diagonal first, which keeps small eigenvalues
- * apart from rounding; 0: A is singular within it. Axes are exchanged by their names, without a branch: which
- * one is largest cannot be foretold. */
+ * apart from rounding; 0: A is singular within it. A is symmetric and not negative, so each pivot bounds its
+ * row, and the rows need no pivoting of their own. A pivot within rounding of the trace is a direction that no
+ * plane fixes: then the caller takes an end of the edge, which lies on the surface. NaN fails the comparison
+ * too. */
 BVXI_VECTOR_INLINE int solve_least(const double a[6], const double b[3], double d[3])
 {
     double const least = (a[0] + a[3] + a[5]) * 1e-13;
-    int const second = a[3] > a[0];
-    int const first = a[5] > a[3 * second] ? 2 : second;
-    const unsigned char *const at = exchange_axes[first];
-    double const xx = a[at[0]], xy = a[at[1]], xz = a[at[2]];
-    double const x = -b[first], rest_y = first == 1 ? -b[0] : -b[1], rest_z = first == 2 ? -b[0] : -b[2];
-    double const inverse = 1 / xx, to_y = xy * inverse, to_z = xz * inverse;
-    double block[3], way[2], last, y, z;
-    int turned;
 
-    /* A is symmetric and not negative, so each pivot bounds its row, and the rows need no pivoting of their
-     * own. A pivot within rounding of the trace is a direction that no plane fixes: then the caller takes an
-     * end of the edge, which lies on the surface. NaN fails the comparison too. */
-    block[0] = a[at[3]] - to_y * xy;
-    block[1] = a[at[4]] - to_y * xz;
-    block[2] = a[at[5]] - to_z * xz;
-    way[0] = rest_y - to_y * x;
-    way[1] = rest_z - to_z * x;
-    turned = block[2] > block[0];
-    {
-        double const pivot = block[2 * turned], other = block[2 - 2 * turned];
-        double const below = 1 / pivot, share = block[1] * below;
-
-        last = other - share * block[1];
-        if (!((xx > least) & (pivot > least) & (last > least))) return 0;
-        z = (way[1 - turned] - share * way[turned]) / last;
-        y = way[turned] * below - share * z;
-    }
-
-    /* y and z stand for the second and third pivot; then the exchanges are undone. */
-    way[turned] = y;
-    way[1 - turned] = z;
-    d[first] = (x - xy * way[0] - xz * way[1]) * inverse;
-    d[first == 1 ? 0 : 1] = way[0];
-    d[first == 2 ? 0 : 2] = way[1];
-    return 1;
+    if (a[5] > a[0] && a[5] > a[3])
+        return eliminate(a[5], a[4], a[2], a[3], a[1], a[0], -b[2], -b[1], -b[0], least, &d[2], &d[1], &d[0]);
+    if (a[3] > a[0])
+        return eliminate(a[3], a[1], a[4], a[0], a[2], a[5], -b[1], -b[0], -b[2], least, &d[1], &d[0], &d[2]);
+    return eliminate(a[0], a[1], a[2], a[3], a[4], a[5], -b[0], -b[1], -b[2], least, &d[0], &d[1], &d[2]);
 }
 
 static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
@@ -681,38 +680,40 @@ static uint32_t cost_bits(float cost)
 }
 
 /* Set the cost that about so many vertices have no cheaper edge than; bits of positive floats are in the order
- * of their values. candidates: how many have. */
+ * of their values. candidates: how many have. Of many vertices some are looked at. */
 static void choose_threshold(collapse_sweep *s, uint64_t wanted)
 {
     const bvxi_collapse *const c = s->c;
+    uint64_t const step = wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / THRESHOLD_VERTICES : 1;
     uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, bits;
+    uint64_t const enough = (wanted + step - 1) / step;
     uint64_t before = 0;
 
     /* The upper twelve bits first, then the next twelve of those that are in the same bucket. */
     memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) count[cost_bits(c->least[v]) >> 20]++;
+    for (uint64_t v = 0; v < c->mesh.vertices; v += step) count[cost_bits(c->least[v]) >> 20]++;
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
-        if (before + count[i] >= wanted) {
+        if (before + count[i] >= enough) {
             high = i;
             break;
         }
         before += count[i];
     }
     memset(count, 0, sizeof count);
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+    for (uint64_t v = 0; v < c->mesh.vertices; v += step) {
         bits = cost_bits(c->least[v]);
         if (bits >> 20 == high && c->least[v] < COLLAPSE_NEVER) count[bits >> 8 & (COST_BUCKETS - 1)]++;
     }
     bits = high << 20 | 0xfffff;
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
         before += count[i];
-        if (before < wanted) continue;
+        if (before < enough) continue;
         bits = high << 20 | i << 8 | 0xff;
         break;
     }
     memcpy(&s->threshold, &bits, sizeof bits);
     if (!(s->threshold < COLLAPSE_NEVER)) s->threshold = 0.5f * COLLAPSE_NEVER;
-    s->candidates = before;
+    s->candidates = before * step;
 }
 
 typedef struct range_job {

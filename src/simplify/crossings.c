@@ -250,9 +250,20 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
 {
     const crossing_tree *const tree = job->tree;
     uint64_t found = 0;
+    uint32_t near = 0xff;
 
-    for (uint64_t i = 0; i < WIDTH; i++) {
-        uint64_t const s = first * WIDTH + i;
+    /* The second node's box shows which triangles of the first one may meet any of it. */
+    if (first != second) {
+        const box_node *const above = &tree->node[1][second / WIDTH];
+        uint64_t const k = second % WIDTH;
+        int16_t const low[3] = {above->low[0][k], above->low[1][k], above->low[2][k]};
+        int16_t const high[3] = {above->high[0][k], above->high[1][k], above->high[2][k]};
+        box_query const query = query_of(low, high);
+
+        near = overlaps(&tree->node[0][first], &query);
+    }
+    for (; near != 0; near &= near - 1) {
+        uint64_t const i = (uint64_t)bvxi_lowest(near), s = first * WIDTH + i;
         uint32_t bits;
 
         if (!held[i].wanted) continue;
@@ -264,7 +275,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
 
             if (!is_there(tree, t) || share_graph(tree, tree->triangle[s].vertex, v)) continue;
             /* Each pair once: from its first triangle, or from the only one that is fresh. */
-            if (t < s && is_fresh(tree, v)) continue;
+            if (!job->all && t < s && is_fresh(tree, v)) continue;
             if (!crosses(tree, &held[i].plane, held[i].p, t)) continue;
             if (keys != NULL) keys[found] = t < s ? t << 32 | s : s << 32 | t;
             found++;

@@ -16,9 +16,8 @@ enum {
     JUDGE_GRAIN = 1024
 };
 
-/* Cosines and sines that rounding does not bring to the other side of 0. */
-#define FAN_COSINE 1e-6
-#define FAN_SINE   1e-9
+/* Sines and cosines that rounding does not bring to the other side of 0. */
+#define FAN_SINE 1e-9
 
 /* ---- Fans ---- */
 
@@ -33,30 +32,26 @@ typedef struct vertex_fan {
 static int gather_fan(const bvxi_corners *m, uint32_t v, int32_t any, vertex_fan *f)
 {
     const double *const p = bvxi_corner_position(m, v);
-    int32_t start = any, at;
+    int32_t at = any, start = any;
 
     f->open = 0;
-    f->count = 0;
-    for (at = any; !f->open;) {
-        f->open = bvxi_corner_vertex_of(m, bvxi_corner_next(at)) == BVXI_VERTEX_GHOST;
-        at = bvxi_corner_turn_left(m, at);
-        if (f->open) start = at;
-        if (at == any) break;
-    }
-    at = start;
-    for (;;) {
+    for (f->count = 0; f->count <= FAN_MOST; f->count++) {
         uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
-        const double *q;
 
-        if (w == BVXI_VERTEX_GHOST || f->count > FAN_MOST) return 0;
-        q = bvxi_corner_position(m, w);
-        for (int k = 0; k < 3; k++) f->way[f->count][k] = q[k] - p[k];
-        if (bvxi_corner_vertex_of(m, bvxi_corner_previous(at)) == BVXI_VERTEX_GHOST) return 1;
-        f->count++;
+        /* What comes after the border is the beginning; a second border is not looked at. */
+        if (BVXI_UNLIKELY(w == BVXI_VERTEX_GHOST)) {
+            if (f->open) return 0;
+            f->open = 1;
+            start = at = bvxi_corner_turn_left(m, at);
+            f->count = -1;
+            continue;
+        }
+        for (int k = 0; k < 3; k++) f->way[f->count][k] = bvxi_corner_position(m, w)[k] - p[k];
         at = bvxi_corner_turn_left(m, at);
+        if (f->open && bvxi_corner_vertex_of(m, bvxi_corner_next(at)) == BVXI_VERTEX_GHOST) return f->count > 0;
         if (at == start) break;
     }
-    if (f->count > FAN_MOST) return 0;
+    if (++f->count > FAN_MOST) return 0;
     memcpy(f->way[f->count], f->way[0], sizeof f->way[0]);
     return 1;
 }
@@ -65,22 +60,19 @@ static int gather_fan(const bvxi_corners *m, uint32_t v, int32_t any, vertex_fan
  * they begin and end at a border: then no two of them meet beside their common edges. */
 static int is_graph(const vertex_fan *f)
 {
-    double n[FAN_MOST][3], sum[3] = {0, 0, 0}, left[3], sum_square, left_square;
+    double n[FAN_MOST][3], square[FAN_MOST + 1], sum[3] = {0, 0, 0}, left[3], sum_square, left_square;
     int changes = 0, side_before = 1;
 
+    for (int32_t i = 0; i <= f->count; i++) square[i] = bvxi_vec_dot(f->way[i], f->way[i]);
     for (int32_t i = 0; i < f->count; i++) {
-        double const sides = bvxi_vec_dot(f->way[i], f->way[i]) * bvxi_vec_dot(f->way[i + 1], f->way[i + 1]);
-
         bvxi_vec_cross(f->way[i], f->way[i + 1], n[i]);
-        if (!(bvxi_vec_dot(n[i], n[i]) > FAN_SINE * FAN_SINE * sides)) return 0;
         for (int k = 0; k < 3; k++) sum[k] += n[i][k];
     }
     sum_square = bvxi_vec_dot(sum, sum);
     for (int32_t i = 0; i < f->count; i++) {
         double const along = bvxi_vec_dot(n[i], sum);
 
-        if (!(along > 0 && along * along > FAN_COSINE * FAN_COSINE * sum_square * bvxi_vec_dot(n[i], n[i])))
-            return 0;
+        if (!((along > 0) & (along * along > FAN_SINE * FAN_SINE * sum_square * square[i] * square[i + 1]))) return 0;
     }
 
     /* Each triangle turns left by less than half a turn. A fan that goes around once is first to the left of
@@ -91,7 +83,7 @@ static int is_graph(const vertex_fan *f)
     for (int32_t i = 1; i < f->count + f->open; i++) {
         double const side = bvxi_vec_dot(f->way[i], left);
 
-        if (side * side < FAN_SINE * FAN_SINE * bvxi_vec_dot(f->way[i], f->way[i]) * left_square) {
+        if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * square[i] * left_square)) {
             if (f->open && bvxi_vec_dot(f->way[i], f->way[0]) > 0) return 0;
             continue;
         }
@@ -145,7 +137,11 @@ static void fans_piece(void *user, int32_t piece, int32_t worker)
 static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs, uint64_t *count)
 {
     judge_level l = {c, all, NULL};
+    uint64_t fresh = 0;
 
+    /* Where most has changed each pair is looked at from one side, which is less than what is fresh from both. */
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) fresh += c->fresh[v];
+    if (2 * fresh > c->alive) all = l.all = 1;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.fan));
     bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
     c->tree.at = c->mesh.at;
