@@ -117,9 +117,11 @@ struct cli_options {
     cli_list triangles;
     cli_errors errors;
     int32_t error_kind;  /* BVX_ERROR_... */
-    int32_t count, open; /* levels; BVX_OPEN_... */
+    int32_t count;       /* levels */
     int32_t strict;
-    double even, colour_weight;
+    double even, attributes;
+    int32_t lock_border, keep_vertices;
+    int32_t topology; /* BVX_TOPOLOGY_... */
     int64_t samples; /* -1: not given */
 
     /* meshes in files */

@@ -27,9 +27,6 @@ static const cli_rule collapse_rules[] = {
     {.also = cli_reduction_rules},
     {.given = "--triangles --error", .beside = "--count", .message = "%o and %b exclude each other"},
     {.also = cli_mesh_file_rules},
-    {.given = "--colour-weight",
-     .lacking = "--carry",
-     .message = "%o needs --carry, which gives the levels the colours"},
     {0}};
 
 int cli_check_collapse(cli_run *run, cli_collapse_run *c)
@@ -73,11 +70,26 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
     }
 }
 
-static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
+/* The surface of a grid stands for the mesh. */
+static int read_surface(cli_run *run, cli_collapse_run *c)
 {
-    if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
-    return cli_usage(run, "%s has no colours that --colour-weight could count",
-                     cli_input_name(run->options->input[0]));
+    const char *const path = run->options->input[0];
+    bvx_extract_options e;
+    bvx_grid grid = {0};
+    bvx_status status;
+    int placed;
+
+    CLI_TRY(cli_read_grid(run, path, NULL, &grid, &placed));
+    run->report.lattice = grid.lattice;
+    run->report.has_lattice = 1;
+    bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
+    cli_stage_begin(run, "surface");
+    status = bvx_extract_surface(run->context, &grid, &e, &c->input);
+    bvx_grid_free(run->context, &grid);
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
+    if (c->input.triangle_count != 0) return CLI_DONE;
+    return cli_fail(run, "%s: the grid is empty; there is nothing to make levels from", cli_input_name(path));
 }
 
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
@@ -87,9 +99,9 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 
     /* Names are opened before the mesh is read where their number is known. */
     CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
-    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    CLI_TRY(c->kind == CLI_GRID ? read_surface(run, c)
+                                : cli_read_mesh(run, run->options->input[0], &c->input));
     CLI_TRY(cli_check_carry(run, &c->input));
-    CLI_TRY(check_colour_weight(run, &c->input));
 
     bvx_mesh_view_of(&c->input, &c->view);
     cli_mesh_box(&c->input, &box);
@@ -174,7 +186,7 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     /* The library has certified each level as it made it. */
     entry->certificate = c->level[i].certificate;
     entry->level = &c->level[i];
-    entry->source = c->source;
+    entry->solid = c->solid;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
@@ -330,7 +342,7 @@ int cli_write_collapse(cli_run *run, void *work)
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
     if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
-    if (strcmp(c->source, "measured") == 0) warn_of_surface(made, c);
+    if (c->solid) warn_of_surface(made, c);
     warn_of_levels(made, c);
 
     cli_tell_collapsed(run, c->count, c->diagonal, made);

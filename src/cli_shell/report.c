@@ -61,7 +61,7 @@ static void report_level(cli_text *t, const cli_mesh_entry *m)
     cli_json_value(t, "least_angle", l->least_angle);
     cli_json_count(t, "refused", l->refused);
     cli_json_value(t, "simplification_rate", m->rate);
-    cli_text_add(t, ", \"source\": \"%s\"", m->source);
+    cli_json_truth(t, "solid", m->solid);
 }
 
 static void report_mesh(cli_text *t, const cli_mesh_entry *m)
