@@ -284,9 +284,9 @@ typedef struct bvx_mesh_view {
     uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
     uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
     uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
-    const float *normals;   /**< x, y, z of each vertex, packed [Default: NULL] */
-    const float *uvs;       /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
+    const uint8_t *colours;   /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
+    const float *normals;     /**< x, y, z of each vertex, packed [Default: NULL] */
+    const float *uvs; /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
     const uint32_t *uv_indices; /**< three indices into uvs a triangle; NULL: each vertex has its own */
     uint64_t uv_count;          /**< of uvs, with uv_indices */
     const float *uvs2;          /**< second texture coordinates of each vertex [Default: NULL] */
@@ -344,8 +344,8 @@ typedef struct bvx_mesh {
     uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: each
                                  vertex has the uv of its own index, and uv_count is vertex_capacity */
     uint64_t uv_count;
-    float *normals;      /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
-    float *uvs2;         /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
+    float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
+    float *uvs2;    /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
     bvx_assets *assets;  /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
@@ -929,7 +929,7 @@ enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 /** Which vertices levels have.
  *  PLACED  new ones, where they lie nearest to the mesh
  *  KEPT    some of the mesh's own, by its own indices: what is stored by vertex follows untouched */
-#define BVX_VERTICES_LIST(X)           \
+#define BVX_VERTICES_LIST(X)            \
     X(BVX_VERTICES_PLACED, 0, "placed") \
     X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
@@ -937,7 +937,7 @@ enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
 /** What happens to handles and holes of a mesh where they are in a target's way.
  *  KEEP      they stay, and the target is not met
  *  SIMPLIFY  the smallest holes are filled and the smallest handles cut first */
-#define BVX_TOPOLOGY_LIST(X)         \
+#define BVX_TOPOLOGY_LIST(X)        \
     X(BVX_TOPOLOGY_KEEP, 0, "keep") \
     X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
 enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
@@ -951,9 +951,9 @@ typedef struct bvx_level_report {
     bvx_distance_report distance; /**< a is the input, b the level; measured for target_errors, or where
                                        measure_samples is not 0; else its distances are NaN */
     bvx_certificate certificate;  /**< of the level */
-    uint64_t crossings; /**< pairs of triangles that cross: 0, or some that the mesh had */
-    double least_angle; /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;   /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
+    uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
+    double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
     uint64_t reserved[6];
 } bvx_level_report;
 
@@ -974,12 +974,12 @@ typedef struct bvx_simplify_options {
                          [Limit: 0..1] [Default: 0] */
     int32_t lock_border;       /**< 1: border vertices stay bit for bit [Limit: 0..1] [Default: 0] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight; /**< of the attributes beside the shape; 0: they follow it and cost nothing
+    double attribute_weight;   /**< of the attributes beside the shape; 0: they follow it and cost nothing
                                   [Limit: 0..1000] [Default: 1] */
-    const uint8_t *locked;   /**< vertices of the mesh with a value other than 0 stay bit for bit
+    const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
                                   [Size: vertex_count] [Default: NULL] */
-    int32_t vertices;        /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;        /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     uint64_t reserved[3];
 } bvx_simplify_options;
 
@@ -1162,16 +1162,16 @@ BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh,
 typedef struct bvx_levels_report {
     int32_t solid; /**< 1: the levels were made from the measured surface */
     int32_t reserved0;
-    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
-    uint64_t triangles;     /**< of the surface before edges collapsed */
-    uint64_t collapsed;     /**< triangles without area or with equal corners, dropped */
-    uint64_t doubles;       /**< exact copies of triangles, dropped */
-    uint64_t turned;        /**< triangles turned to agree with the others of their patch */
-    uint64_t split;         /**< vertices where fans met, now one for each fan */
-    uint64_t parted;        /**< edges of three triangles and more, parted by sides */
-    uint64_t cut;           /**< edges that became borders, since no pairing of their triangles does it */
-    double cut_edge[2][3];  /**< ends of the first of them [Units: world] */
-    uint64_t crumbs;        /**< solid: small parts that the input does not have, dropped */
+    bvx_certificate before;     /**< of the input; vertices at equal positions count as one */
+    uint64_t triangles;         /**< of the surface before edges collapsed */
+    uint64_t collapsed;         /**< triangles without area or with equal corners, dropped */
+    uint64_t doubles;           /**< exact copies of triangles, dropped */
+    uint64_t turned;            /**< triangles turned to agree with the others of their patch */
+    uint64_t split;             /**< vertices where fans met, now one for each fan */
+    uint64_t parted;            /**< edges of three triangles and more, parted by sides */
+    uint64_t cut;               /**< edges that became borders, since no pairing of their triangles does it */
+    double cut_edge[2][3];      /**< ends of the first of them [Units: world] */
+    uint64_t crumbs;            /**< solid: small parts that the input does not have, dropped */
     bvx_repair_report repair;   /**< solid: what was found and done */
     int32_t resolution;         /**< solid without a lattice: as in the options; else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
@@ -1195,21 +1195,21 @@ typedef struct bvx_levels_options {
     const bvx_lattice *lattice; /**< solid: to work on [Default: NULL, fitted by resolution] */
     int32_t resolution;         /**< solid: along the longest axis [Limit: 0..2^24] [Default: 0, by
                                      bvx_plan_levels] */
-    int32_t sign;          /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+    int32_t sign;               /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO] */
-    int32_t sharp;         /**< solid: as in bvx_repair_options [Limit: -1..1] [Default: -1] */
-    int32_t outer;         /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    double shell;          /**< solid: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
-    uint64_t least_part;   /**< solid: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t least_cavity; /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
-    bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    int32_t lock_border;       /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
-    int32_t vertices;          /**< as in bvx_simplify_options [Default: BVX_VERTICES_PLACED] */
-    double attribute_weight;   /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
-    uint64_t keep_largest;     /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
-    const uint8_t *locked;     /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t topology;          /**< as in bvx_simplify_options [Default: BVX_TOPOLOGY_KEEP] */
+    int32_t sharp;              /**< solid: as in bvx_repair_options [Limit: -1..1] [Default: -1] */
+    int32_t outer;              /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
+    double shell;               /**< solid: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
+    uint64_t least_part;        /**< solid: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t least_cavity;      /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
+    bvx_levels_report *report;  /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports;  /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    int32_t lock_border;        /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    int32_t vertices;           /**< as in bvx_simplify_options [Default: BVX_VERTICES_PLACED] */
+    double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
+    uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
+    const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
+    int32_t topology;           /**< as in bvx_simplify_options [Default: BVX_TOPOLOGY_KEEP] */
     int32_t reserved0;
     uint64_t reserved[1];
 } bvx_levels_options;

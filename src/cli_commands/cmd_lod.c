@@ -82,7 +82,7 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
-#define OF_COLLAPSE                                                                                      \
+#define OF_COLLAPSE                                                                                       \
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices --topology " \
     "--solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
@@ -405,10 +405,8 @@ const cli_command cli_lod = {
     .usage = "IN -o OUT_%d.EXT [options]",
     .does = "a chain of meshes of several sizes from one mesh, grid or volume",
     .details =
-        "Reads any mesh (" CLI_MESHES_READ
-        ", also with .gz) and writes meshes of 1/2, 1/4 ...\n"
-        "of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
-        "; %d becomes\n"
+        "Reads any mesh (" CLI_MESHES_READ ", also with .gz) and writes meshes of 1/2, 1/4 ...\n"
+        "of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
         "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh as it is collapse: its "
         "parts,\n"
         "holes, borders and sides stay, and no level has a fault that it has not. --solid makes closed, "

@@ -246,8 +246,15 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
     }
 }
 
+/* 1: fans and sheets that met are apart in the levels, so that they have more pieces. */
+static int is_parted(const cli_collapse_run *c)
+{
+    return !c->solid && !(c->before.edge_manifold && c->before.vertex_manifold && c->before.oriented);
+}
+
 /* Handles never close, so many of them are what a level sticks at. */
-static void warn_of_count(cli_made *made, const bvx_level_report *l, const char *what)
+static void warn_of_count(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
+                          const char *what)
 {
     int64_t const handles = cli_count_handles(&l->certificate);
     char kept[64] = "";
@@ -256,9 +263,23 @@ static void warn_of_count(cli_made *made, const bvx_level_report *l, const char 
     if (handles > 0 && l->certificate.closed)
         snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
     cli_advise(made,
-               "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
-               " are the fewest that collapsing edges leaves sound%s",
-               what, l->target, l->triangles, kept);
+               "%s misses its target of %" PRIu64 " triangles: %" PRIu64
+               " are the fewest that collapsing edges leaves sound%s; take a larger target%s",
+               what, l->target, l->triangles, kept,
+               c->solid ? "" : ", or 'bitvox lod --solid', which joins parts and closes holes");
+}
+
+static void warn_of_missed(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
+                           const char *what)
+{
+    if (!c->by_error) warn_of_count(made, c, l, what);
+    else if (c->solid)
+        cli_advise(
+            made,
+            "%s misses its target: the measured surface, with no more triangles than the input, is further "
+            "than %.4g from it; a larger --error, or the mesh as it is, without --solid, is met",
+            what, l->target_error);
+    else cli_advise(made, "%s misses its target of %.4g; a larger --error is met", what, l->target_error);
 }
 
 static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
@@ -270,7 +291,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
 
     /* Pieces and volume, against what the level was made from. */
     snprintf(what, sizeof what, "level %d", i);
-    if (l->certificate.components != s->components)
+    if (l->certificate.components != s->components && !is_parted(c))
         cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
                    l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
     /* An open input has no volume to compare with; its measured surface has. */
@@ -279,18 +300,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
     else if (s->closed && s->oriented)
         warn_of_volume(made, what, of_surface, "the surface that it was made from",
                        "; more triangles keep it nearer");
-
-    if (l->crossings != 0)
-        cli_advise(made,
-                   "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
-                   "makes levels that do not",
-                   l->crossings, what);
-    if (l->met) return;
-    if (c->by_error)
-        cli_advise(made,
-                   "%s cannot keep its target: what it is made from lies further than %.4g from the input",
-                   what, l->target_error);
-    else warn_of_count(made, l, what);
+    if (!l->met) warn_of_missed(made, c, l, what);
 }
 
 /* By number of triangles: no edge collapsed since the level before, whose target was kept, or missed, too. */
@@ -345,7 +355,7 @@ void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *
     if (c->solid) warn_of_surface(made, c);
     warn_of_levels(made, c);
 
-    cli_tell_collapsed(run, c->count, c->diagonal, made);
+    cli_tell_collapsed(run, c->count, c->diagonal, &c->before, made);
     cli_tell_distances(run, c->count, c->diagonal, 4, "", "mesh", made);
     cli_tell_written(run, c->count, made);
 }

@@ -13,7 +13,7 @@ typedef struct lod_collapse {
 
 /* ---- Options ---- */
 
-#define OF_SOLID                                                                                          \
+#define OF_SOLID                                                                                       \
     "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity --least-part " \
     "--keep-largest"
 
@@ -137,7 +137,8 @@ static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         if (row[i].count == 0) continue;
-        cli_tell(made, "%s%" PRIu64 " %s", before, row[i].count, row[i].count == 1 ? row[i].one : row[i].many);
+        cli_tell(made, "%s%" PRIu64 " %s", before, row[i].count,
+                 row[i].count == 1 ? row[i].one : row[i].many);
         before = ", ";
     }
     if (*before == ',') cli_tell(made, "\n");
@@ -152,14 +153,18 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     /* Nothing was measured: one line says what the levels come from. */
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     if (!is_solid(l)) {
-        cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n", c->kind == CLI_GRID ? "the grid's surface" : "the mesh as it is",
-                 c->before.components, c->before.components == 1 ? "" : "s", c->seconds * 1e3);
+        cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n",
+                 c->kind == CLI_GRID ? "the grid's surface" : "the mesh as it is", c->before.components,
+                 c->before.components == 1 ? "" : "s", c->seconds * 1e3);
         tell_made_ready(&l->report, made);
+        if (!cli_is_sound(&c->before))
+            cli_tell(made, "the input is no solid, and neither are its levels; --solid makes closed ones\n");
         cli_tell(made, "\n");
         return;
     }
 
-    cli_tell(made, "levels from its measured surface, as %s asks, in %.1f ms\n", cli_given_of(run, OF_SOLID), c->seconds * 1e3);
+    cli_tell(made, "levels from its measured surface, as %s asks, in %.1f ms\n", cli_given_of(run, OF_SOLID),
+             c->seconds * 1e3);
     cli_tell(made,
              "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
              " triangles, %" PRIu64 " piece%s\n",
@@ -192,8 +197,7 @@ static void report_levels(const lod_collapse *l, cli_made *made)
 {
     cli_text *const t = &made->members;
 
-    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s",
-                 is_solid(l) ? "true" : "false");
+    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s", is_solid(l) ? "true" : "false");
     /* The input, what was found wrong with it, and what the levels were made from. */
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
@@ -223,11 +227,11 @@ static void warn_of_input(const lod_collapse *l, cli_made *made)
     const double *const a = r->cut_edge[0], *const b = r->cut_edge[1];
 
     if (r->cut != 0)
-        cli_advise(made,
-                   "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut, the "
-                   "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --solid joins what they part",
-                   r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1],
-                   b[2]);
+        cli_advise(
+            made,
+            "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut, the "
+            "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --solid joins what they part",
+            r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1], b[2]);
     /* Where one volume says it, the other need not. */
     if (is_solid(l) && !(l->run.before.closed && l->run.before.oriented))
         cli_advise_thickened(&r->repair, "the measured surface", "take a higher --resolution", made);

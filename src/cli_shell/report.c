@@ -83,6 +83,8 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
     }
     if (m->level != NULL) report_level(t, m);
     if (m->distance != NULL) report_distance(t, m->distance);
+    else if (m->level != NULL)
+        cli_text_add(t, ", \"mean_distance\": null, \"max_distance\": null, \"distance\": null");
     if (m->welded != NULL) {
         cli_text_add(t, ", \"welded\": {\"weld\": true");
         report_certificate(t, m->welded);

@@ -66,9 +66,9 @@ static const bvxi_option levels_rows[] = {
 /* Requested, or implied by an option that only a measured surface can follow. */
 static int wants_solid(const bvx_levels_options *o)
 {
-    return o->solid || o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->sharp != -1 ||
-           o->shell != levels_defaults.shell || o->least_part != 0 || o->keep_largest != 0 ||
-           o->least_cavity != 0 || o->outer;
+    return o->solid || o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO ||
+           o->sharp != -1 || o->shell != levels_defaults.shell || o->least_part != 0 ||
+           o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
 }
 
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
@@ -78,10 +78,11 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: outer fills every cavity; least_cavity is not used with it", function);
     if (wants_solid(o) && (o->lock_border || o->locked != NULL || o->vertices != BVX_VERTICES_PLACED))
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
-                             "the options that imply it, measure a new surface",
-                             function);
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
+            "the options that imply it, measure a new surface",
+            function);
     return BVX_OK;
 }
 

@@ -367,9 +367,10 @@ static bvx_status check_supported(bvx_context *ctx, const bvxi_level_chain *c)
     if (!o->lock_border && o->locked == NULL && o->vertices == BVX_VERTICES_PLACED &&
         o->topology == BVX_TOPOLOGY_KEEP)
         return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_CHOICE,
-                         "%s: lock_border, locked, BVX_VERTICES_KEPT and BVX_TOPOLOGY_SIMPLIFY are not supported",
-                         c->function);
+    return bvxi_fail_for(
+        ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_CHOICE,
+        "%s: lock_border, locked, BVX_VERTICES_KEPT and BVX_TOPOLOGY_SIMPLIFY are not supported",
+        c->function);
 }
 
 bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,

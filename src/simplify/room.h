@@ -18,7 +18,7 @@ typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
     int32_t lenient; /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
-    int32_t simple;  /* 1: the mesh is known not to cross itself, which spares tests; of a chain: to be closed,
+    int32_t simple; /* 1: the mesh is known not to cross itself, which spares tests; of a chain: to be closed,
                         manifold and oriented, too */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */

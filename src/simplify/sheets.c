@@ -30,18 +30,19 @@ typedef struct sheet_work {
     uint32_t *corner;
     bvxi_sheets_report *report;
     uint64_t triangles;
-    uint64_t *keys;    /* lower vertex << 32 | higher one of each half-edge, ascending [Size: triangles * 3] */
-    uint32_t *half;    /* the half-edges: 3 t + k runs from corner k to the next [Size: triangles * 3] */
-    uint64_t crowded;  /* half-edges at edges of three triangles and more */
+    uint64_t *keys;   /* lower vertex << 32 | higher one of each half-edge, ascending [Size: triangles * 3] */
+    uint32_t *half;   /* the half-edges: 3 t + k runs from corner k to the next [Size: triangles * 3] */
+    uint64_t crowded; /* half-edges at edges of three triangles and more */
     uint64_t disputed; /* edges of two triangles that run along it the same way */
-    uint32_t *link;    /* triangle << 1 | 1 when it runs otherwise; a root links to itself [Size: triangles] */
-    uint32_t *parent;  /* of corners that share a vertex [Size: triangles * 3] */
+    uint32_t *link;   /* triangle << 1 | 1 when it runs otherwise; a root links to itself [Size: triangles] */
+    uint32_t *parent; /* of corners that share a vertex [Size: triangles * 3] */
 
     /* Crowded half-edges, by edge, then by what is paired with each other, then around the edge. */
     uint64_t *order;
-    uint32_t *crowd, *edge, *patch, *stack; /* index into what follows [Size: crowded]; the rest by that index */
-    uint32_t *at;                           /* half-edges */
-    uint8_t *outside;                       /* by edge, 1: triangles on both sides of an outside are paired */
+    uint32_t *crowd, *edge, *patch,
+        *stack;       /* index into what follows [Size: crowded]; the rest by that index */
+    uint32_t *at;     /* half-edges */
+    uint8_t *outside; /* by edge, 1: triangles on both sides of an outside are paired */
 } sheet_work;
 
 static uint32_t next_of(uint32_t half)
@@ -63,8 +64,8 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh)
     uint32_t *representative;
 
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the welded triangles", &w->corner));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions",
-                        &representative));
+    BVXI_TRY(
+        bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(w->ctx, mesh, representative, &different));
     kept = bvxi_drop_collapsed(mesh, representative, w->corner);
     bvxi_drop(w->ctx, representative);
