@@ -60,7 +60,7 @@ static int runs_up(const sheet_work *w, uint32_t half)
 
 static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh)
 {
-    uint64_t different, kept = 0;
+    uint64_t different, kept;
     uint32_t *representative;
 
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the welded triangles", &w->corner));
@@ -68,6 +68,7 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh)
         bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(w->ctx, mesh, representative, &different));
     kept = bvxi_drop_collapsed(mesh, representative, w->corner);
+    for (uint64_t i = 0; i < 3 * kept; i++) w->corner[i] = representative[w->corner[i]];
     bvxi_drop(w->ctx, representative);
     w->report->collapsed = mesh->triangle_count - kept;
     w->triangles = kept;
@@ -458,25 +459,33 @@ static int is_run_double(sheet_work *w, uint64_t m, uint64_t n)
     return 0;
 }
 
-/* Edges whose inside pairs are doubles are tried by their outside; doubles that remain are cut. */
-static void part_doubles(sheet_work *w)
+/* Edges whose inside pairs are doubles are paired by their outside. */
+static void turn_doubles(sheet_work *w)
 {
-    for (int round = 0; round < 2; round++) {
-        uint64_t doubles = 0;
+    uint64_t doubles = 0;
 
-        w->report->parted = 0;
-        for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
-            uint64_t const i = w->edge[w->crowd[m]];
-            int is_cut = 0;
+    for (uint64_t m = 0, n, up; m < w->crowded; m += n) {
+        n = run_length(w, m, &up);
+        if (2 * up != n || !is_run_double(w, m, n)) continue;
+        w->outside[w->crowd[m]] = 1;
+        doubles++;
+    }
+    if (doubles != 0) pair_edges(w);
+}
 
+/* An edge is parted where all of its triangles are paired, and no pairs are doubles. */
+static void report_crowd(sheet_work *w)
+{
+    for (uint64_t m = 0, n, up; m < w->crowded;) {
+        uint32_t const edge = w->edge[w->crowd[m]];
+        int is_cut = 0;
+
+        for (; m < w->crowded && w->edge[w->crowd[m]] == edge; m += n) {
             n = run_length(w, m, &up);
-            if (2 * up != n || !is_run_double(w, m, n)) is_cut = 2 * up != n;
-            else if (round == 0) w->outside[w->crowd[m]] = (uint8_t)(++doubles != 0);
-            else is_cut = 1;
-            if (is_cut && (round == 1)) report_cut(w, i);
-            w->report->parted += !is_cut;
+            is_cut |= 2 * up != n || is_run_double(w, m, n);
         }
-        if (round == 0 && doubles != 0) pair_edges(w);
+        if (is_cut) report_cut(w, edge);
+        else w->report->parted++;
     }
 }
 
@@ -547,7 +556,8 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
     bvxi_drop(w->ctx, w->link);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the corners' vertices", &w->parent));
     pair_edges(w);
-    part_doubles(w);
+    turn_doubles(w);
+    report_crowd(w);
     for (uint64_t i = 0, n; i < 3 * w->triangles && w->disputed != 0; i += n) {
         n = edge_length(w, i);
         if (n == 2 && runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])) report_cut(w, i);

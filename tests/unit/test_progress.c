@@ -254,7 +254,7 @@ static bvx_status measured_levels(const world *w)
     bvx_levels_options o;
 
     bvx_levels_options_init(&o, sizeof o);
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     o.resolution = 16;
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }

@@ -52,7 +52,7 @@ static void simplify_coloured(double weight, uint64_t target)
     drop_levels();
     bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
-    o.colour_weight = weight;
+    o.attribute_weight = weight;
     o.measure_samples = 20000;
     o.reports = report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
@@ -148,7 +148,7 @@ static void test_borders_stay_on_measured_surfaces(void)
         bvx_levels_options_init(&o, sizeof o);
         o.target_triangles = &target;
         o.resolution = 64;
-        o.colour_weight = i == 0 ? 0 : 0.02;
+        o.attribute_weight = i == 0 ? 0 : 0.02;
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level),
                                         bvx_last_message(ctx));
         assert_whole(&level[0], 2, 1);
@@ -233,7 +233,7 @@ static void test_without_a_weight_or_colours_nothing_changes(void)
         drop_levels();
         bvx_simplify_options_init(&o, sizeof o);
         o.target_triangles = &target;
-        o.colour_weight = way == 0 ? 0 : 0.5; /* of colours that are not there */
+        o.attribute_weight = way == 0 ? 0 : 0.5; /* of colours that are not there */
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));
         assert_same_bytes(&plain, &level[0]);
     }
@@ -269,7 +269,7 @@ static void test_order_and_threads_do_not_matter(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         bvx_simplify_options_init(&o, sizeof o);
         o.target_triangles = &target;
-        o.colour_weight = 0.02;
+        o.attribute_weight = 0.02;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 1, &made));
         assert_same_bytes(&wanted, &made);
         bvx_mesh_free(other, &made);
