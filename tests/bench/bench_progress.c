@@ -719,7 +719,6 @@ static const struct {
     ROW(simplify_error),
     ROW(levels),
     ROW(levels_measured),
-    ROW(levels_open),
     ROW(write_grid),
     ROW(read_grid),
     ROW(merge),

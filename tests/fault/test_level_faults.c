@@ -94,8 +94,7 @@ static bvx_status make_levels(void *user, bvx_context *ctx)
         assert_int_equal(reports[i].certificate.closed, j->by_error != 2 && j->measured != 3);
         all = all * 31 + hash + bvx_hash(&reports[i], sizeof reports[i], 0);
     }
-    if (j->measured > 0)
-        assert_int_equal(report.solid, j->measured == 2);
+    if (j->measured > 0) assert_int_equal(report.solid, j->measured == 2);
     for (int i = LEVELS; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
     if (j->want == 0) j->want = all;
     if (all != j->want) j->left_behind |= 2;
