@@ -1,6 +1,6 @@
 /* bitvox.h - shapes to voxels and voxels to shapes: the whole public interface of libbitvox. Licence: MIT.
  *
- * Start here: two levels of detail of any mesh, closed and without crossing triangles.
+ * Start here: two levels of detail of any mesh.
  *
  *     bvx_mesh_view view = bvx_mesh_view_packed(positions, vertex_count, triangles, triangle_count);
  *     bvx_mesh levels[2] = {{0}};
@@ -284,9 +284,9 @@ typedef struct bvx_mesh_view {
     uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
     uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
     uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
-    const float *normals;   /**< x, y, z of each vertex, packed [Default: NULL] */
-    const float *uvs;       /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
+    const uint8_t *colours;   /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
+    const float *normals;     /**< x, y, z of each vertex, packed [Default: NULL] */
+    const float *uvs; /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
     const uint32_t *uv_indices; /**< three indices into uvs a triangle; NULL: each vertex has its own */
     uint64_t uv_count;          /**< of uvs, with uv_indices */
     const float *uvs2;          /**< second texture coordinates of each vertex [Default: NULL] */
@@ -344,8 +344,8 @@ typedef struct bvx_mesh {
     uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: each
                                  vertex has the uv of its own index, and uv_count is vertex_capacity */
     uint64_t uv_count;
-    float *normals;      /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
-    float *uvs2;         /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
+    float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
+    float *uvs2;    /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
     bvx_assets *assets;  /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
@@ -926,16 +926,21 @@ typedef struct bvx_field_surface_report {
     X(BVX_ERROR_MAX, 1, "max")
 enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
-/** What becomes of a mesh with borders when it is simplified.
- *  SHELL  bvx_build_levels: open sheets become thin closed shells; bvx_mesh_simplify: refused
- *  KEEP   borders stay borders. A mesh with edges of three triangles and more, or between triangles that
- *         cannot agree on their sides, is BVX_ERR_ARGUMENT
- *  CUT    as KEEP, but the sheet is cut along such edges: all their triangles get borders there */
-#define BVX_OPEN_LIST(X)          \
-    X(BVX_OPEN_SHELL, 0, "shell") \
-    X(BVX_OPEN_KEEP, 1, "keep")   \
-    X(BVX_OPEN_CUT, 2, "cut")
-enum { BVX_OPEN_LIST(BVX_LIST_ENUM) };
+/** Which vertices levels have.
+ *  PLACED  new ones, where they lie nearest to the mesh
+ *  KEPT    some of the mesh's own, by its own indices: what is stored by vertex follows untouched */
+#define BVX_VERTICES_LIST(X)            \
+    X(BVX_VERTICES_PLACED, 0, "placed") \
+    X(BVX_VERTICES_KEPT, 1, "kept")
+enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
+
+/** What happens to handles and holes of a mesh where they are in a target's way.
+ *  KEEP      they stay, and the target is not met
+ *  SIMPLIFY  the smallest holes are filled and the smallest handles cut first */
+#define BVX_TOPOLOGY_LIST(X)        \
+    X(BVX_TOPOLOGY_KEEP, 0, "keep") \
+    X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
+enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
@@ -944,11 +949,11 @@ typedef struct bvx_level_report {
     int32_t met;                  /**< 1: both are kept */
     int32_t measured;             /**< 1: distance is filled */
     bvx_distance_report distance; /**< a is the input, b the level; measured for target_errors, or where
-                                       measure_samples is not 0 */
+                                       measure_samples is not 0; else its distances are NaN */
     bvx_certificate certificate;  /**< of the level */
-    uint64_t crossings; /**< pairs of triangles that cross: 0, or some that bvx_mesh_simplify was given */
-    double least_angle; /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;   /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
+    uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
+    double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
     uint64_t reserved[6];
 } bvx_level_report;
 
@@ -967,30 +972,32 @@ typedef struct bvx_simplify_options {
     int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
                          is the smallest that keeps the guarantee, by error the level before, or the mesh
                          [Limit: 0..1] [Default: 0] */
-    int32_t open;   /**< BVX_OPEN_...: may the mesh have borders? [Default: BVX_OPEN_KEEP] */
+    int32_t lock_border;       /**< 1: border vertices stay bit for bit [Limit: 0..1] [Default: 0] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double colour_weight; /**< of the view's colours, without alpha: being off by 255 in one channel costs as
-                               much as being off the surface by this share of the mesh's longest side. It
-                               holds borders of colours in their position [Limit: 0..1] [Default: 0] */
+    double attribute_weight;   /**< of the attributes beside the shape; 0: they follow it and cost nothing
+                                  [Limit: 0..1000] [Default: 1] */
+    const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
+                                  [Size: vertex_count] [Default: NULL] */
+    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     uint64_t reserved[3];
 } bvx_simplify_options;
 
 BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t size);
 
-/** Fewer triangles for a manifold mesh, closed or with borders: a chain of levels, each made from the one
- *  before by collapsing the edge that costs least. Each level is edge- and vertex-manifold and oriented,
- *  closed where the mesh is, has the mesh's components, handles and borders, and no crossing triangles where
- *  the mesh has none. A collapse that would break this is refused, so a small target is not always met:
+/** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
+ *  edges that cost least. Parts, handles, borders, sides and own crossings stay. What is closed, manifold,
+ *  oriented and free of crossings stays so; any other mesh gets no new fault. A collapse that would break
+ *  this is refused, so a small target is not always met; no level has more triangles than the mesh:
  *  docs/rules.md.
- *  mesh    edge-manifold and oriented, or it can be made so: doubled triangles count once, flipped ones are
- *          turned, a vertex in which parts touch becomes one for each. BVX_OPEN_SHELL: closed, manifold,
- *          oriented
+ *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies
+ *          are dropped, flipped ones are turned, a vertex where fans meet becomes one for each, edges of three
+ *          triangles and more are parted by sides, or cut where no pairing does that
  *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read
- *  Returns BVX_ERR_ARGUMENT (also a mesh that is not as above, with an edge), BVX_ERR_EMPTY (no triangle),
- *  BVX_ERR_RANGE (coordinates; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that
- *  cannot be made).
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; a mesh that
+ *  spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
  *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; above 20,000 triangles 1.3 MB a thread;
- *  with a colour weight 190 bytes a vertex]
+ *  where fans meet a copy of the positions]
  *  [Cost: O(triangles), some microseconds for each that goes]
  *  [Exact: the order of vertices and triangles of an oriented mesh changes nothing]
  *  Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; more:
@@ -1153,48 +1160,22 @@ BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh,
 
 /* ---- Levels of detail ---------------------------------------------------------------------------------- */
 
-/** What levels are made from.
- *  AUTO      the mesh itself where it is closed, manifold and oriented, its levels do not cross themselves
- *            and memory allows it; else its measured surface
- *  MESH      the mesh itself: closed, manifold and oriented
- *  MEASURED  the surface that bvx_repair makes of the mesh */
-#define BVX_LEVELS_LIST(X)        \
-    X(BVX_LEVELS_AUTO, 0, "auto") \
-    X(BVX_LEVELS_MESH, 1, "mesh") \
-    X(BVX_LEVELS_MEASURED, 2, "measured")
-enum { BVX_LEVELS_LIST(BVX_LIST_ENUM) };
-
-/** Why levels were made from the measured surface: the first of these that holds. */
-enum {
-    BVX_MEASURED_NOT = 0,   /**< they were made from the mesh itself */
-    BVX_MEASURED_ASKED = 1, /**< chosen by source, or required by an option of a measured surface */
-    BVX_MEASURED_OPEN = 2,
-    BVX_MEASURED_MANIFOLD = 3, /**< the mesh is not manifold */
-    BVX_MEASURED_FLIPPED = 4,  /**< neighbours of opposite orientation, or a piece inside out beside others */
-    BVX_MEASURED_FLAT = 5,     /**< triangles without area */
-    BVX_MEASURED_LARGE = 6,    /**< a scan of over 500,000 triangles and 24 times those of the finest level */
-    BVX_MEASURED_CROSSINGS = 7, /**< the mesh crosses itself, and so did its levels */
-    BVX_MEASURED_MEMORY = 8     /**< as it is the mesh would have exceeded the memory limit */
-};
-
 typedef struct bvx_levels_report {
-    int32_t source;         /**< BVX_LEVELS_MESH or MEASURED: what the levels were made from */
-    int32_t reason;         /**< BVX_MEASURED_... */
-    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
-    uint64_t triangles;     /**< of the surface before edges collapsed */
-    uint64_t crossings;     /**< pairs of triangles of the input that cross, where that decided */
-    uint64_t crumbs;        /**< small parts of the measured surface that the input does not have: dropped */
-    bvx_repair_report repair; /**< BVX_LEVELS_MEASURED: what was found and done */
-    uint64_t doubles, turned; /**< open KEEP and CUT: triangles that were there twice and dropped; triangles
-                                   turned to agree with their neighbours, or all, of a mesh inside out */
-    uint64_t refused_edges;   /**< open KEEP: edges that made it impossible, of three triangles or between two
-                                   that cannot agree. With CUT they became borders */
-    double refused_edge[2][3];  /**< ends of the first of them [Units: world] */
-    int32_t resolution;         /**< BVX_LEVELS_MEASURED without a lattice: as in the options; else 0 */
-    int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
-    int32_t nested; /**< BVX_LEVELS_MESH: 1, closed bodies lie in others and face the same way: what lies in
-                         both counts twice. A measured surface has it once */
+    int32_t solid; /**< 1: the levels were made from the measured surface */
     int32_t reserved0;
+    bvx_certificate before;     /**< of the input; vertices at equal positions count as one */
+    uint64_t triangles;         /**< of the surface before edges collapsed */
+    uint64_t collapsed;         /**< triangles without area or with equal corners, dropped */
+    uint64_t doubles;           /**< exact copies of triangles, dropped */
+    uint64_t turned;            /**< triangles turned to agree with the others of their patch */
+    uint64_t split;             /**< vertices where fans met, now one for each fan */
+    uint64_t parted;            /**< edges of three triangles and more, parted by sides */
+    uint64_t cut;               /**< edges that became borders, since no pairing of their triangles does it */
+    double cut_edge[2][3];      /**< ends of the first of them [Units: world] */
+    uint64_t crumbs;            /**< solid: small parts that the input does not have, dropped */
+    bvx_repair_report repair;   /**< solid: what was found and done */
+    int32_t resolution;         /**< solid without a lattice: as in the options; else 0 */
+    int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
     uint64_t reserved[4];
 } bvx_levels_report;
 
@@ -1209,26 +1190,28 @@ typedef struct bvx_levels_options {
     double even;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 1e-9] */
     uint64_t measure_samples; /**< as in bvx_simplify_options [Limit: 0..2^31-1] [Default: 0] */
     int32_t strict;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
-    int32_t source; /**< BVX_LEVELS_... [Default: BVX_LEVELS_AUTO; MEASURED where a lattice, a resolution, a
-                         sign, least_part, keep_largest, least_cavity or outer is given] */
-    const bvx_lattice *lattice; /**< measured: to work on [Default: NULL, fitted by resolution] */
-    int32_t resolution;         /**< measured: along the longest axis [Limit: 0..2^24] [Default: 0, by
+    int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
+                        crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
+                        from its default] */
+    const bvx_lattice *lattice; /**< solid: to work on [Default: NULL, fitted by resolution] */
+    int32_t resolution;         /**< solid: along the longest axis [Limit: 0..2^24] [Default: 0, by
                                      bvx_plan_levels] */
-    int32_t sign;               /**< measured: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
-                                     BVX_SIGN_AUTO] */
-    int32_t sharp;              /**< measured: as in bvx_repair_options [Limit: -1..1] [Default: -1] */
-    int32_t outer;              /**< measured: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    double shell;          /**< measured: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
-    uint64_t least_part;   /**< measured: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t least_cavity; /**< measured: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
-    bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    int32_t open; /**< BVX_OPEN_...: KEEP and CUT simplify a mesh with borders as it is, even if it crosses
-                       itself, unless an option requires a measured surface [Default: BVX_OPEN_SHELL] */
+    int32_t sign;               /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+                                BVX_SIGN_AUTO] */
+    int32_t sharp;              /**< solid: as in bvx_repair_options [Limit: -1..1] [Default: -1] */
+    int32_t outer;              /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
+    double shell;               /**< solid: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
+    uint64_t least_part;        /**< solid: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t least_cavity;      /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
+    bvx_levels_report *report;  /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports;  /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    int32_t lock_border;        /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    int32_t vertices;           /**< as in bvx_simplify_options [Default: BVX_VERTICES_PLACED] */
+    double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
+    uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
+    const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
+    int32_t topology;           /**< as in bvx_simplify_options [Default: BVX_TOPOLOGY_KEEP] */
     int32_t reserved0;
-    double colour_weight; /**< as in bvx_simplify_options; a measured surface takes the colours of the nearest
-                               points [Limit: 0..1] [Default: 0] */
-    uint64_t keep_largest; /**< measured: as in bvx_repair_options [Limit: any] [Default: 0, all] */
     uint64_t reserved[1];
 } bvx_levels_options;
 
@@ -1245,20 +1228,20 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
 
 /** Levels of detail from any mesh: the main job.
  *
- *  A mesh that is closed, manifold and oriented is simplified as it is, where its levels do not cross
- *  themselves. Of any other mesh the surface is measured first, as bvx_repair does. Then edges collapse as in
- *  bvx_mesh_simplify, whose guarantee holds for every level. With BVX_OPEN_KEEP or CUT a mesh with borders is
- *  simplified as it is too. When thin walls are kept, and what is tried under a memory limit: docs/rules.md.
+ *  The mesh is simplified as it is, by bvx_mesh_simplify. With solid its surface is measured first, by
+ *  bvx_repair, and every level is closed, manifold, oriented and free of crossings. When thin walls are kept,
+ *  and what is tried under a memory limit: docs/rules.md.
  *  mesh    any mesh with area; vertices must be finite
  *  levels  [Size: level_count] as for bvx_mesh_simplify
- *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less
- *  than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
+ *  Returns BVX_ERR_ARGUMENT (also lock_border, locked or BVX_VERTICES_KEPT with solid), BVX_ERR_EMPTY (no
+ *  triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than
+ *  1e31), BVX_ERR_BUDGET (names a limit that suffices).
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
  *  of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a border edge,
  *  400 KB, and 1.3 MB a thread above 20,000 triangles]
- *  [Cost: that of bvx_repair and bvx_mesh_simplify]
+ *  [Cost: that of bvx_mesh_simplify, with solid that of bvx_repair too]
  *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]
- *  Source: "Model repair by a vector distance field" for the surface; for the levels as bvx_mesh_simplify. */
+ *  Source: as bvx_mesh_simplify; for solid: "Model repair by a vector distance field". */
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
                                     const bvx_levels_options *options, uint64_t level_count,
                                     bvx_mesh *levels);

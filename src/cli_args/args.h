@@ -116,11 +116,13 @@ struct cli_options {
     /* fewer triangles */
     cli_list triangles;
     cli_errors errors;
-    int32_t error_kind;  /* BVX_ERROR_... */
-    int32_t count, open; /* levels; BVX_OPEN_... */
+    int32_t error_kind; /* BVX_ERROR_... */
+    int32_t count;      /* levels */
     int32_t strict;
-    double even, colour_weight;
-    int64_t samples; /* -1: not given */
+    double even, attributes;
+    int32_t lock_border, keep_vertices;
+    int32_t topology; /* BVX_TOPOLOGY_... */
+    int64_t samples;  /* -1: not given */
 
     /* meshes in files */
     int32_t carry, normals;

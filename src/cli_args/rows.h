@@ -69,7 +69,7 @@ extern const cli_argument cli_takes_output[], /* -o */
     cli_takes_kept_parts[],                   /* --keep-largest, --least-part: parts of voxels */
     cli_takes_keep_largest[],                 /* --keep-largest */
     cli_takes_errors[],                       /* --error, --error-kind of levels */
-    cli_takes_collapse[],                     /* --strict, --even, --colour-weight */
+    cli_takes_collapse[],                     /* --strict, --even, --attributes .. */
     cli_takes_reduction[],                    /* --triangles, --error, --error-kind of one mesh */
     cli_takes_sharp[],                        /* --sharp, --no-sharp */
     cli_takes_interpolation[],                /* --interpolation */

@@ -16,6 +16,7 @@ static const char *const repair_sign_names[] = {BVX_SIGN_LIST(SIGN_OF_REPAIR) NU
 static const char *const edge_names[] = {BVX_EDGE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_axis_names[] = {"x", "y", "z", NULL};
+static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};
 static const char *const state_names[] = {BVX_STATE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_connectivity_names[] = {"6", "18", "26", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
@@ -140,10 +141,14 @@ const cli_argument cli_takes_collapse[] = {
     FLAG("--strict", SHARED(strict), "a level that cannot keep its target is an error: nothing is written"),
     FROM_TO("--even", "W", SHARED(even), 0, 1,
             "pull to triangles of even size where the surface is flat [1e-9]"),
-    FROM_TO("--colour-weight", "W", SHARED(colour_weight), 0, 1,
-            "with --carry: borders between colours stay where they are; a difference of\n"
-            "255 costs as much as a distance of W of the mesh's longest side; 0.02 to 0.1\n"
-            "keep borders well [0]"),
+    FROM_TO("--attributes", "W", SHARED(attributes), 0, 1000,
+            "weight of colours, texture coordinates, normals and materials beside the\n"
+            "shape; 0: they follow it and cost nothing [1]"),
+    FLAG("--lock-border", SHARED(lock_border), "vertices on borders stay where they are, so that tiles join"),
+    FLAG("--keep-vertices", SHARED(keep_vertices), "levels use vertices of the mesh and make none"),
+    CHOICE("--topology", "WHAT", SHARED(topology), topology_names, BVX_TOPOLOGY_KEEP,
+           "keep: holes and handles stay; simplify: the smallest ones go where a\n"
+           "target cannot be met otherwise [keep]"),
     {0}};
 
 const cli_argument cli_takes_reduction[] = {

@@ -25,16 +25,13 @@ static void start_lod(void *options)
 #define OWN(name) CLI_OWN(cli_lod_options, name)
 
 static const char *const method_names[] = {BVX_LOD_LIST(CLI_NAME_OF) "collapse", NULL};
-static const char *const source_names[] = {BVX_LEVELS_LIST(CLI_NAME_OF) NULL};
-static const char *const open_names[] = {BVX_OPEN_LIST(CLI_NAME_OF) NULL};
 
 static const cli_argument lod_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},
     LIST("--resolution", "N", SHARED(resolution), 1, LARGEST_SIDE, 1, 1,
-         "voxels along the longest axis: the mesh's surface is measured with so\n"
-         "many, or a solid is made of them for --levels [collapse: as the finest\n"
-         "level needs; else 8 x the finest level, less where memory is short]"),
+         "voxels along the longest axis, of --solid or for --levels [collapse: as the\n"
+         "finest level needs; else 8 x the finest level, less where memory is short]"),
     {.also = cli_takes_padding},
     LIST("--triangles", "A,B,C", SHARED(triangles), 1, 4294967295.0, 1, CLI_MAX_LEVELS,
          "maximum number of triangles of each level; one of which samples keep\n"
@@ -44,23 +41,19 @@ static const cli_argument lod_rows[] = {
           "levels of 1/2, 1/4, 1/8 ... of the triangles [4, or as many as leave\n"
           "20 triangles]"),
     {.also = cli_takes_collapse},
-    CHOICE("--source", "WHAT", OWN(levels.source), source_names, BVX_LEVELS_AUTO,
-           "what levels are made from. mesh: the mesh itself, which must be closed,\n"
-           "manifold and oriented; measured: its surface, measured as repair does;\n"
-           "auto: the mesh where it is that and does not cross itself [auto; measured with\n"
-           "--resolution, --sign, --least-part, --keep-largest, --least-cavity, --outer-hull]"),
-    CHOICE("--open", "WHAT", SHARED(open), open_names, BVX_OPEN_SHELL,
-           "what becomes of open sheets. shell: thin closed shells; keep: they stay\n"
-           "open, with their borders, and what joins three triangles at an edge is\n"
-           "measured; cut: as keep, but cut along such edges [shell]"),
-    FLAG("--sharp", SHARED(sharp), "of the measured surface: put vertices on sharp edges and corners"),
+    FLAG("--solid", OWN(levels.solid),
+         "levels of the surface that repair measures: closed, manifold, oriented,\n"
+         "without crossings; so with --resolution, --sign, --sharp, --no-sharp,\n"
+         "--shell, --outer-hull, --least-part, --keep-largest, --least-cavity"),
+    FLAG("--sharp", SHARED(sharp), "of a solid: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", SHARED(no_sharp),
          "do not put vertices there [where many of the mesh's edges are sharp]"),
     FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities are dropped"),
     CHOICE("--method", "NAME", OWN(method), method_names, BVX_LOD_EDGE_RATIO,
-           "collapse: edges of the mesh collapse; edge-ratio, coverage: samples of a\n"
-           "solid [collapse; edge-ratio for grids, volumes, and with --levels,\n"
-           "--threshold, --edge-samples, --collapse, --fill, --close-gaps, --padding]"),
+           "collapse: edges of the mesh, or of a grid's surface, collapse; edge-ratio,\n"
+           "coverage: samples of a solid [collapse; edge-ratio for grids and volumes\n"
+           "without --triangles and --error, and with --levels, --threshold,\n"
+           "--edge-samples, --collapse, --fill, --close-gaps, --padding]"),
     LIST("--levels", "A,B,C", OWN(resolutions), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "edge-ratio, coverage: samples along the longest axis of each level; one\n"
          "that keeps nothing of the solid is left out with a warning [64,32,16]"),
@@ -89,9 +82,9 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
-#define OF_COLLAPSE                                                                                    \
-    "--error --error-kind --count --strict --even --colour-weight --source --open --sharp --no-sharp " \
-    "--outer-hull --least-cavity --shell --sign"
+#define OF_COLLAPSE                                                                                       \
+    "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices --topology " \
+    "--solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
 /* Facts of the line: the method. */
 enum {
@@ -101,13 +94,11 @@ enum {
 
 static const cli_rule method_rules[] = {
     {.when = COLLAPSES | CLI_OF_GRID,
-     .message = "--method collapse is for meshes; %i is a grid, for edge-ratio and coverage"},
+     .given = "--resolution --solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign",
+     .message = "%o measures a mesh; %i is a grid, whose surface is closed and manifold"},
     {.when = COLLAPSES,
      .given = OF_SOLID,
      .message = "%o is for --method edge-ratio and coverage; collapse takes --triangles, --error or --count"},
-    {.when = CLI_OF_GRID,
-     .given = OF_COLLAPSE,
-     .message = "%o is for --method collapse, which takes meshes; %i is a grid"},
     {.unless = COLLAPSES,
      .given = OF_COLLAPSE,
      .beside = OF_SOLID,
@@ -398,8 +389,10 @@ static int choose_lod(cli_run *run, const cli_job **job)
 
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
     /* A mesh collapses unless something asks for samples of a solid. */
+    /* So does the surface of a grid where a target says how far. */
     collapses = own->method == CLI_METHOD_COLLAPSE ||
-                (own->method == 0 && kind == CLI_MESH && cli_given_of(run, OF_SOLID) == NULL);
+                (own->method == 0 && cli_given_of(run, OF_SOLID) == NULL &&
+                 (kind == CLI_MESH || cli_given_of(run, "--triangles --error") != NULL));
     *job = collapses ? &cli_lod_collapse : &chain_job;
     return cli_check_rules(run, method_rules, facts_of_method(run, kind, collapses), NULL);
 }
@@ -410,19 +403,20 @@ const cli_command cli_lod = {
     .least_inputs = 1,
     .most_inputs = 1,
     .usage = "IN -o OUT_%d.EXT [options]",
-    .does = "a chain of closed meshes of several sizes from one mesh, grid or volume",
+    .does = "a chain of meshes of several sizes from one mesh, grid or volume",
     .details =
-        "Reads any mesh (" CLI_MESHES_READ
-        ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
-        "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
-        "; %d becomes\n"
-        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it "
-        "is open,\n"
-        "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target "
-        "below\n"
-        "what keeps a level sound gives the smallest level that is, marked NOT MET.\n"
-        "Grids (" CLI_GRIDS "), volumes with --level, --range or --label, and meshes with --levels\n"
-        "are sampled instead: --method edge-ratio or coverage.\n"
+        "Reads any mesh (" CLI_MESHES_READ ", also with .gz) and writes meshes of 1/2, 1/4 ...\n"
+        "of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
+        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh as it is collapse: its "
+        "parts,\n"
+        "holes, borders and sides stay, and no level has a fault that it has not. --solid makes closed, "
+        "manifold\n"
+        "levels that cross nowhere of whatever goes in. A target below what keeps a level free of new faults "
+        "gives\n"
+        "the smallest level that is, marked NOT MET.\n"
+        "Of grids (" CLI_GRIDS "), and volumes with --level, --range or --label, the surface collapses to\n"
+        "--triangles or --error. Without these, and meshes with --levels, are sampled: --method edge-ratio or\n"
+        "coverage.\n"
         "One .glb without %d holds all levels. glTF has no living extension for levels: they are nodes, and "
         "the\n"
         "vendor's MSFT_lod, which few readers use, says that they are one thing; other readers show the "

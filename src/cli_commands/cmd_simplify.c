@@ -1,4 +1,4 @@
-/* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh that is manifold, closed or with borders. */
+/* cmd_simplify.c - bitvox simplify: fewer triangles for a mesh as it is. */
 #include "cli_commands/collapse_run.h"
 #include "cli_args/rows.h"
 
@@ -7,9 +7,6 @@
 #include <string.h>
 
 /* ---- its options ---- */
-
-#define OPEN_INPUT(name, value, text) (value) == BVX_OPEN_SHELL ? "refuse" : text,
-static const char *const open_input_names[] = {BVX_OPEN_LIST(OPEN_INPUT) NULL};
 
 static const cli_argument simplify_rows[] = {
     {.also = cli_takes_output},
@@ -20,10 +17,6 @@ static const cli_argument simplify_rows[] = {
     WHOLE("--count", "N", SHARED(count), 1, CLI_MAX_LEVELS,
           "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
     {.also = cli_takes_collapse},
-    CHOICE("--open", "WHAT", SHARED(open), open_input_names, BVX_OPEN_SHELL,
-           "what becomes of open sheets. keep: they stay open, with their borders;\n"
-           "cut: as keep, but cut along edges of three triangles and more;\n"
-           "refuse: they are an error [keep]"),
     {.also = cli_takes_normals},
     {.also = cli_takes_output_origin},
     {.also = cli_takes_carry},
@@ -31,43 +24,13 @@ static const cli_argument simplify_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-/* What is wrong with a mesh, in a few words and the number that says how much. */
-static void fault_text(const bvx_certificate *c, char *text, size_t room)
-{
-    if (c->boundary_edges != 0)
-        snprintf(text, room, "not closed (%" PRIu64 " edges with one triangle)", c->boundary_edges);
-    else if (c->nonmanifold_edges != 0)
-        snprintf(text, room, "not manifold (%" PRIu64 " edges with three triangles or more)",
-                 c->nonmanifold_edges);
-    else if (c->flipped_edges != 0)
-        snprintf(text, room, "not oriented (%" PRIu64 " edges between flipped triangles)", c->flipped_edges);
-    else if (c->nonmanifold_vertices != 0)
-        snprintf(text, room, "not manifold (%" PRIu64 " vertices where parts touch)",
-                 c->nonmanifold_vertices);
-    else snprintf(text, room, "not closed");
-}
-
-/* With borders allowed the library says what is wrong, and mends what it can. */
-static int borders_of(const cli_run *run)
-{
-    return cli_given(run, "--open") ? run->options->open : BVX_OPEN_KEEP;
-}
-
 static int check_input(cli_run *run, cli_collapse_run *c)
 {
     const char *const in = cli_input_name(run->options->input[0]);
-    char fault[96];
-
     /* Vertices at equal positions count as one: files repeat them where colours or normals change. */
     cli_stage_begin(run, "check input");
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->before), in));
-    if (cli_is_sound(&c->before) || borders_of(run) != BVX_OPEN_SHELL) return CLI_DONE;
-
-    fault_text(&c->before, fault, sizeof fault);
-    return cli_fail(run,
-                    "%s: the mesh is %s; 'bitvox lod' makes levels of any mesh, 'bitvox repair' a mesh that "
-                    "simplify takes",
-                    in, fault);
+    return CLI_DONE;
 }
 
 static int simplify_input(cli_run *run, cli_collapse_run *c)
@@ -82,10 +45,12 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     else s.target_triangles = c->target;
     s.error_kind = o->error_kind;
     if (cli_given(run, "--even")) s.even = o->even;
-    s.colour_weight = o->colour_weight;
+    if (cli_given(run, "--attributes")) s.attribute_weight = o->attributes;
+    s.lock_border = o->lock_border;
+    s.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    s.topology = o->topology;
     s.measure_samples = cli_collapse_samples(run, c);
     s.strict = o->strict;
-    s.open = borders_of(run);
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");
@@ -95,7 +60,6 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
 
     /* Levels are compared with the input: nothing was measured in between. */
     c->surface = c->before;
-    c->source = "mesh";
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -118,11 +82,8 @@ static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_mad
     if (c->before.flipped_edges != 0)
         cli_advise(made,
                    "%s: at %" PRIu64
-                   " edge%s neighbours faced opposite ways: the fewer triangles of each patch were turned",
+                   " edge%s neighbours faced opposite ways: the smaller part of each patch was turned",
                    in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
-    if (c->before.closed && c->before.oriented && c->before.volume < 0)
-        cli_advise(made, "%s is inside out, and so is the result; 'bitvox lod' and 'bitvox repair' turn it",
-                   in);
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)
@@ -164,16 +125,14 @@ const cli_command cli_simplify = {
     .least_inputs = 1,
     .most_inputs = 1,
     .usage = "IN -o OUT [options]",
-    .does = "fewer triangles for a manifold mesh, by count or by error",
+    .does = "fewer triangles for a mesh as it is, by count or by error",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) that is manifold, collapses the edges that cost\n"
-        "least, and writes a mesh of half of its triangles, of --triangles, or as few\n"
-        "as --error allows (" CLI_MESHES_WRITTEN "). No collapse joins what is apart, turns a triangle,\n"
-        "makes two cross or crumples thin parts; a target below what that allows gives the smallest mesh\n"
-        "that keeps it, marked NOT MET. A closed mesh stays closed; an open one keeps its borders, unless\n"
-        "--open says otherwise. Several targets make a chain: %d in the name becomes 0, 1, 2 ..., or one\n"
-        ".glb holds all.\n"
-        "For any other mesh take lod.",
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz), collapses the edges that cost least, and\n"
+        "writes a mesh of half of its triangles, of --triangles, or as few as --error allows\n"
+        "(" CLI_MESHES_WRITTEN "). The mesh is taken as it is: parts, holes, borders and sides stay, and no\n"
+        "collapse joins what is apart, turns a triangle, makes two cross or crumples thin parts; a target below\n"
+        "what that allows gives the smallest mesh that keeps it, marked NOT MET. Several targets make a chain:\n"
+        "%d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
     .rows = simplify_rows,

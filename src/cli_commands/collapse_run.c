@@ -27,9 +27,6 @@ static const cli_rule collapse_rules[] = {
     {.also = cli_reduction_rules},
     {.given = "--triangles --error", .beside = "--count", .message = "%o and %b exclude each other"},
     {.also = cli_mesh_file_rules},
-    {.given = "--colour-weight",
-     .lacking = "--carry",
-     .message = "%o needs --carry, which gives the levels the colours"},
     {0}};
 
 int cli_check_collapse(cli_run *run, cli_collapse_run *c)
@@ -73,11 +70,26 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
     }
 }
 
-static int check_colour_weight(cli_run *run, const bvx_mesh *mesh)
+/* The surface of a grid stands for the mesh. */
+static int read_surface(cli_run *run, cli_collapse_run *c)
 {
-    if (!cli_given(run, "--colour-weight") || mesh->colours != NULL) return CLI_DONE;
-    return cli_usage(run, "%s has no colours that --colour-weight could count",
-                     cli_input_name(run->options->input[0]));
+    const char *const path = run->options->input[0];
+    bvx_extract_options e;
+    bvx_grid grid = {0};
+    bvx_status status;
+    int placed;
+
+    CLI_TRY(cli_read_grid(run, path, NULL, &grid, &placed));
+    run->report.lattice = grid.lattice;
+    run->report.has_lattice = 1;
+    bvx_extract_options_init(&e, sizeof e);
+    e.position_type = BVX_POSITION_AUTO;
+    cli_stage_begin(run, "surface");
+    status = bvx_extract_surface(run->context, &grid, &e, &c->input);
+    bvx_grid_free(run->context, &grid);
+    CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
+    if (c->input.triangle_count != 0) return CLI_DONE;
+    return cli_fail(run, "%s: the grid is empty; there is nothing to make levels from", cli_input_name(path));
 }
 
 int cli_open_collapse(cli_run *run, cli_collapse_run *c)
@@ -87,9 +99,9 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 
     /* Names are opened before the mesh is read where their number is known. */
     CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
-    CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
+    CLI_TRY(c->kind == CLI_GRID ? read_surface(run, c)
+                                : cli_read_mesh(run, run->options->input[0], &c->input));
     CLI_TRY(cli_check_carry(run, &c->input));
-    CLI_TRY(check_colour_weight(run, &c->input));
 
     bvx_mesh_view_of(&c->input, &c->view);
     cli_mesh_box(&c->input, &box);
@@ -174,7 +186,7 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     /* The library has certified each level as it made it. */
     entry->certificate = c->level[i].certificate;
     entry->level = &c->level[i];
-    entry->source = c->source;
+    entry->solid = c->solid;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
@@ -234,8 +246,15 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
     }
 }
 
+/* 1: fans and sheets that met are apart in the levels, so that they have more pieces. */
+static int is_parted(const cli_collapse_run *c)
+{
+    return !c->solid && !(c->before.edge_manifold && c->before.vertex_manifold && c->before.oriented);
+}
+
 /* Handles never close, so many of them are what a level sticks at. */
-static void warn_of_count(cli_made *made, const bvx_level_report *l, const char *what)
+static void warn_of_count(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
+                          const char *what)
 {
     int64_t const handles = cli_count_handles(&l->certificate);
     char kept[64] = "";
@@ -244,9 +263,23 @@ static void warn_of_count(cli_made *made, const bvx_level_report *l, const char 
     if (handles > 0 && l->certificate.closed)
         snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
     cli_advise(made,
-               "%s cannot keep its target of %" PRIu64 " triangles: %" PRIu64
-               " are the fewest that collapsing edges leaves sound%s",
-               what, l->target, l->triangles, kept);
+               "%s misses its target of %" PRIu64 " triangles: %" PRIu64
+               " are the fewest that collapsing edges leaves sound%s; take a larger target%s",
+               what, l->target, l->triangles, kept,
+               c->solid ? "" : ", or 'bitvox lod --solid', which joins parts and closes holes");
+}
+
+static void warn_of_missed(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
+                           const char *what)
+{
+    if (!c->by_error) warn_of_count(made, c, l, what);
+    else if (c->solid)
+        cli_advise(
+            made,
+            "%s misses its target: the measured surface, with no more triangles than the input, is further "
+            "than %.4g from it; a larger --error, or the mesh as it is, without --solid, is met",
+            what, l->target_error);
+    else cli_advise(made, "%s misses its target of %.4g; a larger --error is met", what, l->target_error);
 }
 
 static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
@@ -258,7 +291,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
 
     /* Pieces and volume, against what the level was made from. */
     snprintf(what, sizeof what, "level %d", i);
-    if (l->certificate.components != s->components)
+    if (l->certificate.components != s->components && !is_parted(c))
         cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
                    l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
     /* An open input has no volume to compare with; its measured surface has. */
@@ -267,18 +300,7 @@ static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
     else if (s->closed && s->oriented)
         warn_of_volume(made, what, of_surface, "the surface that it was made from",
                        "; more triangles keep it nearer");
-
-    if (l->crossings != 0)
-        cli_advise(made,
-                   "%" PRIu64 " pairs of triangles of %s cross, since the mesh crosses itself; 'bitvox lod' "
-                   "makes levels that do not",
-                   l->crossings, what);
-    if (l->met) return;
-    if (c->by_error)
-        cli_advise(made,
-                   "%s cannot keep its target: what it is made from lies further than %.4g from the input",
-                   what, l->target_error);
-    else warn_of_count(made, l, what);
+    if (!l->met) warn_of_missed(made, c, l, what);
 }
 
 /* By number of triangles: no edge collapsed since the level before, whose target was kept, or missed, too. */
@@ -330,10 +352,10 @@ int cli_write_collapse(cli_run *run, void *work)
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
     if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
-    if (strcmp(c->source, "measured") == 0) warn_of_surface(made, c);
+    if (c->solid) warn_of_surface(made, c);
     warn_of_levels(made, c);
 
-    cli_tell_collapsed(run, c->count, c->diagonal, made);
+    cli_tell_collapsed(run, c->count, c->diagonal, &c->before, made);
     cli_tell_distances(run, c->count, c->diagonal, 4, "", "mesh", made);
     cli_tell_written(run, c->count, made);
 }

@@ -6,12 +6,13 @@
 #include "cli_commands/commands.h"
 
 typedef struct cli_collapse_run {
-    bvx_mesh input;
+    int kind;       /* of the input, CLI_MESH or CLI_GRID */
+    bvx_mesh input; /* of a grid: its surface */
     bvx_mesh_view view;
     bvx_certificate before;  /* of the input, vertices at equal positions taken as one */
     bvx_certificate surface; /* of what the levels were made from */
     uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
-    const char *source;      /* what that is: "mesh" or "measured" */
+    int solid;               /* 1: that is a measured surface */
     int chosen; /* 1: parts were dropped or cavities filled as options ask, and no warning is due of that */
     double diagonal; /* of the input */
     int usual_count; /* levels where none are requested; 0: by the input's triangles */

@@ -1,5 +1,5 @@
-/* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh by bvx_build_levels, and why they were
- * made from what. */
+/* lod_collapse.c - bitvox lod, --method collapse: levels of any mesh, or of a grid's surface, by
+ * bvx_build_levels. */
 #include "cli_commands/collapse_run.h"
 #include "cli_commands/lod_chain.h"
 
@@ -13,44 +13,32 @@ typedef struct lod_collapse {
 
 /* ---- Options ---- */
 
-#define OF_MEASURED                                                                                   \
-    "--resolution --sign --least-part --keep-largest --least-cavity --outer-hull --sharp --no-sharp " \
-    "--shell"
+#define OF_SOLID                                                                                       \
+    "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity --least-part " \
+    "--keep-largest"
 
-/* Facts of the line. */
-enum {
-    FROM_MESH = 1 << CLI_FIRST_FACT,     /* --source mesh */
-    FROM_MEASURED = 2 << CLI_FIRST_FACT, /* --source measured */
-    LEAVES_OPEN = 4 << CLI_FIRST_FACT    /* --open keep, --open cut */
-};
-
-/* The word is the name of --open. */
-static const cli_rule measured_rules[] = {
-    {.given = "--level --range --label --below --shape --sample-type --big-endian --skip --voxel-size",
+static const cli_rule solid_rules[] = {
+    {.when = CLI_OF_MESH,
+     .given = "--level --range --label --below --shape --sample-type --big-endian --skip --voxel-size",
      .message = "%o is for volumes; %i is a mesh"},
-    {.when = FROM_MESH,
-     .given = OF_MEASURED,
-     .message = "%o is for a measured surface, and --source mesh measures none"},
-    {.when = LEAVES_OPEN,
-     .given = OF_MEASURED,
-     .message = "--open %w keeps borders, and a measured surface (%o) has none"},
-    {.when = LEAVES_OPEN | FROM_MEASURED,
-     .message = "--open %w keeps borders, and a measured surface (--source measured) has none"},
+    {.given = "--lock-border --keep-vertices",
+     .beside = "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity",
+     .message = "%o keeps vertices of the mesh, and %b measures a new surface"},
+    {.when = CLI_OF_MESH,
+     .given = "--lock-border --keep-vertices",
+     .beside = "--least-part --keep-largest",
+     .message = "%o keeps vertices of the mesh, and %b measures a new surface"},
     {.also = cli_sharp_rules},
     {.given = "--outer-hull",
      .beside = "--least-cavity",
      .message = "%o fills every cavity; %b has no use beside it"},
     {0}};
 
-static int check_measured_options(cli_run *run)
+static int check_solid_options(cli_run *run, int kind)
 {
-    const cli_lod_options *const own = run->own;
     const cli_options *const o = run->options;
-    uint32_t const facts = (own->levels.source == BVX_LEVELS_MESH ? FROM_MESH : 0u) |
-                           (own->levels.source == BVX_LEVELS_MEASURED ? FROM_MEASURED : 0u) |
-                           (o->open != BVX_OPEN_SHELL ? LEAVES_OPEN : 0u);
 
-    CLI_TRY(cli_check_rules(run, measured_rules, facts, o->open == BVX_OPEN_KEEP ? "keep" : "cut"));
+    CLI_TRY(cli_check_rules(run, solid_rules, kind == CLI_GRID ? CLI_OF_GRID : CLI_OF_MESH, NULL));
     /* The row allows what the other methods take, which is more. */
     if (o->resolution.count != 0 && o->resolution.value[0] > 1 << 24)
         return cli_usage(run, "--resolution %" PRId64 " is more than the %d that a surface is measured with",
@@ -68,12 +56,16 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     else b->target_triangles = l->run.target;
     b->error_kind = o->error_kind;
     if (cli_given(run, "--even")) b->even = o->even;
-    b->colour_weight = o->colour_weight;
+    if (cli_given(run, "--attributes")) b->attribute_weight = o->attributes;
+    b->lock_border = o->lock_border;
+    b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    b->topology = o->topology;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
-    b->open = o->open;
-
-    /* Of the measured surface; a mesh that is taken as it is does without. */
+    b->report = &l->report;
+    b->reports = l->run.level;
+    /* What follows measures a mesh; a grid has chosen its parts before. */
+    if (l->run.kind == CLI_GRID) return;
     if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
     if (o->sharp || o->no_sharp) b->sharp = o->sharp;
@@ -81,44 +73,13 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->least_part = (uint64_t)o->least_part;
     b->keep_largest = (uint64_t)o->keep_largest;
     b->least_cavity = (uint64_t)o->least_cavity;
-    b->report = &l->report;
-    b->reports = l->run.level;
 }
 
 /* ---- Levels ---- */
 
-/* Borders that were to be kept, and why they are not. */
-static void warn_of_sheets(const cli_run *run, const lod_collapse *l, cli_made *made)
-{
-    const bvx_levels_report *const r = &l->report;
-    const double *const a = r->refused_edge[0], *const b = r->refused_edge[1];
-
-    /* Shells have no borders to lose. */
-    if (run->options->open == BVX_OPEN_SHELL || r->refused_edges == 0) return;
-    /* Cut as requested, or not kept as requested: the second needs a remedy. */
-    if (run->options->open == BVX_OPEN_CUT)
-        cli_advise(
-            made, "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut",
-            r->refused_edges, r->refused_edges == 1 ? "" : "s", r->refused_edges == 1 ? "was" : "were");
-    else
-        cli_advise(made,
-                   "sheets became shells: %" PRIu64
-                   " edge%s three triangles or more, or some that cannot agree, the "
-                   "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --open cut cuts there",
-                   r->refused_edges, r->refused_edges == 1 ? " has" : "s have", a[0], a[1], a[2], b[0], b[1],
-                   b[2]);
-}
-
 static void warn_of_lowered(const lod_collapse *l, cli_made *made)
 {
-    /* Two ways in which a limit costs detail: the mesh could not be taken, or not be measured so finely. */
-    if (l->report.reason == BVX_MEASURED_MEMORY)
-        cli_advise(
-            made,
-            "the mesh itself exceeds the memory limit: its surface was measured with %" PRId32
-            " voxels along the longest axis, and finer detail is lost; a larger --memory-limit keeps it",
-            l->report.resolution);
-    else if (l->report.resolution < l->report.planned_resolution)
+    if (l->report.resolution < l->report.planned_resolution)
         cli_advise(made,
                    "the memory limit lowered the resolution from %" PRId32 " to %" PRId32
                    " voxels along the longest axis; a larger "
@@ -126,9 +87,9 @@ static void warn_of_lowered(const lod_collapse *l, cli_made *made)
                    l->report.planned_resolution, l->report.resolution);
 }
 
-static int is_measured(const lod_collapse *l)
+static int is_solid(const lod_collapse *l)
 {
-    return l->report.source == BVX_LEVELS_MEASURED;
+    return l->report.solid;
 }
 
 static int build_levels(cli_run *run, lod_collapse *l)
@@ -144,14 +105,14 @@ static int build_levels(cli_run *run, lod_collapse *l)
     CLI_TRY(cli_check_call(run, status, cli_input_name(run->options->input[0])));
 
     c->before = l->report.before;
-    c->surface = is_measured(l) ? l->report.repair.after : l->report.before;
+    c->surface = is_solid(l) ? l->report.repair.after : l->report.before;
     c->surface.triangles = l->report.triangles;
     /* the solid's are not in its surface */
     c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
-    c->chosen = is_measured(l) && cli_changed_as_asked(&l->report.repair);
-    c->source = is_measured(l) ? "measured" : "mesh";
-    if (is_measured(l)) {
+    c->chosen = is_solid(l) && cli_changed_as_asked(&l->report.repair);
+    c->solid = is_solid(l);
+    if (is_solid(l)) {
         run->report.lattice = l->report.repair.lattice;
         run->report.has_lattice = 1;
     }
@@ -160,21 +121,27 @@ static int build_levels(cli_run *run, lod_collapse *l)
 
 /* ---- What is reported ---- */
 
-/* Why the surface was measured. */
-static const char *reason_of(const cli_run *run, const lod_collapse *l)
+/* What was done to the mesh before edges collapsed, where something was. */
+static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 {
-    const cli_lod_options *const own = run->own;
-    static const char *const reason[] = {"",
-                                         "as options ask",
-                                         "since it is open",
-                                         "since it is not manifold",
-                                         "since some of its triangles are flipped",
-                                         "since it has triangles without area",
-                                         "since it is a scan much finer than its levels",
-                                         "since it and its levels cross themselves",
-                                         "since the mesh itself exceeds the memory limit"};
+    const struct {
+        uint64_t count;
+        const char *one, *many;
+    } row[] = {{r->collapsed, "triangle of equal corners dropped", "triangles of equal corners dropped"},
+               {r->doubles, "copy of a triangle dropped", "copies of triangles dropped"},
+               {r->turned, "flipped triangle turned", "flipped triangles turned"},
+               {r->split, "vertex split where fans meet", "vertices split where fans meet"},
+               {r->parted, "edge of several sheets parted", "edges of several sheets parted"},
+               {r->cut, "edge cut", "edges cut"}};
+    const char *before = "made ready: ";
 
-    return own->levels.source == BVX_LEVELS_MEASURED ? "as --source asks" : reason[l->report.reason];
+    for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
+        if (row[i].count == 0) continue;
+        cli_tell(made, "%s%" PRIu64 " %s", before, row[i].count,
+                 row[i].count == 1 ? row[i].one : row[i].many);
+        before = ", ";
+    }
+    if (*before == ',') cli_tell(made, "\n");
 }
 
 static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *made)
@@ -185,13 +152,19 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
 
     /* Nothing was measured: one line says what the levels come from. */
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
-    if (!is_measured(l)) {
-        cli_tell(made, "levels from the mesh itself, %" PRIu64 " piece%s, in %.1f ms\n\n",
-                 c->before.components, c->before.components == 1 ? "" : "s", c->seconds * 1e3);
+    if (!is_solid(l)) {
+        cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n",
+                 c->kind == CLI_GRID ? "the grid's surface" : "the mesh as it is", c->before.components,
+                 c->before.components == 1 ? "" : "s", c->seconds * 1e3);
+        tell_made_ready(&l->report, made);
+        if (!cli_is_sound(&c->before))
+            cli_tell(made, "the input is no solid, and neither are its levels; --solid makes closed ones\n");
+        cli_tell(made, "\n");
         return;
     }
 
-    cli_tell(made, "levels from its measured surface, %s, in %.1f ms\n", reason_of(run, l), c->seconds * 1e3);
+    cli_tell(made, "levels from its measured surface, as %s asks, in %.1f ms\n", cli_given_of(run, OF_SOLID),
+             c->seconds * 1e3);
     cli_tell(made,
              "measured: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, inside by %s; %" PRIu64
              " triangles, %" PRIu64 " piece%s\n",
@@ -208,8 +181,6 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
             made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
             r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
             r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
-    if (l->report.crossings != 0)
-        cli_tell(made, "crossings: %" PRIu64 " pairs of the input's triangles\n", l->report.crossings);
     if (c->crumbs != 0)
         cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
                  c->crumbs == 1 ? "" : "s");
@@ -222,22 +193,22 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     cli_tell(made, "\n");
 }
 
-static void report_levels(const cli_run *run, const lod_collapse *l, cli_made *made)
+static void report_levels(const lod_collapse *l, cli_made *made)
 {
     cli_text *const t = &made->members;
 
-    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"source\": \"%s\", \"reason\": \"%s\"",
-                 l->run.source, is_measured(l) ? reason_of(run, l) : "");
+    cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s", is_solid(l) ? "true" : "false");
     /* The input, what was found wrong with it, and what the levels were made from. */
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
-    cli_json_count(t, "input_crossings", l->report.crossings);
     cli_json_count(t, "input_border_edges", l->report.before.boundary_edges);
+    cli_json_count(t, "collapsed", l->report.collapsed);
     cli_json_count(t, "doubles", l->report.doubles);
     cli_json_count(t, "turned", l->report.turned);
-    cli_text_add(t, ", \"nested\": %s", l->report.nested ? "true" : "false");
-    cli_json_count(t, "refused_edges", l->report.refused_edges);
+    cli_json_count(t, "split", l->report.split);
+    cli_json_count(t, "parted", l->report.parted);
+    cli_json_count(t, "cut", l->report.cut);
     cli_json_count(t, "crumbs", l->report.crumbs);
     cli_json_count(t, "resolution", (uint64_t)l->report.resolution);
     cli_json_count(t, "planned_resolution", (uint64_t)l->report.planned_resolution);
@@ -246,49 +217,34 @@ static void report_levels(const cli_run *run, const lod_collapse *l, cli_made *m
     cli_json_value(t, "diagonal", l->run.diagonal);
     cli_json_value(t, "milliseconds", l->run.seconds * 1e3);
     cli_text_add(t, "}");
-    if (is_measured(l)) cli_report_repair(t, &l->report.repair, 0);
+    if (is_solid(l)) cli_report_repair(t, &l->report.repair, 0);
 }
 
-static void warn_of_unused(const cli_run *run, const lod_collapse *l, cli_made *made)
+/* What was cut, where it shows; what measuring did to a volume. */
+static void warn_of_input(const lod_collapse *l, cli_made *made)
 {
-    const char *const unused = cli_given_of(run, "--sharp --no-sharp --shell");
+    const bvx_levels_report *const r = &l->report;
+    const double *const a = r->cut_edge[0], *const b = r->cut_edge[1];
 
-    if (unused != NULL && !is_measured(l))
-        cli_advise(made,
-                   "%s had no use: the levels were made from the mesh itself; --source measured measures its "
-                   "surface",
-                   unused);
-}
-
-/* Bodies that are turned, or that lie in each other: the mesh itself is what levels were made from. */
-static void warn_of_facing(const lod_collapse *l, cli_made *made)
-{
-    const cli_collapse_run *const c = &l->run;
-    int const is_body = c->before.closed && c->before.oriented;
-
-    if (is_measured(l)) {
-        /* Where one volume says it, the other need not. */
-        if (!is_body)
-            cli_advise_thickened(&l->report.repair, "the measured surface", "take a higher --resolution",
-                                 made);
-        return;
-    }
-    if (is_body && l->report.turned != 0)
-        cli_advise(made, "the input is inside out: its %" PRIu64 " triangles were turned", l->report.turned);
-    else if (is_body && c->before.volume < 0)
-        cli_advise(made, "the input is inside out, and so are its levels");
-    if (l->report.nested)
-        cli_advise(made, "bodies lie in others and face as they do, so that what lies in both counts twice; "
-                         "--source measured makes one body of them");
+    if (r->cut != 0)
+        cli_advise(
+            made,
+            "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut, the "
+            "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --solid joins what they part",
+            r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1], b[2]);
+    /* Where one volume says it, the other need not. */
+    if (is_solid(l) && !(l->run.before.closed && l->run.before.oriented))
+        cli_advise_thickened(&r->repair, "the measured surface", "take a higher --resolution", made);
 }
 
 static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
     lod_collapse *const l = work;
-    int status = check_measured_options(run);
+    int status = cli_input_kind(run, run->options->input[0], &l->run.kind);
 
     /* The first line describes the input; the file's name is in it. */
     made->untitled = 1;
+    if (status == CLI_DONE) status = check_solid_options(run, l->run.kind);
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
     if (status == CLI_DONE) status = cli_open_collapse(run, &l->run);
     if (status == CLI_DONE) status = build_levels(run, l);
@@ -303,11 +259,9 @@ static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
 
     tell_lod_head(run, l, made);
     cli_tell_collapse(run, &l->run, made);
-    warn_of_unused(run, l, made);
-    warn_of_facing(l, made);
-    warn_of_sheets(run, l, made);
+    warn_of_input(l, made);
     warn_of_lowered(l, made);
-    report_levels(run, l, made);
+    report_levels(l, made);
 }
 
 static void free_collapse(cli_run *run, void *work)

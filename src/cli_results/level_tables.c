@@ -51,32 +51,42 @@ static void target_text(const bvx_level_report *l, double diagonal, char *text, 
     else snprintf(text, room, "%" PRIu64, l->target);
 }
 
-/* Sheets are open where that was requested. */
-static void defect_text(const bvx_level_report *l, char *text, size_t room)
+/* One thing after the other, with a comma between. */
+static void add_words(char *text, size_t room, const char *words, uint64_t count, const char *from)
+{
+    size_t const used = strlen(text);
+
+    if (count != 0)
+        snprintf(text + used, room - used, "%s%" PRIu64 " %s%s", used == 0 ? "" : ", ", count, words, from);
+    else snprintf(text + used, room - used, "%s%s%s", used == 0 ? "" : ", ", words, from);
+}
+
+/* What a level is not, and whether it has that from the input. */
+static void defect_text(const bvx_level_report *l, const bvx_certificate *in, char *text, size_t room)
 {
     const bvx_certificate *const c = &l->certificate;
 
-    if (!c->edge_manifold || !c->vertex_manifold || !c->oriented) snprintf(text, room, "NO");
-    else if (l->crossings == 0) snprintf(text, room, "but open, %" PRIu64 " border edges", c->boundary_edges);
-    else
-        snprintf(text, room, "NO, open, %" PRIu64 " border edges, %" PRIu64 " pairs cross", c->boundary_edges,
-                 l->crossings);
+    text[0] = '\0';
+    if (!c->closed)
+        add_words(text, room, "border edges", c->boundary_edges, in->closed ? " (cut)" : " (of the input)");
+    if (!c->edge_manifold || !c->vertex_manifold) add_words(text, room, "not manifold", 0, "");
+    if (!c->oriented) add_words(text, room, "not oriented", 0, "");
+    if (l->crossings != 0) add_words(text, room, "crossings", l->crossings, " (of the input)");
+    if (text[0] == '\0') add_words(text, room, "yes", 0, "");
 }
 
-void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made *made)
+void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bvx_certificate *in,
+                        cli_made *made)
 {
     cli_tell(made, "level  triangles  requested    share  smallest angle  pieces  target   closed, manifold, "
                    "oriented, no crossings\n");
     for (int i = 0; i < count; i++) {
         const cli_mesh_entry *const m = &run->report.mesh[i];
         const bvx_level_report *const l = m->level;
-        char target[32], sound[96] = "yes";
+        char target[32], sound[160];
 
         target_text(l, diagonal, target, sizeof target);
-        /* The worst of what a level may be is what its row says. */
-        if (l->crossings != 0)
-            snprintf(sound, sizeof sound, "NO, %" PRIu64 " pairs of triangles cross", l->crossings);
-        if (!cli_is_sound(&m->certificate)) defect_text(l, sound, sizeof sound);
+        defect_text(l, in, sound, sizeof sound);
         cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                  m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
                  l->met ? "met" : "NOT MET", sound);

@@ -151,8 +151,9 @@ void cli_tell_result(const bvx_certificate *c, cli_made *made);
 /* The first line: the input's triangles, whether it is sound, its diagonal. */
 void cli_tell_input(const cli_run *run, uint64_t triangles, const bvx_certificate *certificate,
                     double diagonal, cli_made *made);
-/* The report's levels that edges collapsed to: triangles, targets, what they are. */
-void cli_tell_collapsed(const cli_run *run, int count, double diagonal, cli_made *made);
+/* The report's levels that edges collapsed to: triangles, targets, what they are and have from the input. */
+void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bvx_certificate *input,
+                        cli_made *made);
 /* The distances of the report's meshes to the input; to says what that is
  * where it is no mesh, unit_of whose unit they have; decimals of percent. */
 void cli_tell_distances(const cli_run *run, int count, double diagonal, int decimals, const char *to,

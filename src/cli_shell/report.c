@@ -61,7 +61,7 @@ static void report_level(cli_text *t, const cli_mesh_entry *m)
     cli_json_value(t, "least_angle", l->least_angle);
     cli_json_count(t, "refused", l->refused);
     cli_json_value(t, "simplification_rate", m->rate);
-    cli_text_add(t, ", \"source\": \"%s\"", m->source);
+    cli_json_truth(t, "solid", m->solid);
 }
 
 static void report_mesh(cli_text *t, const cli_mesh_entry *m)
@@ -83,6 +83,8 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
     }
     if (m->level != NULL) report_level(t, m);
     if (m->distance != NULL) report_distance(t, m->distance);
+    else if (m->level != NULL)
+        cli_text_add(t, ", \"mean_distance\": null, \"max_distance\": null, \"distance\": null");
     if (m->welded != NULL) {
         cli_text_add(t, ", \"welded\": {\"weld\": true");
         report_certificate(t, m->welded);

@@ -74,7 +74,7 @@ typedef struct cli_mesh_entry {
     const bvx_level_report *level;       /* or NULL */
     int number;                          /* of the level, beside both */
     double milliseconds, rate;           /* milliseconds beside lod, rate beside both */
-    const char *source;                  /* beside level: what it was made from, "mesh" or "measured" */
+    int solid;                           /* beside level: 1, it was made from a measured surface */
     const bvx_distance_report *distance; /* to the input, or NULL */
 } cli_mesh_entry;
 

@@ -1,9 +1,7 @@
 /* build_levels.c - levels of detail from any mesh: bvx_build_levels.
  *
- * A mesh that is closed, manifold, oriented and does not cross itself is simplified as it is, since nothing
- * is nearer to it. What is not is measured first: the surface that bvx_repair puts between voxels lies a
- * hundredth of a voxel from the mesh and has its guarantee. So is a mesh that would exceed the memory limit.
- * Sheets are simplified as they are too where their borders are to stay. */
+ * The mesh is simplified as it is, since nothing is nearer to it. On request its surface is measured first: what
+ * bvx_repair puts between voxels lies a hundredth of a voxel from the mesh and has its guarantee. */
 #include "core/costs.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
@@ -17,10 +15,7 @@ enum {
     PLAN_RATIO = 16,  /* triangles of the measured surface to one of the finest level */
     PLAN_LEAST = 256, /* voxels along the longest axis */
     PLAN_MOST = 320,
-    PLAN_LOWEST = 32,    /* that a memory limit leaves */
-    NESTING = 64,        /* voxels along the longest axis that show whether bodies lie in others */
-    SCAN_LEAST = 500000, /* meshes of more triangles are scans */
-    SCAN_RATIO = 24      /* and are measured where they have this many triangles to one of the finest level */
+    PLAN_LOWEST = 32 /* that a memory limit leaves */
 };
 
 /* A piece that the input has none for, and that is a smaller share of the volume than this, is a crumb. */
@@ -31,7 +26,7 @@ enum {
 static const char levels_name[] = "bvx_build_levels";
 
 static const bvx_levels_options levels_defaults = {
-    .even = 1e-9, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0};
+    .even = 1e-9, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0, .attribute_weight = 1.0};
 
 void bvx_levels_options_init(bvx_levels_options *options, size_t size)
 {
@@ -43,7 +38,6 @@ typedef struct levels_job {
     const bvx_mesh_view *mesh;
     const bvx_levels_options *options;
     bvxi_level_chain chain;
-    int may_nest; /* pieces that face outward may lie in others */
     bvx_levels_report report;
 } levels_job;
 
@@ -55,17 +49,27 @@ static const bvxi_option levels_rows[] = {
     BVXI_REAL(bvx_levels_options, even, 0.0, 1.0),
     BVXI_COUNT(bvx_levels_options, measure_samples, 0, INT32_MAX),
     BVXI_SWITCH(bvx_levels_options, strict),
-    BVXI_CHOICE(bvx_levels_options, source, BVX_LEVELS_AUTO, BVX_LEVELS_MEASURED),
+    BVXI_SWITCH(bvx_levels_options, solid),
     BVXI_WHOLE(bvx_levels_options, resolution, 0, 1 << 24),
     BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
     BVXI_WHOLE(bvx_levels_options, sharp, -1, 1),
     BVXI_SWITCH(bvx_levels_options, outer),
     BVXI_ZERO_OR(bvx_levels_options, shell, 1.5, 1e6),
-    BVXI_CHOICE(bvx_levels_options, open, BVX_OPEN_SHELL, BVX_OPEN_CUT),
-    BVXI_REAL(bvx_levels_options, colour_weight, 0.0, 1.0),
+    BVXI_SWITCH(bvx_levels_options, lock_border),
+    BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
+    BVXI_REAL(bvx_levels_options, attribute_weight, 0.0, 1000.0),
+    BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
     BVXI_RESERVED(bvx_levels_options, reserved0),
     BVXI_RESERVED(bvx_levels_options, reserved),
 };
+
+/* Requested, or implied by an option that only a measured surface can follow. */
+static int wants_solid(const bvx_levels_options *o)
+{
+    return o->solid || o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO ||
+           o->sharp != -1 || o->shell != levels_defaults.shell || o->least_part != 0 ||
+           o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
+}
 
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
 {
@@ -73,14 +77,13 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
     if (o->outer && o->least_cavity != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: outer fills every cavity; least_cavity is not used with it", function);
+    if (wants_solid(o) && (o->lock_border || o->locked != NULL || o->vertices != BVX_VERTICES_PLACED))
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
+            "the options that imply it, measure a new surface",
+            function);
     return BVX_OK;
-}
-
-/* Options that only a measured surface can follow. */
-static int wants_measured(const bvx_levels_options *o)
-{
-    return o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO || o->least_part != 0 ||
-           o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
 }
 
 /* ---- The plan ---- */
@@ -242,13 +245,6 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 
 /* ---- Levels ---- */
 
-static bvx_status simplify_as_it_is(levels_job *job, const bvx_mesh_view *welded)
-{
-    job->report.source = BVX_LEVELS_MESH;
-    job->report.triangles = welded->triangle_count;
-    return bvxi_levels_make(job->ctx, &job->chain, welded);
-}
-
 static bvx_repair_options repair_options(levels_job *job, int32_t resolution, int32_t thin)
 {
     const bvx_levels_options *const o = job->options;
@@ -345,22 +341,6 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
     return BVX_OK;
 }
 
-/* Levels of the surface, which has the colours of the mesh where these have a weight. */
-static bvx_status simplify_surface(levels_job *job, bvx_mesh_view *view)
-{
-    int const coloured = job->options->colour_weight > 0 && job->mesh->colours != NULL;
-    uint64_t const bytes = view->vertex_count * 4;
-    uint8_t *colours = NULL;
-    bvx_status status = BVX_OK;
-
-    if (coloured) status = bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the surface's colours", &colours);
-    if (coloured && status == BVX_OK) status = bvxi_nearest_colours(job->ctx, job->mesh, view, colours);
-    view->colours = colours;
-    if (status == BVX_OK) status = bvxi_levels_make(job->ctx, &job->chain, view);
-    bvxi_drop(job->ctx, colours);
-    return status;
-}
-
 enum { MEASURED_SURFACE, MEASURED_LEVELS, MEASURED_STEPS };
 
 /* Measured ones take as many points as a repair would. */
@@ -388,13 +368,13 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
     if (status == BVX_OK) {
         job->report.crumbs += job->report.repair.crumbs;
         bvx_mesh_view_of(&surface, &view);
-        job->report.source = BVX_LEVELS_MEASURED;
         job->report.triangles = view.triangle_count;
 
         /* Levels are made of the measured surface, in its type. */
         job->chain.collapse.position_type = surface.position_type;
+        job->chain.collapse.simple = 1;
         cost[MEASURED_LEVELS] = cost_of_levels(job, (double)view.triangle_count);
-        status = BVXI_STEP(&steps, MEASURED_LEVELS, simplify_surface(job, &view));
+        status = BVXI_STEP(&steps, MEASURED_LEVELS, bvxi_levels_make(job->ctx, &job->chain, &view, NULL));
     }
     bvx_mesh_free(job->ctx, &surface);
     return status;
@@ -423,231 +403,35 @@ static bvx_status simplify_measured(levels_job *job)
     return status;
 }
 
-/* What a certificate says against simplifying the mesh as it is. */
-static int32_t reason_of(const bvx_certificate *c)
+/* ---- As it is ---- */
+
+static bvx_status simplify_as_it_is(levels_job *job)
 {
-    /* In the order of what repairs take: open first. */
-    if (!c->closed) return BVX_MEASURED_OPEN;
-    if (!c->edge_manifold || !c->vertex_manifold) return BVX_MEASURED_MANIFOLD;
-    if (!c->oriented) return BVX_MEASURED_FLIPPED;
-    return c->degenerate != 0 ? BVX_MEASURED_FLAT : BVX_MEASURED_NOT;
-}
-
-/* ---- Facing ---- */
-
-static void turn_each(uint32_t *corner, uint64_t triangles)
-{
-    for (uint64_t t = 0; t < triangles; t++) {
-        uint32_t const second = corner[3 * t + 1];
-
-        corner[3 * t + 1] = corner[3 * t + 2];
-        corner[3 * t + 2] = second;
-    }
-}
-
-/* A mesh that is inside out as a whole is turned. Errors are measured against it as it is then, so that
- * normals compare. */
-static void turn_the_whole(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
-{
-    turn_each(corner, welded->triangle_count);
-    job->report.turned = welded->triangle_count;
-    job->chain.original = welded;
-}
-
-/* Pieces by their volumes: turned as a whole where that makes all right, measured where it does not. */
-static void turn_or_measure(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner,
-                            bvxi_mesh_piece *pieces, uint64_t count)
-{
-    int const inside_out = job->report.before.volume < 0;
-
-    for (uint64_t n = 0; n < count && inside_out; n++) pieces[n].volume6 = -pieces[n].volume6;
-    if (!bvxi_cavities_lie_within(pieces, count)) {
-        job->report.reason = BVX_MEASURED_FLIPPED;
-        return;
-    }
-    if (inside_out) turn_the_whole(job, welded, corner);
-    job->may_nest = bvxi_bodies_may_nest(pieces, count);
-}
-
-/* Do pieces face outward, and cavities inward? A closed mesh of one piece says so by its volume alone. */
-static bvx_status judge_facing(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
-{
-    const bvx_certificate *const c = &job->report.before;
-    uint64_t const vertices = welded->vertex_count;
-    uint32_t *same, *piece;
-    bvxi_piece_marks by = {0};
-    bvxi_mesh_piece *pieces = NULL;
-    uint64_t count;
-
-    if (c->components == 1 && c->volume > 0) return BVX_OK;
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, vertices * 8, "the mesh's pieces", &same));
-    piece = same + vertices;
-    for (uint64_t v = 0; v < vertices; v++) same[v] = (uint32_t)v;
-    bvxi_pieces(welded, same, piece);
-    by.piece = piece;
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, welded, &by, c, &pieces, &count));
-    turn_or_measure(job, welded, corner, pieces, count);
-    bvxi_drop(job->ctx, pieces);
-    bvxi_drop(job->ctx, same);
-    return BVX_OK;
-}
-
-/* Bodies that lie in others and face as they do: what lies in both counts twice in each level. */
-static bvx_status look_for_nested(levels_job *job, const bvx_mesh_view *welded)
-{
-    bvx_lattice lattice;
-    int agree = 1;
-
-    if (!job->may_nest) return BVX_OK;
-    BVXI_TRY(bvx_lattice_fit(job->ctx, welded, NESTING, &lattice));
-    BVXI_TRY(bvxi_rules_agree(job->ctx, welded, &lattice, &agree));
-    job->report.nested = !agree;
-    return BVX_OK;
-}
-
-/* The reason to measure the mesh, or none: only then is it asked whether it crosses itself, which takes
- * longest. */
-static bvx_status choose_source(levels_job *job, const bvx_mesh_view *welded, uint32_t *corner)
-{
-    const bvx_levels_options *const o = job->options;
-    const bvx_certificate *const c = &job->report.before;
-    int32_t *const reason = &job->report.reason;
-
-    *reason = BVX_MEASURED_NOT;
-    /* Requested as it is: nothing speaks against it. */
-    if (o->source == BVX_LEVELS_MESH) return BVX_OK;
-    *reason = o->source == BVX_LEVELS_MEASURED || wants_measured(o) ? BVX_MEASURED_ASKED : reason_of(c);
-    if (*reason != BVX_MEASURED_NOT) return BVX_OK;
-
-    /* The measured surface of a large scan has fewer triangles to collapse, and none of the tiny handles that
-     * scans have. */
-    if (c->triangles > SCAN_LEAST &&
-        c->triangles / SCAN_RATIO > finest_of(o, job->chain.count, c->triangles)) {
-        *reason = BVX_MEASURED_LARGE;
-        return BVX_OK;
-    }
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_facing(job, welded, corner)));
-    if (*reason != BVX_MEASURED_NOT) return BVX_OK;
-
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.9,
-                        bvx_mesh_crossings(job->ctx, welded, &job->report.crossings, NULL, 0)));
-    if (job->report.crossings != 0) {
-        *reason = BVX_MEASURED_CROSSINGS;
-        return BVX_OK;
-    }
-    return BVXI_SHARE(job->ctx, 0.9, 1.0, look_for_nested(job, welded));
-}
-
-/* ---- Sheets ---- */
-
-/* The first edge that no sheet can have, in the report. */
-static void report_refused(levels_job *job, const bvx_mesh_view *welded, const bvxi_sheets_report *sheets)
-{
-    /* What was turned and left out, and where no sheet could be made. */
-    job->report.doubles = sheets->doubles;
-    job->report.turned = sheets->turned;
-    job->report.refused_edges = sheets->refused;
-    for (int i = 0; i < 2 && sheets->refused != 0; i++)
-        bvxi_view_position(welded, sheets->edge[i], job->report.refused_edge[i]);
-}
-
-/* The mesh as it is, with its borders, where nobody requested shells and it can be taken so; else the reason
- * to measure it stays. It may cross itself: closed levels are not what is wanted. */
-static bvx_status keep_sheets(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
-{
-    int32_t const open = job->options->open;
+    bvx_levels_report *const r = &job->report;
     bvxi_sheets_report sheets;
 
-    BVXI_TRY(bvxi_sheets_prepare(job->ctx, welded, corner, &sheets));
-    report_refused(job, welded, &sheets);
-    /* Kept borders need edges of at most two triangles each. */
-    if (open == BVX_OPEN_KEEP && sheets.refused != 0) return BVX_OK;
-
-    job->report.reason = BVX_MEASURED_NOT;
-    job->chain.collapse.borders = open == BVX_OPEN_CUT ? BVXI_BORDERS_CUT : BVXI_BORDERS_KEPT;
-    job->chain.collapse.lenient = 1;
+    BVXI_TRY(bvxi_levels_make(job->ctx, &job->chain, job->mesh, &sheets));
+    r->triangles = sheets.triangles;
+    r->collapsed = sheets.collapsed;
+    r->doubles = sheets.doubles;
+    r->turned = sheets.turned;
+    r->split = sheets.split;
+    r->parted = sheets.parted;
+    r->cut = sheets.cut;
+    memcpy(r->cut_edge, sheets.cut_edge, sizeof r->cut_edge);
     return BVX_OK;
 }
 
-/* A few crossings, as scans have them, are often gone with the triangles that cross: levels that have none
- * are kept, and the reason to measure is gone too. */
-static bvx_status try_as_it_is(levels_job *job, const bvx_mesh_view *welded)
-{
-    /* Crossings are let through while levels are made, then looked for in each. */
-    uint64_t crossings = 0;
-
-    job->chain.collapse.lenient = 1;
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.85, simplify_as_it_is(job, welded)));
-    job->chain.collapse.lenient = 0;
-
-    for (uint64_t i = 0; i < job->chain.count && crossings == 0; i++) {
-        bvx_mesh_view level;
-
-        bvx_mesh_view_of(&job->chain.levels[i], &level);
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.85, 1.0, bvx_mesh_crossings(job->ctx, &level, &crossings, NULL, 0)));
-    }
-    if (crossings == 0) job->report.reason = BVX_MEASURED_NOT;
-    else bvxi_levels_drop(job->ctx, job->chain.levels, job->chain.count);
-    return BVX_OK;
-}
-
-static int is_defect(int32_t reason)
-{
-    return reason >= BVX_MEASURED_OPEN && reason <= BVX_MEASURED_FLAT;
-}
-
-/* The mesh itself is simplified where nothing is against it; else the report has the reason to measure it. */
-static bvx_status levels_of_mesh(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
-{
-    const bvx_certificate *const c = &job->report.before;
-    int const open = job->options->open != BVX_OPEN_SHELL;
-    double chosen;
-
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.05, 0.25, choose_source(job, welded, corner)));
-    chosen = job->report.reason == BVX_MEASURED_NOT || job->report.reason == BVX_MEASURED_CROSSINGS ? 0.25
-                                                                                                    : 0.05;
-    /* Open meshes may stay open where that was requested. */
-    if (open && (is_defect(job->report.reason) || is_defect(reason_of(c))))
-        BVXI_TRY(keep_sheets(job, welded, corner));
-
-    if (job->report.reason == BVX_MEASURED_CROSSINGS)
-        return BVXI_SHARE(job->ctx, chosen, 0.6, try_as_it_is(job, welded));
-    if (job->report.reason == BVX_MEASURED_NOT)
-        return BVXI_SHARE(job->ctx, chosen, 1.0, simplify_as_it_is(job, welded));
-    return BVX_OK;
-}
-
-/* A mesh too large for the memory limit may have a measured surface that
- * fits, unless it was to be taken as it is. */
-static int may_go_over(const levels_job *job, bvx_status status)
-{
-    return status == BVX_ERR_BUDGET && job->options->source == BVX_LEVELS_AUTO &&
-           job->options->open == BVX_OPEN_SHELL;
-}
-
-static bvx_status levels_steps(levels_job *job, bvx_mesh_view *welded, uint32_t *corner)
+static bvx_status levels_steps(levels_job *job)
 {
     bvx_certificate *const c = &job->report.before;
-    uint64_t mark;
-    bvx_status status;
 
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, welded, 0, c)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.05, bvx_mesh_check(job->ctx, job->mesh, 1, c)));
     if (c->triangles == c->degenerate)
         return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: none of the mesh's %u triangles has an area",
                          levels_name, job->mesh->triangle_count);
-
-    mark = bvxi_scratch_begin(job->ctx);
-    status = bvxi_scratch_keep(job->ctx, mark, levels_of_mesh(job, welded, corner));
-    /* Measured instead: the lattice can be made coarser, the mesh cannot. */
-    if (may_go_over(job, status)) {
-        job->report.reason = BVX_MEASURED_MEMORY;
-        job->chain.collapse.lenient = 0;
-    } else if (status != BVX_OK || job->report.reason == BVX_MEASURED_NOT) {
-        return status;
-    }
-    return BVXI_SHARE(job->ctx, job->report.reason == BVX_MEASURED_CROSSINGS ? 0.6 : 0.05, 1.0,
-                      simplify_measured(job));
+    return BVXI_SHARE(job->ctx, 0.05, 1.0,
+                      job->report.solid ? simplify_measured(job) : simplify_as_it_is(job));
 }
 
 /* ---- What is needed ---- */
@@ -660,7 +444,6 @@ static uint64_t bytes_as_it_is(const levels_job *job)
     uint64_t bytes = 175 * n + 24 * job->report.before.boundary_edges + 400000;
 
     if (n > 20000) bytes += (uint64_t)bvxi_threads(job->ctx) * 1300000;
-    if (job->options->colour_weight > 0) bytes += 190 * job->mesh->vertex_count;
     if (job->options->measure_samples != 0 || job->options->target_errors != NULL) /* bvx_mesh_distance */
         bytes += 116 * (n + (finest < n ? finest : n));
     return bytes;
@@ -669,17 +452,13 @@ static uint64_t bytes_as_it_is(const levels_job *job)
 /* Say what limit the call would need, where the mesh itself is too large for the one it has. */
 static bvx_status explain_budget(const levels_job *job, uint64_t used)
 {
-    int const measured = job->report.reason == BVX_MEASURED_MEMORY;
     uint64_t const needed = used + bytes_as_it_is(job), limit = bvxi_memory_limit(job->ctx);
 
-    /* Other reasons have their own message. */
-    if (job->report.reason != BVX_MEASURED_NOT && !measured) return BVX_ERR_BUDGET;
-    if (limit >= needed) return BVX_ERR_BUDGET; /* something else was in the way: its message stays */
+    /* Something else was in the way: its message stays. */
+    if (job->report.solid || limit >= needed) return BVX_ERR_BUDGET;
     return bvxi_fail_for(job->ctx, BVX_ERR_BUDGET, BVX_REASON_BUDGET,
-                         "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice%s",
-                         levels_name, limit, job->mesh->triangle_count, needed,
-                         measured ? ", and their measured surface on the coarsest lattice does not fit either"
-                                  : "");
+                         "%s: the memory limit of %u bytes is too small for %u triangles; %u suffice",
+                         levels_name, limit, job->mesh->triangle_count, needed);
 }
 
 static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
@@ -698,10 +477,11 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type
                                                                       : (int32_t)job->mesh->position_type;
     c->collapse.even = o->even;
-    c->collapse.colour_weight = o->colour_weight;
-    c->collapse.lenient = o->source == BVX_LEVELS_MESH;
-    /* where it is not lenient, which is asked of the mesh, and true of measured surfaces */
-    c->collapse.simple = 1;
+    c->collapse.attribute_weight = o->attribute_weight;
+    c->collapse.lock_border = o->lock_border;
+    c->collapse.locked = o->locked;
+    c->collapse.vertices = o->vertices;
+    c->collapse.topology = o->topology;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;
@@ -713,8 +493,6 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     bvx_levels_options o = levels_defaults;
     levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
     double low[3], high[3];
-    bvx_mesh_view welded;
-    uint32_t *corner = NULL;
     uint64_t used;
     bvx_status status;
 
@@ -723,19 +501,6 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
-    /* Before anything is read: options that contradict each other. */
-    if (o.source == BVX_LEVELS_MESH && wants_measured(&o))
-        return bvxi_fail_for(
-            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-            "%s: a lattice, a resolution, a sign, least_part, keep_largest, least_cavity and "
-            "outer need a measured surface; source is BVX_LEVELS_MESH",
-            levels_name);
-    if (o.open != BVX_OPEN_SHELL && (o.source == BVX_LEVELS_MEASURED || wants_measured(&o)))
-        return bvxi_fail_for(
-            context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-            "%s: a measured surface is closed; open %d keeps borders of the mesh itself, without a "
-            "lattice, a resolution, a sign, least_part, keep_largest, least_cavity and outer",
-            levels_name, (int64_t)o.open);
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
     /* No level may be the mesh itself. */
     for (uint64_t i = 0; i < level_count; i++)
@@ -746,11 +511,9 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     if (mesh->triangle_count == 0)
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", levels_name);
     BVXI_TRY(bvxi_view_bounds(context, levels_name, mesh, low, high));
-    /* Triangles by welded vertices, so that equal positions hang together. */
-    status = bvxi_welded_view(context, mesh, &welded, &corner);
-    if (status == BVX_OK) status = levels_steps(&job, &welded, corner);
+    job.report.solid = wants_solid(&o);
+    status = levels_steps(&job);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
-    bvxi_drop(context, corner);
     if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;

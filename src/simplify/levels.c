@@ -3,7 +3,7 @@
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
 #include "core/costs.h"
-#include "simplify/room.h"
+#include "simplify/sheets.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
 
@@ -43,7 +43,7 @@ void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
     }
 }
 
-/* Triangles that level i may have; 0 where an error decides. After 64 halvings nothing is left to halve. */
+/* Triangles that are wanted of level i; 0 where an error decides. After 64 halvings nothing is left to halve. */
 static uint64_t target_of(const bvxi_level_chain *c, uint64_t i)
 {
     if (c->target_errors != NULL) return 0;
@@ -96,6 +96,9 @@ static double smallest_angle(const bvx_mesh *level)
     return least * (180 / BVXI_PI);
 }
 
+/* Distances that nothing has measured are no numbers. */
+static const bvx_distance_report not_measured = {0, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i,
                                const bvxi_collapse *collapse, int met)
 {
@@ -120,9 +123,11 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
     BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.3, bvx_mesh_check(ctx, &view, 0, &r->certificate)));
 
+    /* By error the level has been measured while it was looked for. */
+    r->measured = c->target_errors != NULL || c->measure_samples != 0;
+    r->distance = c->target_errors != NULL ? c->last : not_measured;
+    if (c->target_errors != NULL || c->measure_samples == 0) return BVX_OK;
     /* Measuring takes longer than all checks, so it has most of the progress. */
-    if (c->measure_samples == 0) return BVX_OK;
-    r->measured = 1;
     return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance));
 }
 
@@ -130,25 +135,28 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
 static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse, int *met)
 {
-    uint64_t const target = target_of(c, i);
+    uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
 
     BVXI_TRY(bvxi_collapse_to(collapse, target, target, 0.0, 1.0));
-    *met = bvxi_collapse_triangles(collapse) <= target;
+    *met = bvxi_collapse_triangles(collapse) <= wanted;
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
 
-/* *part becomes the share of the error that the mesh as it is now takes up: 1 or less keeps it. */
-static bvx_status measure_share(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                                double *part)
+/* The share of the error of level i that a distance takes up: 1 or less keeps it. */
+static double share_of(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
+{
+    return (c->error_kind == BVX_ERROR_MEAN ? d->mean : d->max) / c->target_errors[i];
+}
+
+/* Measure the mesh as it is now. */
+static bvx_status measure_now(bvx_context *ctx, bvxi_level_chain *c, bvxi_collapse *collapse,
+                              bvx_distance_report *d)
 {
     uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
-    bvx_distance_report d;
     bvx_mesh now = {0};
     bvx_status status = bvxi_collapse_give(collapse, &now);
 
-    if (status == BVX_OK) status = measure_level(ctx, c, &now, samples, &d);
-    *part = 2;
-    if (status == BVX_OK) *part = (c->error_kind == BVX_ERROR_MEAN ? d.mean : d.max) / c->target_errors[i];
+    if (status == BVX_OK) status = measure_level(ctx, c, &now, samples, d);
     bvx_mesh_free(ctx, &now);
     return status;
 }
@@ -218,21 +226,25 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
 static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 bvx_mesh *found, int *met)
 {
-    double const target = c->target_errors[i];
     uint64_t before, level;
+    bvx_distance_report d;
     double part = FIRST_PART, cost[TRY_STEPS];
     bvxi_steps steps = {ctx, cost, TRY_STEPS, 0.0};
 
     *met = 0;
+    /* A measured surface may have more triangles than the mesh. */
+    if (bvxi_collapse_triangles(collapse) > c->halve_from)
+        BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, c->halve_from, 0.0, 0.0));
     plan_tries(c, (double)bvxi_collapse_triangles(collapse), part, cost);
     do {
         bvx_mesh made = {0};
 
-        BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_share(ctx, c, i, collapse, &part)));
+        BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_now(ctx, c, collapse, &d)));
+        part = share_of(c, i, &d);
         /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
         if (part > 1 && i != 0) {
-            *met = c->last_error <= target;
+            *met = share_of(c, i, &c->last) <= 1;
             return copy_into(ctx, c, &c->levels[i - 1], found);
         }
 
@@ -241,7 +253,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         bvx_mesh_free(ctx, found);
         *found = made;
         *met = part <= 1;
-        c->last_error = part * target;
+        c->last = d;
         if (!*met) break;
 
         before = bvxi_collapse_triangles(collapse);
@@ -317,7 +329,7 @@ static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end,
     return sum;
 }
 
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
+static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
 {
     double const all = cost_of_chain(c, 0, c->count, (double)surface->triangle_count);
     bvxi_collapse *collapse = NULL;
@@ -344,6 +356,41 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     }
     bvxi_distance_forget(ctx, &c->kept);
     bvxi_collapse_close(collapse);
+    return status;
+}
+
+/* What the collapse does not do yet. */
+static bvx_status check_supported(bvx_context *ctx, const bvxi_level_chain *c)
+{
+    const bvxi_collapse_options *const o = &c->collapse;
+
+    if (!o->lock_border && o->locked == NULL && o->vertices == BVX_VERTICES_PLACED &&
+        o->topology == BVX_TOPOLOGY_KEEP)
+        return BVX_OK;
+    return bvxi_fail_for(
+        ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_CHOICE,
+        "%s: lock_border, locked, BVX_VERTICES_KEPT and BVX_TOPOLOGY_SIMPLIFY are not supported",
+        c->function);
+}
+
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
+                            bvxi_sheets_report *sheets)
+{
+    bvxi_sheets_report unused;
+    bvxi_sheets made = {0};
+    bvx_status status = check_supported(ctx, c);
+
+    if (sheets == NULL) sheets = &unused;
+    memset(sheets, 0, sizeof *sheets);
+    sheets->triangles = mesh->triangle_count;
+    made.view = *mesh;
+    /* What has too many triangles is refused when it is opened. */
+    if (status == BVX_OK && !c->collapse.simple && mesh->triangle_count <= INT32_MAX / 4)
+        status = BVXI_SHARE(ctx, 0.0, 0.05, bvxi_sheets_open(ctx, mesh, &made, sheets));
+    c->collapse.lenient = !c->collapse.simple;
+    c->collapse.borders = c->collapse.simple ? BVXI_BORDERS_REFUSED : BVXI_BORDERS_CUT;
+    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 1.0, make_chain(ctx, c, &made.view));
+    bvxi_sheets_close(ctx, &made);
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;
 }

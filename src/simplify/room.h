@@ -18,7 +18,8 @@ typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
     int32_t lenient; /* 1: the mesh may cross itself; no triangle crosses that none crossed before */
-    int32_t simple;  /* 1: the mesh is known not to cross itself, which spares tests */
+    int32_t simple; /* 1: the mesh is known not to cross itself, which spares tests; of a chain: to be closed,
+                        manifold and oriented, too */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* of the view's colours: what a difference of 255 stands for, to the mesh's longest side */
     double colour_weight;
@@ -56,41 +57,35 @@ typedef struct bvxi_level_chain {
     const bvx_mesh_view *original; /* that errors are measured against */
     const uint64_t *target_triangles;
     const double *target_errors;
-    uint64_t halve_from; /* triangles that are halved where neither is given */
+    uint64_t halve_from; /* the original's triangles: no level has more; halved where neither is given */
     int32_t error_kind, strict;
     uint64_t measure_samples;
     bvxi_collapse_options collapse;
     uint64_t count;
-    double last_error; /* of the level made last, where errors are targets */
+    bvx_distance_report last; /* of the level made last, where errors are targets */
     bvx_mesh *levels;
     bvx_level_report *reports; /* or NULL */
     bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */
 } bvxi_level_chain;
 
-/* Refuse options that say too much, or nothing that can be. */
-bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
-/* Make all levels of a surface that is closed, manifold and oriented. After a failure none is left. */
-bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *surface);
-/* Free what the library made of levels, and empty those in arrays of the caller's. */
-void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
-
-/* simplify_mesh.c: view with one vertex a position and no triangle of two equal corners; *corner is its array
- * or NULL [Size: view->triangle_count * 3]. */
-bvx_status bvxi_welded_view(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_mesh_view *view,
-                            uint32_t **corner);
-
-/* What was done to make sheets of triangles, and the first edge by its vertices that is in no sheet's way but
- * cut: of three triangles or more, or between two that cannot agree. */
+/* What was done to a mesh before its edges collapse; cut_edge: the ends of the first edge that was cut. */
 typedef struct bvxi_sheets_report {
-    uint64_t doubles, turned, refused; /* triangles, triangles, edges */
-    uint32_t edge[2];
+    uint64_t collapsed, doubles, turned; /* triangles */
+    uint64_t split;                      /* vertices */
+    uint64_t parted, cut;                /* edges */
+    double cut_edge[2][3];
+    uint64_t triangles; /* before edges collapse */
 } bvxi_sheets_report;
 
-/* simplify_mesh.c: drop triangles of a welded view that are there twice, and turn triangles
- * so that those that share an edge with each other alone agree, where they can.
- * corner: the view's indices. Scratch: 89 bytes a triangle and 4 a vertex. */
-bvx_status bvxi_sheets_prepare(bvx_context *ctx, bvx_mesh_view *welded, uint32_t *corner,
-                               bvxi_sheets_report *report);
+/* Refuse options that say too much, or nothing that can be. */
+bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
+/* Make all levels of any checked view: it is welded by position and made ready here (bvxi_sheets_report), and
+ * stays as it is otherwise. No level has more triangles than the mesh. sheets: NULL, or what was done. After a
+ * failure no level is left. */
+bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *mesh,
+                            bvxi_sheets_report *sheets);
+/* Free what the library made of levels, and empty those in arrays of the caller's. */
+void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 
 /* colours.c: colours of the nearest points of a mesh that has some, four bytes for each vertex of a
  * surface. Scratch: that of bvx_closest_create. */

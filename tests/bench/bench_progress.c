@@ -590,17 +590,10 @@ JOB(job_levels)
 JOB(job_levels_measured)
 {
     OPTIONS(levels);
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     o.resolution = resolution;
     return bvx_build_levels(ctx, &view, &o, 3, mesh_out);
 }
-JOB(job_levels_open)
-{
-    OPTIONS(levels);
-    o.open = BVX_OPEN_CUT;
-    return bvx_build_levels(ctx, &view, &o, 3, mesh_out);
-}
-
 JOB(job_write_grid)
 {
     return bvx_write_grid(ctx, &solid, BVX_FORMAT_VTI, &buffer_out);
@@ -726,7 +719,6 @@ static const struct {
     ROW(simplify_error),
     ROW(levels),
     ROW(levels_measured),
-    ROW(levels_open),
     ROW(write_grid),
     ROW(read_grid),
     ROW(merge),

@@ -10,7 +10,7 @@ static maker_mesh sound, spoilt, large; /* the second with holes, flipped and do
 static uint8_t tint[4 * 2000];          /* of vertices of the first two */
 static bvx_mesh_view sound_view, spoilt_view, large_view;
 
-/* One way to make levels; by_error 2: by count, of sheets; 3: by count, with a weight of colours; measured 3:
+/* One way to make levels; by_error 2: by count, of sheets; 3: by count, with a weight of attributes; measured 3:
  * of sheets. want is the hash of a good run's. */
 typedef struct job {
     const char *name;
@@ -41,10 +41,9 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
     bvx_simplify_options o;
 
     bvx_simplify_options_init(&o, sizeof o);
-    if (j->by_error == 2) o.open = BVX_OPEN_CUT;
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
-    if (j->by_error == 3) o.colour_weight = 0.1;
+    if (j->by_error == 3) o.attribute_weight = 10;
     o.measure_samples = 20;
     o.reports = reports;
     return bvx_mesh_simplify(ctx,
@@ -62,12 +61,11 @@ static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_lev
     bvx_levels_options_init(&o, sizeof o);
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
-    if (j->by_error == 3) o.colour_weight = 0.1;
+    if (j->by_error == 3) o.attribute_weight = 10;
     o.measure_samples = 20;
     o.reports = reports;
     o.report = report;
     if (j->measured == 2) o.resolution = 10;
-    if (j->measured == 3) o.open = BVX_OPEN_CUT;
     return bvx_build_levels(ctx, j->measured >= 2 ? &spoilt_view : &sound_view, &o, LEVELS, level);
 }
 
@@ -96,8 +94,7 @@ static bvx_status make_levels(void *user, bvx_context *ctx)
         assert_int_equal(reports[i].certificate.closed, j->by_error != 2 && j->measured != 3);
         all = all * 31 + hash + bvx_hash(&reports[i], sizeof reports[i], 0);
     }
-    if (j->measured > 0)
-        assert_int_equal(report.source, j->measured == 2 ? BVX_LEVELS_MEASURED : BVX_LEVELS_MESH);
+    if (j->measured > 0) assert_int_equal(report.solid, j->measured == 2);
     for (int i = LEVELS; i-- > 0;) bvx_mesh_free(ctx, &level[i]);
     if (j->want == 0) j->want = all;
     if (all != j->want) j->left_behind |= 2;

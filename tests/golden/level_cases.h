@@ -17,8 +17,7 @@ static void level_values(golden *g, bvx_mesh *levels, const bvx_level_report *re
     }
 }
 
-static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even,
-                            int32_t open)
+static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *view, int32_t type, double even)
 {
     static const uint64_t targets[2] = {900, 120};
     bvx_level_report reports[2];
@@ -29,15 +28,14 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     o.target_triangles = targets;
     o.position_type = type;
     o.even = even;
-    o.open = open;
     o.reports = reports;
     golden_begin(g, name);
     if (golden_good(g, bvx_mesh_simplify(g->context, view, &o, 2, levels))) level_values(g, levels, reports);
     golden_end(g);
 }
 
-/* Measured on a lattice of that many voxels; 0: as it is, where it is
- * sound. By errors where no targets are given. */
+/* Measured on a lattice of that many voxels; 0: as it is. By errors where no targets are given. source: 1 the
+ * mesh, 2 its measured surface. */
 static void built_levels(golden *g, const char *name, const bvx_mesh_view *view, int32_t type,
                          int32_t resolution, int32_t sharp, const double *errors)
 {
@@ -60,7 +58,7 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     if (golden_good(g, bvx_plan_levels(g->context, view, &o, 2, &planned)) &&
         golden_good(g, bvx_build_levels(g->context, view, &o, 2, levels))) {
         golden_u64(g, "planned", (uint64_t)planned);
-        golden_u64(g, "source", (uint64_t)report.source);
+        golden_u64(g, "source", 1 + (uint64_t)report.solid);
         golden_u64(g, "surface", report.triangles);
         golden_u64(g, "crumbs", report.crumbs);
         level_values(g, levels, reports);
@@ -86,8 +84,8 @@ static void knot_levels(golden *g)
         golden_u64(g, "triangles", knot.triangle_count);
     golden_end(g);
     bvx_mesh_view_of(&knot, &view);
-    simplified_mesh(g, "knot_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
-    simplified_mesh(g, "knot_f64", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
+    simplified_mesh(g, "knot_f32", &view, BVX_F32, 0.000001);
+    simplified_mesh(g, "knot_f64", &view, BVX_F64, 0.000001);
     bvx_mesh_free(g->context, &knot);
 }
 
@@ -120,12 +118,12 @@ static void level_cases(golden *g)
 
     shape_torus(&golden_shape, 96, 40, 0.25, 7);
     shape_view(&golden_shape, &view);
-    simplified_mesh(g, "torus_f32", &view, BVX_F32, 0.000001, BVX_OPEN_SHELL);
-    simplified_mesh(g, "torus_f64", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
-    simplified_mesh(g, "torus_even", &view, BVX_F64, 0.5, BVX_OPEN_SHELL);
+    simplified_mesh(g, "torus_f32", &view, BVX_F32, 0.000001);
+    simplified_mesh(g, "torus_f64", &view, BVX_F64, 0.000001);
+    simplified_mesh(g, "torus_even", &view, BVX_F64, 0.5);
     view.triangle_count -= 2000;
-    simplified_mesh(g, "sheet_f32", &view, BVX_F32, 0.000001, BVX_OPEN_KEEP);
-    simplified_mesh(g, "sheet_f64", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
+    simplified_mesh(g, "sheet_f32", &view, BVX_F32, 0.000001);
+    simplified_mesh(g, "sheet_f64", &view, BVX_F64, 0.000001);
     view.triangle_count += 2000;
     planned_samples(g, &view);
     built_levels(g, "torus_sound", &view, 0, 0, -1, NULL);
@@ -137,17 +135,17 @@ static void level_cases(golden *g)
         golden_shape.t[t][0] = golden_shape.t[t][1];
         golden_shape.t[t][1] = a;
     }
-    simplified_mesh(g, "torus_turned", &view, BVX_F64, 0.000001, BVX_OPEN_KEEP);
+    simplified_mesh(g, "torus_turned", &view, BVX_F64, 0.000001);
     built_levels(g, "torus_flipped", &view, 0, 50, -1, NULL);
     for (uint32_t t = 0; t < golden_shape.triangles; t += 97)
         golden_shape.t[t][0] = golden_shape.t[golden_shape.triangles - 1 - t][0];
-    simplified_mesh(g, "joints_cut", &view, BVX_F64, 0.000001, BVX_OPEN_CUT);
+    simplified_mesh(g, "joints_cut", &view, BVX_F64, 0.000001);
     shape_soup(&golden_shape, 60, 11);
     shape_view(&golden_shape, &view);
     built_levels(g, "soup", &view, 0, 40, -1, NULL);
     shape_ball(&golden_shape, 20);
     shape_view(&golden_shape, &view);
-    simplified_mesh(g, "ball_loose", &view, BVX_F64, 0.000001, BVX_OPEN_SHELL);
+    simplified_mesh(g, "ball_loose", &view, BVX_F64, 0.000001);
     knot_levels(g);
 }
 

@@ -132,7 +132,7 @@ static void test_the_function_that_was_called(void)
     TEST_ASSERT_EQUAL_STRING_LEN("mesh b: ", error->text, 8);
     bvx_levels_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NORMAL;
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     failed(BVX_ERR_ARGUMENT, bvx_build_levels(ctx, &good, &o, 1, &mesh), BVX_REASON_CHOICE,
            "bvx_build_levels");
     /* reports no progress */

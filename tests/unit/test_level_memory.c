@@ -10,9 +10,7 @@ static double stated_bytes(uint64_t triangles, uint64_t grid_bytes)
 {
     double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
     double const measuring = 200 * n + 30 * s + 5 * g, collapsing = 12 * n + 170 * s;
-    double const most = found.source == BVX_LEVELS_MESH ? 175 * n
-                        : measuring > collapsing        ? measuring
-                                                        : collapsing;
+    double const most = !found.solid ? 175 * n : measuring > collapsing ? measuring : collapsing;
     return most + 24 * (double)found.before.boundary_edges + 400e3 + (found.triangles > 20000 ? 1.3e6 : 0);
 }
 
@@ -56,9 +54,8 @@ static double share_of_stated(const char *name, const bvx_mesh_view *view, const
     bvx_memory_reset_peak(ctx);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, view, o, 1, level), bvx_last_message(ctx));
     share = (double)(bvx_memory_peak(ctx) - before) /
-            stated_bytes(view->triangle_count, found.source == BVX_LEVELS_MESH
-                                                   ? 0
-                                                   : 8 * bvx_grid_bound(&found.repair.lattice, NULL));
+            stated_bytes(view->triangle_count,
+                         !found.solid ? 0 : 8 * bvx_grid_bound(&found.repair.lattice, NULL));
     snprintf(where, sizeof where, "%s at %d: %.3f of what is stated, for %d triangles and %d of the surface",
              name, (int)o->resolution, share, (int)view->triangle_count, (int)found.triangles);
     TEST_ASSERT_TRUE_MESSAGE(share <= 1, where);
@@ -119,12 +116,11 @@ static void test_memory_of_meshes_as_they_are(void)
     make_star(200, 200);
     view = maker_view(&mesh);
     TEST_ASSERT_TRUE_MESSAGE(share_of_stated("as it is", &view, &o) > 0.8, where);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    TEST_ASSERT_EQUAL_INT32(0, found.solid);
     open_star(0);
     view = maker_view(&mesh);
-    o.open = BVX_OPEN_CUT;
     TEST_ASSERT_TRUE_MESSAGE(share_of_stated("open", &view, &o) > 0.8, where);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    TEST_ASSERT_EQUAL_INT32(0, found.solid);
 }
 
 /* ---- Limits ---- */
@@ -166,7 +162,7 @@ static void test_limits_lower_the_lattice(void)
     uint64_t peak, all;
     bvx_mesh made = {0};
     make_star(60, 60);
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(0, &o, &made, &all), where);
     end_within(&made);
     planned = found.planned_resolution;
@@ -183,7 +179,7 @@ static void test_limits_lower_the_lattice(void)
         before = found.resolution;
 
         /* What comes of it is what the resolution gives that the report names. */
-        same.source = BVX_LEVELS_MEASURED;
+        same.solid = 1;
         same.resolution = found.resolution;
         bvx_mesh_free(ctx, &level[0]);
         {
@@ -207,7 +203,7 @@ static void test_limits_that_cannot_be_kept(void)
     make_star(60, 60);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(8000000, &o, &made, &peak), where);
     o.resolution = 0;
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(400000, &o, &made, &peak), where);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "limit"), where);
 }
@@ -233,7 +229,7 @@ static void assert_named_limit_suffices(const bvx_levels_options *o)
     named = named_limit();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(named, o, &made, &peak), where);
     end_within(&made);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
+    TEST_ASSERT_EQUAL_INT32(0, found.solid);
     TEST_ASSERT_TRUE_MESSAGE(peak <= named && peak > named / 2, where);
 }
 
@@ -243,8 +239,6 @@ static void test_limits_name_what_suffices(void)
     bvx_levels_options o = options_at(0);
 
     make_star(60, 60);
-    assert_named_limit_suffices(&o); /* neither the mesh nor its surface fits */
-    o.source = BVX_LEVELS_MESH;
     assert_named_limit_suffices(&o);
     o.measure_samples = 1000;
     assert_named_limit_suffices(&o);
@@ -252,45 +246,24 @@ static void test_limits_name_what_suffices(void)
     o.target_errors = &error;
     assert_named_limit_suffices(&o);
     o = options_at(0);
-    o.open = BVX_OPEN_CUT;
     open_star(0);
     assert_named_limit_suffices(&o);
 }
 
-/* A mesh that is sound but too large for the limit is measured, with the lattice that fits. */
-static void test_limits_measure_what_is_too_large(void)
+/* A mesh too large for the limit is not measured in its place: its levels or none. */
+static void test_what_is_too_large_is_refused(void)
 {
-    bvx_levels_options o = options_at(0), same = options_at(0);
+    bvx_levels_options const o = options_at(0);
     bvx_mesh made = {0};
-    uint64_t peak, all, limit;
+    uint64_t peak, all;
+
     make_star(200, 200);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(0, &o, &made, &all), where);
     end_within(&made);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_NOT, found.reason);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(all, &o, &made, &peak), where);
     end_within(&made);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_NOT, found.reason);
-
-    limit = all / 100 * 85;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build_within(limit, &o, &made, &peak), where);
-    TEST_ASSERT_TRUE_MESSAGE(peak <= limit, where);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_MEMORY, found.reason);
-    TEST_ASSERT_TRUE(found.resolution >= 32 && found.resolution < found.planned_resolution);
-
-    /* What comes of it is what the resolution gives that the report names. */
-    same.resolution = found.resolution;
-    {
-        bvx_mesh_view const view = maker_view(&mesh);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &same, 1, &level[0]));
-    }
-    assert_same_bytes(&level[0], &made);
-    end_within(&made);
-
-    /* Who asks for the mesh itself gets it or nothing. */
-    o.source = BVX_LEVELS_MESH;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(limit, &o, &made, &peak), where);
+    TEST_ASSERT_EQUAL_INT32(0, found.solid);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(all / 100 * 85, &o, &made, &peak), where);
 }
 
 int main(void)
@@ -302,6 +275,6 @@ int main(void)
     RUN_TEST(test_limits_lower_the_lattice);
     RUN_TEST(test_limits_that_cannot_be_kept);
     RUN_TEST(test_limits_name_what_suffices);
-    RUN_TEST(test_limits_measure_what_is_too_large);
+    RUN_TEST(test_what_is_too_large_is_refused);
     return UNITY_END();
 }

@@ -1,5 +1,5 @@
-/* test_levels.c - bvx_build_levels and bvx_plan_levels: sound meshes as they are, all others measured; every
- * level closed, manifold and without crossing triangles, whatever the input. */
+/* test_levels.c - bvx_build_levels and bvx_plan_levels: meshes as they are, with what they have and no new fault;
+ * solids closed, manifold and without crossing triangles, whatever the input. */
 #include "tools/defect_maker.h"
 
 #include "levels_support.h"
@@ -43,7 +43,7 @@ static void check_levels(const char *name, const uint64_t *targets, uint64_t cou
     }
 }
 
-/* All defaults, of a mesh that has to be measured: as with options that were filled by their _init function. */
+/* All defaults, of a mesh with a hole: as with options that were filled by their _init function. */
 static void test_no_options_are_the_defaults(void)
 {
     bvx_levels_options o;
@@ -68,36 +68,37 @@ static void test_no_options_are_the_defaults(void)
 
 static void test_a_sound_mesh_is_simplified_as_it_is(void)
 {
-    for (int n = 0; n < LEVEL_SHAPES; n++)
-        for (int32_t source = BVX_LEVELS_AUTO; source <= BVX_LEVELS_MESH; source++) {
-            static const uint64_t targets[2] = {900, 200};
-            bvx_mesh alone[2] = {{0}};
-            bvx_levels_options o = defaults();
-            bvx_simplify_options s;
-            bvx_certificate before;
-            bvx_mesh_view view;
-            make_shape(&level_shapes[n]);
-            view = maker_view(&mesh);
-            o.target_triangles = targets;
-            o.position_type = BVX_F64;
-            o.source = source;
-            build(&o, 2);
-            check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler,
-                         (int64_t)level_shapes[n].components);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MESH, found.source, where);
-            TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, found.triangles, where);
-            TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found.crossings + found.crumbs, where);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
-            TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
-            bvx_simplify_options_init(&s, sizeof s);
-            s.target_triangles = targets;
-            s.position_type = BVX_F64;
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
-            for (int i = 0; i < 2; i++) {
-                assert_same_bytes(&alone[i], &level[i]);
-                bvx_mesh_free(ctx, &alone[i]);
-            }
+    for (int n = 0; n < LEVEL_SHAPES; n++) {
+        static const uint64_t targets[2] = {900, 200};
+        bvx_mesh alone[2] = {{0}};
+        bvx_levels_options o = defaults();
+        bvx_simplify_options s;
+        bvx_certificate before;
+        bvx_mesh_view view;
+        make_shape(&level_shapes[n]);
+        view = maker_view(&mesh);
+        o.target_triangles = targets;
+        o.position_type = BVX_F64;
+        build(&o, 2);
+        check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler,
+                     (int64_t)level_shapes[n].components);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(0, found.solid, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, found.triangles, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(0,
+                                         found.collapsed + found.doubles + found.turned + found.split +
+                                             found.parted + found.cut + found.crumbs,
+                                         where);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
+        bvx_simplify_options_init(&s, sizeof s);
+        s.target_triangles = targets;
+        s.position_type = BVX_F64;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
+        for (int i = 0; i < 2; i++) {
+            assert_same_bytes(&alone[i], &level[i]);
+            bvx_mesh_free(ctx, &alone[i]);
         }
+    }
 }
 
 static void add_sphere(double at, double scale, int inside_out)
@@ -110,24 +111,23 @@ static void add_sphere(double at, double scale, int inside_out)
     if (inside_out) maker_flip(&mesh, triangle, mesh.triangles);
 }
 
-/* Each way that two spheres can face, apart from and within each other: levels enclose what they should. */
-static void test_levels_face_outward(void)
+/* Each way that two spheres can face, apart from and within each other: levels face as the mesh does, and a
+ * solid faces outward. */
+static void test_levels_face_as_the_mesh_does(void)
 {
     static const struct {
         double at, scale;
         int first_out, second_out; /* 1: inside out */
-        int32_t source, nested;
-        uint64_t turned; /* spheres */
-        double volume;   /* of a sphere's */
+        double volume, solid;      /* of a sphere's */
     } rows[] = {
-        {5, 0.4, 0, 0, BVX_LEVELS_MESH, 0, 0, 2},     {5, 0.4, 1, 1, BVX_LEVELS_MESH, 0, 2, 2},
-        {5, 0.4, 0, 1, BVX_LEVELS_MEASURED, 0, 0, 2}, {0, 0.2, 0, 1, BVX_LEVELS_MESH, 0, 0, 0.875},
-        {0, 0.2, 1, 0, BVX_LEVELS_MESH, 0, 2, 0.875}, {0, 0.2, 0, 0, BVX_LEVELS_MESH, 1, 0, 1.125},
+        {5, 0.4, 0, 0, 2, 2},         {5, 0.4, 1, 1, -2, 2},         {5, 0.4, 0, 1, 0, 2},
+        {0, 0.2, 0, 1, 0.875, 0.875}, {0, 0.2, 1, 0, -0.875, 0.875}, {0, 0.2, 0, 0, 1.125, 1},
     };
     double sphere;
 
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof rows[0]; i++) {
         static const uint64_t targets[1] = {900};
+        size_t const row = i / 2;
         bvx_levels_options o = defaults();
         bvx_certificate c;
         bvx_mesh_view view;
@@ -139,24 +139,21 @@ static void test_levels_face_outward(void)
         sphere = c.volume;
 
         maker_clear(&mesh);
-        add_sphere(0, 0.4, rows[i].first_out);
-        add_sphere(rows[i].at, rows[i].scale, rows[i].second_out);
+        add_sphere(0, 0.4, rows[row].first_out);
+        add_sphere(rows[row].at, rows[row].scale, rows[row].second_out);
         o.target_triangles = targets;
         o.measure_samples = 1000;
+        o.solid = i % 2;
         build(&o, 1);
-        snprintf(where, sizeof where,
-                 "row %d: %g of %g spheres, source %d, nested %d, turned %lu, normals %g", (int)i,
-                 certificate_of(&level[0]).volume / sphere, rows[i].volume, (int)found.source,
-                 (int)found.nested, (unsigned long)found.turned, report[0].distance.normal_b_to_a);
+        snprintf(where, sizeof where, "row %d, solid %d: %g of %g spheres, turned %lu, normals %g", (int)row,
+                 (int)found.solid, certificate_of(&level[0]).volume / sphere, rows[row].volume,
+                 (unsigned long)found.turned, report[0].distance.normal_b_to_a);
         assert_no_crossings(&level[0]);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.04 * sphere, rows[i].volume * sphere,
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(0.04 * sphere,
+                                          (o.solid ? rows[row].solid : rows[row].volume) * sphere,
                                           certificate_of(&level[0]).volume, where);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[i].source, found.source, where);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(rows[i].nested, found.nested, where);
-        TEST_ASSERT_EQUAL_UINT64_MESSAGE(rows[i].turned * mesh.triangles / 2, found.turned, where);
-        /* Normals are compared with those of the mesh as it was turned: against each other it were 2. */
-        if (found.source == BVX_LEVELS_MESH)
-            TEST_ASSERT_TRUE_MESSAGE(report[0].distance.normal_b_to_a < 0.5, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found.turned, where);
+        if (!o.solid) TEST_ASSERT_TRUE_MESSAGE(report[0].distance.normal_b_to_a < 0.5, where);
     }
 }
 
@@ -222,7 +219,7 @@ static void spoil(int way)
     squeeze();
 }
 
-static void test_what_is_not_sound_is_measured(void)
+static void test_a_solid_of_what_is_not_sound(void)
 {
     for (int way = 0; way < SPOILT_WAYS; way++) {
         static const uint64_t targets[3] = {2000, 400, 60};
@@ -233,11 +230,10 @@ static void test_what_is_not_sound_is_measured(void)
         spoil(way);
         view = maker_view(&mesh);
         o.target_triangles = targets;
+        o.solid = 1;
         build(&o, 3);
         check_levels(spoilt_names[way], targets, 3, 2, way == SPOILT_SOUP ? -1 : 1);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
-        TEST_ASSERT_EQUAL_INT_MESSAGE(way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING,
-                                      found.crossings != 0, where);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(1, found.solid, where);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_plan_levels(ctx, &view, &o, 3, &resolution));
         for (int a = 0; a < 3; a++)
             TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= resolution + 16, where);
@@ -255,33 +251,33 @@ static void test_what_is_not_sound_is_measured(void)
     }
 }
 
-/* What the mesh is stays so when it is requested by name: an answer, or a refusal that names an edge. */
-static void test_the_mesh_itself_when_asked_for(void)
+/* What is not sound stays as it is: parts, borders, own crossings, and no new ones. */
+static void test_what_is_not_sound_stays_as_it_is(void)
 {
     for (int way = 0; way < SPOILT_WAYS; way++) {
         static const uint64_t target = 300;
         bvx_levels_options o = defaults();
+        bvx_certificate c, before;
         bvx_mesh_view view;
-        bvx_status status;
+        uint64_t crossings;
         spoil(way);
         view = maker_view(&mesh);
         o.target_triangles = &target;
-        o.source = BVX_LEVELS_MESH;
-        drop_levels();
-        status = bvx_build_levels(ctx, &view, &o, 1, level);
-        snprintf(where, sizeof where, "%s: %s", spoilt_names[way], bvx_last_message(ctx));
-        if (way == SPOILT_OVERLAPPING || way == SPOILT_TOUCHING || way == SPOILT_FLAT) {
-            bvx_certificate c;
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, where);
-            c = certificate_of(&level[0]);
-            TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented, where);
-            TEST_ASSERT_EQUAL_UINT64_MESSAGE(way == SPOILT_FLAT ? 1 : 2, c.components, where);
-            TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, found.source);
-        } else {
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_ARGUMENT, status, where);
-            TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: "), where);
-            TEST_ASSERT_NULL(level[0].positions);
-        }
+        build(&o, 1);
+        c = certificate_of(&level[0]);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &before));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
+        snprintf(where, sizeof where, "%s: %lu triangles, %lu border edges, %lu pieces, %lu crossings of %lu",
+                 spoilt_names[way], (unsigned long)c.triangles, (unsigned long)c.boundary_edges,
+                 (unsigned long)c.components, (unsigned long)report[0].crossings, (unsigned long)crossings);
+        TEST_ASSERT_EQUAL_INT32(0, found.solid);
+        TEST_ASSERT_TRUE_MESSAGE(c.edge_manifold && c.vertex_manifold && c.oriented, where);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(before.closed, c.closed, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, found.cut, where);
+        TEST_ASSERT_TRUE_MESSAGE(c.triangles <= mesh.triangles && c.components >= before.components, where);
+        TEST_ASSERT_TRUE_MESSAGE(report[0].crossings <= crossings, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(way == SPOILT_DOUBLED ? 50 : 0, found.doubles, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(way == SPOILT_FLIPPED ? 200 : 0, found.turned, where);
     }
 }
 
@@ -289,7 +285,7 @@ static void test_the_mesh_itself_when_asked_for(void)
 static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
 {
     static const double low[3] = {4, 4, 4}, high[3] = {12, 12, 12};
-    static const uint64_t targets[2] = {400, 12};
+    static const uint64_t targets[2] = {400, 12}; /* no level has more than the mesh */
     bvx_levels_options o = defaults();
     bvx_distance_report d;
     bvx_mesh_view view, level_view;
@@ -298,6 +294,7 @@ static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
     view = maker_view(&mesh);
     maker_flip(&mesh, 0, 5);
     o.target_triangles = targets;
+    o.solid = 1;
     build(&o, 2);
     check_levels("turned cube", targets, 2, 2, 1);
     bvx_mesh_view_of(&level[1], &level_view);
@@ -333,7 +330,7 @@ static void all_defects(int32_t resolution, int32_t sharp)
             snprintf(where, sizeof where, "%s", name);
             build(&o, 2);
             check_levels(name, targets, 2, 0, -1);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_LEVELS_MEASURED, found.source, where);
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(1, found.solid, where);
             TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
             view = maker_view(&mesh);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &before));
@@ -385,16 +382,16 @@ static void test_outer_and_parts_and_cavities(void)
     build(&o, 1);
     check_levels("the largest", &target, 1, 4, 2);
     TEST_ASSERT_EQUAL_UINT64(1, found.repair.parts_dropped);
-    /* It asks for a measured surface by itself, and contradicts what has none. */
+    /* It asks for a solid by itself. */
     o.resolution = 0;
     build(&o, 1);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    TEST_ASSERT_EQUAL_INT32(1, found.solid);
     o.resolution = 60;
     o.keep_largest = 0;
     o.outer = 1;
     build(&o, 1);
     check_levels("outer", &target, 1, 2, 1);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    TEST_ASSERT_EQUAL_INT32(1, found.solid);
 }
 
 static void test_a_lattice_of_the_callers(void)
@@ -411,7 +408,7 @@ static void test_a_lattice_of_the_callers(void)
     o.target_triangles = &target;
     build(&o, 1);
     check_levels("lattice", &target, 1, 0, 1);
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, found.source);
+    TEST_ASSERT_EQUAL_INT32(1, found.solid);
     TEST_ASSERT_EQUAL_MEMORY(&lattice, &found.repair.lattice, sizeof lattice);
 }
 
@@ -497,24 +494,63 @@ static void test_halving_starts_from_the_input(void)
     }
 }
 
+/* By error too: the measured surface has many times the mesh's triangles. */
+static void test_a_solid_has_no_more_triangles_than_the_mesh(void)
+{
+    static const double errors[2] = {1e-9, 0.5};
+    static const uint64_t targets[2] = {1 << 20, 1000};
+    bvx_levels_options o = defaults();
+
+    make_shape(shape_named("cylinder"));
+    maker_remove(&mesh, 7);
+    o.resolution = 64;
+    for (int way = 0; way < 2; way++) {
+        o.target_errors = way == 0 ? errors : NULL;
+        o.target_triangles = way == 0 ? NULL : targets;
+        build(&o, 2);
+        TEST_ASSERT_TRUE(found.triangles > 3 * mesh.triangles);
+        for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(level[i].triangle_count <= mesh.triangles);
+        TEST_ASSERT_EQUAL_INT32(way, report[0].met);
+        TEST_ASSERT_EQUAL_INT32(1, report[1].met);
+    }
+}
+
+static void test_distances_that_nothing_measured_are_no_numbers(void)
+{
+    static const double error = 0.1;
+    bvx_levels_options o = defaults();
+    bvx_distance_report d;
+    bvx_mesh_view view, level_view;
+
+    make_shape(shape_named("torus"));
+    build(&o, 1);
+    TEST_ASSERT_EQUAL_INT32(0, report[0].measured);
+    TEST_ASSERT_TRUE(isnan(report[0].distance.mean) && isnan(report[0].distance.max) &&
+                     isnan(report[0].distance.mean_a_to_b) && isnan(report[0].distance.max_b_to_a));
+
+    /* A level by its error has been measured to be found. */
+    o.target_errors = &error;
+    build(&o, 1);
+    view = maker_view(&mesh);
+    bvx_mesh_view_of(&level[0], &level_view);
+    TEST_ASSERT_EQUAL_INT32(1, report[0].measured);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, &view, &level_view, 20000, 1, &d));
+    TEST_ASSERT_EQUAL_MEMORY(&d, &report[0].distance, sizeof d);
+}
+
 static void test_strict_refuses_what_cannot_be(void)
 {
     static const uint64_t targets[2] = {200, 5};
     bvx_levels_options o = defaults();
     bvx_mesh_view view;
 
-    spoil(SPOILT_OPEN);
-    view = maker_view(&mesh);
     o.target_triangles = targets;
     o.strict = 1;
-    o.resolution = 30;
-    for (int32_t source = BVX_LEVELS_MESH; source <= BVX_LEVELS_MEASURED; source++) {
-        if (source == BVX_LEVELS_MESH) {
-            make_shape(shape_named("torus"));
-            view = maker_view(&mesh);
-            o.resolution = 0;
-        }
-        o.source = source;
+    for (int32_t solid = 0; solid <= 1; solid++) {
+        make_shape(shape_named("torus"));
+        view = maker_view(&mesh);
+        o.resolution = solid ? 30 : 0;
+        o.solid = solid;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 2, level));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: level 1"),
                                      bvx_last_message(ctx));
@@ -645,16 +681,25 @@ static void test_contradictions(void)
     o.target_triangles = NULL;
     o.target_errors = &no_error;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
-    for (int way = 0; way < 6; way++) { /* what the mesh as it is cannot follow */
+    for (int way = 0; way < 11 * 3; way++) { /* a new surface has none of the mesh's vertices */
+        static const uint8_t locked[1000] = {0};
+
         o = defaults();
-        o.source = BVX_LEVELS_MESH;
-        if (way == 0) o.lattice = &lattice;
-        if (way == 1) o.resolution = 50;
-        if (way == 2) o.sign = BVX_SIGN_VOTE;
-        if (way == 3) o.least_part = 1;
-        if (way == 4) o.least_cavity = 1;
-        if (way == 5) o.outer = 1;
-        refuse(BVX_ERR_ARGUMENT, &o, 1, "source is BVX_LEVELS_MESH");
+        if (way / 3 == 0) o.lattice = &lattice;
+        if (way / 3 == 1) o.resolution = 50;
+        if (way / 3 == 2) o.sign = BVX_SIGN_VOTE;
+        if (way / 3 == 3) o.least_part = 1;
+        if (way / 3 == 4) o.least_cavity = 1;
+        if (way / 3 == 5) o.outer = 1;
+        if (way / 3 == 6) o.solid = 1;
+        if (way / 3 == 7) o.sharp = 0;
+        if (way / 3 == 8) o.sharp = 1;
+        if (way / 3 == 9) o.shell = 3;
+        if (way / 3 == 10) o.keep_largest = 1;
+        if (way % 3 == 0) o.lock_border = 1;
+        if (way % 3 == 1) o.locked = locked;
+        if (way % 3 == 2) o.vertices = BVX_VERTICES_KEPT;
+        refuse(BVX_ERR_ARGUMENT, &o, 1, "measure a new surface");
     }
     o = defaults();
     o.outer = 1;
@@ -774,9 +819,11 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_no_options_are_the_defaults);
     RUN_TEST(test_a_sound_mesh_is_simplified_as_it_is);
-    RUN_TEST(test_levels_face_outward);
-    RUN_TEST(test_what_is_not_sound_is_measured);
-    RUN_TEST(test_the_mesh_itself_when_asked_for);
+    RUN_TEST(test_levels_face_as_the_mesh_does);
+    RUN_TEST(test_a_solid_of_what_is_not_sound);
+    RUN_TEST(test_what_is_not_sound_stays_as_it_is);
+    RUN_TEST(test_a_solid_has_no_more_triangles_than_the_mesh);
+    RUN_TEST(test_distances_that_nothing_measured_are_no_numbers);
     RUN_TEST(test_a_cube_with_turned_faces_has_twelve_triangles);
     RUN_TEST(test_every_defect_gives_whole_levels);
     RUN_TEST(test_every_defect_gives_whole_levels_when_sharp);

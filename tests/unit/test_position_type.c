@@ -149,7 +149,7 @@ static bvx_status levels(const world *w, int32_t type, int32_t local, bvx_mesh *
     (void)local;
     bvx_levels_options_init(&o, sizeof o);
     o.position_type = type;
-    o.source = BVX_LEVELS_MEASURED;
+    o.solid = 1;
     o.target_triangles = &target;
     o.lattice = &w->lattice;
     return bvx_build_levels(ctx, &w->view, &o, 1, mesh);

@@ -1,5 +1,4 @@
-/* test_sheets.c - meshes with borders by bvx_mesh_simplify and bvx_build_levels: borders stay where they are,
- * keep their corners, never meet; what is no sheet is refused, measured or cut. */
+/* test_sheets.c - meshes with borders by bvx_mesh_simplify and bvx_build_levels: borders keep their corners, never meet; what is no sheet is parted or cut. */
 #include "levels_support.h"
 
 /* Sheets are quarter as large and lie away from 0: within [1, 16), as the oracle of crossings needs it. */
@@ -48,12 +47,11 @@ static bvx_simplify_options defaults(void)
     return o;
 }
 
-static void simplify_to(const uint64_t *targets, uint64_t count, int32_t open)
+static void simplify_to(const uint64_t *targets, uint64_t count)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_simplify_options o = defaults();
     o.target_triangles = targets;
-    o.open = open;
     drop_levels();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, count, level),
                                     bvx_last_message(ctx));
@@ -100,7 +98,7 @@ static void test_a_rectangle_comes_down_to_its_corners(void)
 
     make_sheet(16, 9, flat, NULL);
     exact = 1;
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     exact = 0;
     assert_sheet(0, 1, 1);
     assert_sheet(1, 1, 1);
@@ -127,7 +125,7 @@ static void test_corners_of_borders_stay(void)
     static const uint64_t few[] = {4}, target[] = {14};
     make_sheet(12, 10, flat, in_l);
     exact = 1;
-    simplify_to(few, 1, BVX_OPEN_KEEP);
+    simplify_to(few, 1);
     assert_sheet(0, 1, 1);
     TEST_ASSERT_EQUAL_UINT64(4, level[0].triangle_count);
     TEST_ASSERT_TRUE(has_position(&level[0], 5, 4, 0) && has_position(&level[0], 12, 4, 0) &&
@@ -135,7 +133,7 @@ static void test_corners_of_borders_stay(void)
     TEST_ASSERT_TRUE(fabs(report[0].certificate.area * PART * PART - (5 * 10 + 7 * 4)) < 1e-6);
 
     make_sheet(15, 10, flat, beside_holes);
-    simplify_to(target, 1, BVX_OPEN_KEEP);
+    simplify_to(target, 1);
     exact = 0;
     assert_sheet(0, -1, 1);
     TEST_ASSERT_EQUAL_UINT64(14, level[0].triangle_count); /* 12 corners and two holes take no fewer */
@@ -148,12 +146,12 @@ static void test_every_level_keeps_the_guarantee(void)
 {
     static const uint64_t targets[] = {300, 120, 40, 1};
     make_sheet(30, 20, wavy, NULL);
-    simplify_to(targets, 4, BVX_OPEN_KEEP);
+    simplify_to(targets, 4);
     for (int i = 0; i < 4; i++) assert_sheet(i, 1, 1);
     TEST_ASSERT_EQUAL_UINT64(1, level[3].triangle_count);
 
     make_sheet(30, 20, wavy, beside_holes);
-    simplify_to(targets, 4, BVX_OPEN_KEEP);
+    simplify_to(targets, 4);
     for (int i = 0; i < 4; i++) assert_sheet(i, -1, 1);
     TEST_ASSERT_FALSE(report[3].met);
 }
@@ -180,7 +178,7 @@ static void test_ragged_borders(void)
         make_sheet(40, 15, trial % 2 ? wavy : flat, in_teeth);
         view = maker_view(&mesh);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
-        simplify_to(targets, 4, BVX_OPEN_KEEP);
+        simplify_to(targets, 4);
         for (int i = 0; i < 4; i++) {
             assert_sheet(i, before.euler, before.components);
             if (trial % 2 == 0)
@@ -200,7 +198,7 @@ static void test_a_scroll_does_not_cross_itself(void)
         mesh.p[3 * v] = AWAY + radius * maker_wave(turn);
         mesh.p[3 * v + 2] = AWAY + radius * maker_wave(turn + 0.25);
     }
-    simplify_to(targets, 3, BVX_OPEN_KEEP);
+    simplify_to(targets, 3);
     for (int i = 0; i < 3; i++) assert_sheet(i, 1, 1);
 }
 
@@ -216,7 +214,7 @@ static void test_a_tube_keeps_both_ends(void)
         for (uint32_t i = 0; i < 24; i++)
             maker_quad(&mesh, 24 * z + i, 24 * z + (i + 1) % 24, 24 * (z + 1) + (i + 1) % 24,
                        24 * (z + 1) + i, 0);
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     assert_sheet(0, 0, 1);
     assert_sheet(1, 0, 1);
     TEST_ASSERT_EQUAL_UINT64(6, level[1].triangle_count);
@@ -228,12 +226,12 @@ static void test_order_does_not_matter(void)
     bvx_mesh first[2];
 
     make_sheet(30, 20, wavy, beside_holes);
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     memcpy(first, level, sizeof first);
     memset(level, 0, sizeof level);
     maker_shuffle_triangles(&mesh, &seed);
     maker_shuffle_vertices(&mesh, &seed);
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     for (int i = 0; i < 2; i++) {
         assert_same_bytes(&first[i], &level[i]);
         bvx_mesh_free(ctx, &first[i]);
@@ -249,7 +247,7 @@ static void test_doubles_and_flipped_triangles_are_mended(void)
     size_t triangles;
 
     make_sheet(30, 20, wavy, NULL);
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     memcpy(first, level, sizeof first);
     memset(level, 0, sizeof level);
     triangles = mesh.triangles;
@@ -258,7 +256,7 @@ static void test_doubles_and_flipped_triangles_are_mended(void)
         maker_duplicate(&mesh, t);
         if (t % 3 == 1) maker_flip(&mesh, mesh.triangles - 1, mesh.triangles);
     }
-    simplify_to(targets, 2, BVX_OPEN_KEEP);
+    simplify_to(targets, 2);
     for (int i = 0; i < 2; i++) {
         assert_same_bytes(&first[i], &level[i]);
         bvx_mesh_free(ctx, &first[i]);
@@ -271,7 +269,7 @@ static void test_a_closed_mesh_stays_closed(void)
     static const uint64_t targets[] = {200};
     make_shape(shape_named("torus"));
     for (size_t t = 0; t < mesh.triangles; t += 5) maker_flip(&mesh, t, t + 1);
-    simplify_to(targets, 1, BVX_OPEN_KEEP);
+    simplify_to(targets, 1);
     assert_whole(&level[0], 0, 1);
     assert_no_crossings(&level[0]);
 }
@@ -285,26 +283,12 @@ static void test_parts_that_touch_in_a_vertex_part(void)
     /* (0,-1) (-1,-1) (0,-2) */
     for (uint32_t i = 0; i < 3; i++) put_vertex(0 - (double)(i % 2), 0 - (double)(i / 2) - 1, 0);
     maker_triangle(&mesh, 0, (uint32_t)mesh.vertices - 2, (uint32_t)mesh.vertices - 3);
-    simplify_to(targets, 1, BVX_OPEN_KEEP);
+    simplify_to(targets, 1);
     c = certificate_of(&level[0]);
     TEST_ASSERT_TRUE(c.edge_manifold && c.vertex_manifold && c.oriented && !c.closed);
     TEST_ASSERT_EQUAL_UINT64(2, c.components);
     TEST_ASSERT_EQUAL_UINT64(3, c.triangles);
     TEST_ASSERT_EQUAL_UINT64(7, c.vertices);
-}
-
-static void refuse(int32_t open, const char *words)
-{
-    static const uint64_t targets[] = {10};
-    bvx_mesh_view const view = maker_view(&mesh);
-    bvx_simplify_options o = defaults();
-
-    o.target_triangles = targets;
-    o.open = open;
-    drop_levels();
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_mesh_simplify(ctx, &view, &o, 1, level));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), words), bvx_last_message(ctx));
-    TEST_ASSERT_NULL(level[0].positions);
 }
 
 /* Three sheets that meet along x = 8 at z = 0. */
@@ -323,15 +307,12 @@ static void make_joint(void)
         }
 }
 
-static void test_joints_are_refused_or_cut(void)
+static void test_joints_are_cut(void)
 {
     static const uint64_t targets[] = {100, 6};
 
     make_joint();
-    refuse(BVX_OPEN_KEEP, "edge from (6, ");
-    refuse(BVX_OPEN_KEEP, "has three triangles");
-    refuse(BVX_OPEN_SHELL, "not closed");
-    simplify_to(targets, 2, BVX_OPEN_CUT);
+    simplify_to(targets, 2);
     assert_open(0, 3, 3);
     assert_open(1, 3, 3);
     TEST_ASSERT_EQUAL_UINT64(6, level[1].triangle_count);
@@ -339,8 +320,8 @@ static void test_joints_are_refused_or_cut(void)
         TEST_ASSERT_TRUE(has_position(&level[1], i % 3 * 8, i / 3 * 4, 0) || i / 3 == 1);
 }
 
-/* A fin on a sheet: where it ends, its foot is a slit in the sheet that ends there too. */
-static void test_a_slit_ends_in_a_sheet(void)
+/* A fin on a sheet, whose triangles go on around the fin's end: the sheet stays whole, the fin gets a border. */
+static void test_a_fin_leaves_a_sheet_whole(void)
 {
     static const uint64_t targets[] = {100, 20};
 
@@ -350,12 +331,12 @@ static void test_a_slit_ends_in_a_sheet(void)
         put_vertex(8, 4, 5);
         for (uint32_t i = 0; i < length; i++)
             maker_triangle(&mesh, 17 * 4 + 6 + i, 17 * 4 + 7 + i, (uint32_t)mesh.vertices - 1);
-        simplify_to(targets, 2, BVX_OPEN_CUT);
+        simplify_to(targets, 2);
         for (int i = 0; i < 2; i++) {
             c = certificate_of(&level[i]);
             TEST_ASSERT_TRUE(c.edge_manifold && c.vertex_manifold && c.oriented && !c.closed);
             TEST_ASSERT_EQUAL_UINT64(2, c.components);
-            TEST_ASSERT_EQUAL_INT64(1, c.euler); /* a disc, and a sheet with a slit */
+            TEST_ASSERT_EQUAL_INT64(2, c.euler); /* two discs */
         }
     }
 }
@@ -377,8 +358,7 @@ static void test_a_band_with_one_side(void)
             uint32_t const n = (i + 1) % 40, a = i == 39 ? 2 - k : k, b = i == 39 ? 1 - k : k + 1;
             maker_quad(&mesh, 3 * i + k, 3 * n + a, 3 * n + b, 3 * i + k + 1, 0);
         }
-    refuse(BVX_OPEN_KEEP, "same direction");
-    simplify_to(targets, 1, BVX_OPEN_CUT);
+    simplify_to(targets, 1);
     {
         bvx_certificate const c = certificate_of(&level[0]);
         TEST_ASSERT_TRUE(c.edge_manifold && c.vertex_manifold && c.oriented && !c.closed);
@@ -391,7 +371,7 @@ static void test_a_band_with_one_side(void)
 
 static bvx_levels_report levels_report;
 
-static bvx_status build(int32_t open, int32_t source)
+static void build(int32_t solid)
 {
     static const uint64_t targets[] = {120, 30};
     bvx_mesh_view const view = maker_view(&mesh);
@@ -399,52 +379,41 @@ static bvx_status build(int32_t open, int32_t source)
 
     bvx_levels_options_init(&o, sizeof o);
     o.target_triangles = targets;
-    o.open = open;
-    o.source = source;
+    o.solid = solid;
     o.report = &levels_report;
     o.reports = report;
     drop_levels();
-    return bvx_build_levels(ctx, &view, &o, 2, level);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, &o, 2, level),
+                                    bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32(solid, levels_report.solid);
 }
 
 static void test_levels_of_a_sheet(void)
 {
     make_sheet(30, 20, wavy, NULL);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_KEEP, BVX_LEVELS_AUTO), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, levels_report.source);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_NOT, levels_report.reason);
+    build(0);
     TEST_ASSERT_EQUAL_UINT64(100, levels_report.before.boundary_edges);
     assert_sheet(0, 1, 1);
     assert_sheet(1, 1, 1);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_KEEP, BVX_LEVELS_MESH), bvx_last_message(ctx));
-    assert_sheet(1, 1, 1);
 
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_SHELL, BVX_LEVELS_AUTO), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, levels_report.source);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_OPEN, levels_report.reason);
+    build(1);
     assert_whole(&level[1], 2, 1);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build(BVX_OPEN_SHELL, BVX_LEVELS_MESH));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build(BVX_OPEN_KEEP, BVX_LEVELS_MEASURED));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "closed"));
 }
 
-/* What is no sheet is measured, and the report says where that shows; or cut. */
+/* What is no sheet is cut, and the report says where that shows; a solid joins it. */
 static void test_levels_of_a_joint(void)
 {
     make_joint();
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_KEEP, BVX_LEVELS_AUTO), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MEASURED, levels_report.source);
-    TEST_ASSERT_EQUAL_INT32(BVX_MEASURED_OPEN, levels_report.reason);
-    TEST_ASSERT_EQUAL_UINT64(8, levels_report.refused_edges);
+    build(0);
+    TEST_ASSERT_EQUAL_UINT64(8, levels_report.cut);
+    TEST_ASSERT_EQUAL_UINT64(0, levels_report.parted);
+    TEST_ASSERT_EQUAL_UINT64(9, levels_report.split);
     for (int i = 0; i < 2; i++)
-        TEST_ASSERT_TRUE(levels_report.refused_edge[i][0] == AWAY + 2 &&
-                         levels_report.refused_edge[i][2] == AWAY);
-    assert_whole(&level[1], certificate_of(&level[1]).euler, 1);
-
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_CUT, BVX_LEVELS_AUTO), bvx_last_message(ctx));
-    TEST_ASSERT_EQUAL_INT32(BVX_LEVELS_MESH, levels_report.source);
-    TEST_ASSERT_EQUAL_UINT64(8, levels_report.refused_edges);
+        TEST_ASSERT_TRUE(levels_report.cut_edge[i][0] == AWAY + 2 && levels_report.cut_edge[i][2] == AWAY);
     assert_open(1, 3, 3);
+
+    build(1);
+    assert_whole(&level[1], certificate_of(&level[1]).euler, 1);
 }
 
 static void test_levels_say_what_was_mended(void)
@@ -452,11 +421,129 @@ static void test_levels_say_what_was_mended(void)
     make_sheet(30, 20, wavy, NULL);
     maker_flip(&mesh, 7, 10);
     maker_duplicate(&mesh, 50);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, build(BVX_OPEN_KEEP, BVX_LEVELS_AUTO), bvx_last_message(ctx));
+    maker_triangle(&mesh, 3, 3, 4);
+    build(0);
+    TEST_ASSERT_EQUAL_UINT64(1, levels_report.collapsed);
     TEST_ASSERT_EQUAL_UINT64(1, levels_report.doubles);
     TEST_ASSERT_EQUAL_UINT64(3, levels_report.turned);
-    TEST_ASSERT_EQUAL_UINT64(0, levels_report.refused_edges);
+    TEST_ASSERT_EQUAL_UINT64(0, levels_report.split + levels_report.parted + levels_report.cut);
+    TEST_ASSERT_EQUAL_UINT64(1200, levels_report.triangles);
     assert_sheet(1, 1, 1);
+}
+
+/* The part of less area is turned, however many triangles it has. */
+static void test_the_least_area_is_turned(void)
+{
+    make_sheet(8, 8, flat, NULL);
+    for (size_t v = 0; v < mesh.vertices; v++)
+        if (v % 9 > 1) mesh.p[3 * v] += 8; /* the second column is wider than all others */
+    for (size_t t = 0; t < mesh.triangles; t++)
+        if (t / 2 % 8 != 1) maker_flip(&mesh, t, t + 1);
+    build(0);
+    TEST_ASSERT_EQUAL_UINT64(112, levels_report.turned);
+    assert_sheet(1, 1, 1);
+}
+
+/* ---- Bodies that touch ---- */
+
+static void add_box(double x, double y, double z, double size)
+{
+    double const low[3] = {AWAY + x, AWAY + y, AWAY + z};
+    double const high[3] = {low[0] + size, low[1] + size, low[2] + size};
+
+    maker_box(&mesh, low, high);
+}
+
+/* A level that is closed, in so many pieces, of such a volume. */
+static void assert_bodies(int levels, uint64_t pieces, double volume, uint64_t parted)
+{
+    for (int i = 0; i < levels; i++) {
+        bvx_certificate const c = certificate_of(&level[i]);
+
+        snprintf(where, sizeof where, "level %d: %lu triangles, %lu pieces, volume %g; %lu parted, %lu cut",
+                 i, (unsigned long)c.triangles, (unsigned long)c.components, c.volume,
+                 (unsigned long)levels_report.parted, (unsigned long)levels_report.cut);
+        TEST_ASSERT_TRUE_MESSAGE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(pieces, c.components, where);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(1e-6, volume, c.volume, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, levels_report.cut, where);
+        TEST_ASSERT_EQUAL_UINT64_MESSAGE(parted, levels_report.parted, where);
+    }
+}
+
+/* Cubes that touch along an edge, in a face, in a vertex, and one that three others touch. */
+static void test_bodies_that_touch_keep_their_volumes(void)
+{
+    add_box(0, 0, 0, 1);
+    add_box(1, 1, 0, 1);
+    build(0);
+    assert_bodies(2, 2, 2, 1);
+    maker_clear(&mesh);
+    add_box(0, 0, 0, 1);
+    add_box(1, 0, 0, 1);
+    build(0);
+    assert_bodies(2, 2, 2, 4);
+    maker_clear(&mesh);
+    add_box(0, 0, 0, 1);
+    add_box(1, 1, 1, 1);
+    build(0);
+    assert_bodies(2, 2, 2, 0);
+    TEST_ASSERT_EQUAL_UINT64(1, levels_report.split);
+    maker_clear(&mesh);
+    add_box(0, 0, 0, 1);
+    add_box(1, 1, 0, 1);
+    add_box(1, 0, 0, 1);
+    add_box(0, 1, 0, 1);
+    build(0);
+    assert_bodies(1, 4, 4, 13);
+}
+
+/* Faces of voxels: two that touch along an edge, in one body. */
+static int is_voxel(int32_t x, int32_t y, int32_t z)
+{
+    if (x < 0 || y < 0 || z < 0 || x > 1 || y > 1 || z > 2) return 0;
+    return z != 1 || x == y;
+}
+
+static void test_an_edge_in_one_body_is_parted_too(void)
+{
+    static const int32_t side[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+
+    for (int32_t i = 0; i < 48; i++) maker_vertex(&mesh, AWAY + i % 4, AWAY + i / 4 % 3, AWAY + i / 12);
+    for (int32_t i = 0; i < 12 * 6; i++) {
+        int32_t const x = i % 2, y = i / 2 % 2, z = i / 4 % 3;
+        const int32_t *const s = side[i / 12];
+        int const axis = s[0] != 0 ? 0 : s[1] != 0 ? 1 : 2, up = s[axis] > 0;
+        uint32_t corner[4];
+
+        if (!is_voxel(x, y, z) || is_voxel(x + s[0], y + s[1], z + s[2])) continue;
+        for (int k = 0; k < 4; k++) {
+            int32_t at[3] = {x, y, z};
+
+            at[axis] += up;
+            at[(axis + 1) % 3] += (k == 1 || k == 2) ? up : 0;
+            at[(axis + 2) % 3] += k > 1;
+            if (!up) at[(axis + 1) % 3] += k == 0 || k == 3;
+            corner[k] = (uint32_t)(at[0] + 4 * at[1] + 12 * at[2]);
+        }
+        maker_quad(&mesh, corner[0], corner[1], corner[2], corner[3], 0);
+    }
+    build(0);
+    assert_bodies(1, 1, 10, 1);
+}
+
+/* A leaf with two sides keeps both; what lies on a sheet a second time does not. */
+static void test_both_sides_of_a_leaf_stay(void)
+{
+    size_t triangles;
+
+    make_sheet(8, 8, wavy, NULL);
+    triangles = mesh.triangles;
+    for (size_t t = 0; t < triangles; t++) maker_duplicate(&mesh, t);
+    maker_flip(&mesh, triangles, mesh.triangles);
+    build(0);
+    TEST_ASSERT_EQUAL_UINT64(0, levels_report.doubles + levels_report.cut);
+    for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(certificate_of(&level[i]).closed);
 }
 
 int main(void)
@@ -472,11 +559,15 @@ int main(void)
     RUN_TEST(test_doubles_and_flipped_triangles_are_mended);
     RUN_TEST(test_a_closed_mesh_stays_closed);
     RUN_TEST(test_parts_that_touch_in_a_vertex_part);
-    RUN_TEST(test_joints_are_refused_or_cut);
-    RUN_TEST(test_a_slit_ends_in_a_sheet);
+    RUN_TEST(test_joints_are_cut);
+    RUN_TEST(test_a_fin_leaves_a_sheet_whole);
     RUN_TEST(test_a_band_with_one_side);
     RUN_TEST(test_levels_of_a_sheet);
     RUN_TEST(test_levels_of_a_joint);
     RUN_TEST(test_levels_say_what_was_mended);
+    RUN_TEST(test_the_least_area_is_turned);
+    RUN_TEST(test_bodies_that_touch_keep_their_volumes);
+    RUN_TEST(test_an_edge_in_one_body_is_parted_too);
+    RUN_TEST(test_both_sides_of_a_leaf_stay);
     return UNITY_END();
 }
