@@ -185,23 +185,23 @@ static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *
 /* Collapse the edges of a level that was made with more triangles than it may have. */
 static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx_mesh *fine, bvx_mesh *mesh)
 {
-    bvxi_collapse_options const options = {.position_type = fine->position_type, .even = LOD_EVEN};
     uint64_t const target = job->options->target_triangles[job->level];
-    bvxi_collapse *collapse = NULL;
     bvx_mesh_view view;
+    bvxi_level_chain chain = {.function = lod_name,
+                              .original = &view,
+                              .target_triangles = &target,
+                              .halve_from = fine->triangle_count,
+                              .collapse = {.position_type = fine->position_type, .even = LOD_EVEN, .simple = 1},
+                              .count = 1,
+                              .levels = mesh};
 
     bvx_mesh_view_of(fine, &view);
-    BVXI_TRY(bvxi_collapse_open(ctx, lod_name, &view, &options, &collapse));
-    /* No fewer than requested, as more collapse than needed loses shape. */
-    BVXI_TRY(bvxi_collapse_to(collapse, target, target, 0.0, 1.0));
-    if (bvxi_collapse_triangles(collapse) > target)
+    BVXI_TRY(bvxi_levels_make(ctx, &chain, &view, NULL));
+    if (mesh->triangle_count > target)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
                              "%s: level %i asks for at most %u triangles; collapsing its %u ends at %u",
-                             lod_name, level_number(job), target, fine->triangle_count,
-                             bvxi_collapse_triangles(collapse));
-    BVXI_TRY(bvxi_collapse_give(collapse, mesh));
+                             lod_name, level_number(job), target, fine->triangle_count, mesh->triangle_count);
     memcpy(mesh->frame, fine->frame, sizeof mesh->frame);
-    bvxi_collapse_close(collapse);
     return BVX_OK;
 }
 

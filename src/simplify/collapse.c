@@ -134,14 +134,16 @@ typedef struct edge_plan {
     uint32_t u, v; /* the vertex that stays, and the one that goes */
     int32_t still; /* 1: u stays where it is */
     quadric q;     /* of both, about u */
+    quadric all;   /* and what their attributes cost */
+    double offset[3]; /* from u to v */
     double d[3];   /* the new position from u, in units of 1 / scale */
     double cost;
 } edge_plan;
 
-/* 1: a border, which line vertices may collapse along. */
-static int is_feature(const bvxi_corners *m, int32_t edge)
+int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
 {
-    return bvxi_corner_is_ghost(m, edge) || bvxi_corner_is_ghost(m, bvxi_corner_opposite(m, edge));
+    return bvxi_corner_is_ghost(&c->mesh, edge) ||
+           bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) || bvxi_attributes_part(c, edge);
 }
 
 static int freedom(uint8_t kind)
@@ -167,7 +169,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     free_u = freedom(c->kind[u]);
     free_v = freedom(c->kind[v]);
     if (free_u + free_v == 0) return 0;
-    if (free_u < 2 && free_v < 2 && !is_feature(m, edge)) return 0;
+    if (free_u < 2 && free_v < 2 && !bvxi_collapse_is_feature(c, edge)) return 0;
 
     /* The end that is less free stays, where it is. */
     if (free_v < free_u) {
@@ -179,45 +181,40 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     return 1;
 }
 
-/* The ends trade their parts. */
-static void swap_ends(const bvxi_collapse *c, edge_plan *plan, const double offset[3])
+/* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
+static void join_ends(const bvxi_collapse *c, edge_plan *plan)
 {
-    uint32_t const u = plan->u;
-    double back[3] = {-offset[0], -offset[1], -offset[2]};
-
-    plan->edge = bvxi_corner_opposite(&c->mesh, plan->edge);
-    plan->u = plan->v;
-    plan->v = u;
-    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[u], back, &plan->q);
+    offset_between(c, plan->u, plan->v, plan->offset);
+    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], plan->offset, &plan->q);
+    plan->all = plan->q;
+    if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
+        bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
+    memset(plan->d, 0, sizeof plan->d);
+    plan->cost = plan->all.c > 0 ? plan->all.c : 0;
 }
 
 /* Where an edge's ends would meet, and what it costs; 0: nowhere. */
 static int plan_edge(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
 {
-    double offset[3], at_u, at_v;
+    int const kept = c->options.vertices == BVX_VERTICES_KEPT;
+    double at_v;
 
     if (!plan_ends(c, edge, plan)) return 0;
-    offset_between(c, plan->u, plan->v, offset);
-
-    /* Everything is about u, near the edge: the same sums about the origin would cancel most of their
-     * digits. */
-    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], offset, &plan->q);
-    memset(plan->d, 0, sizeof plan->d);
-    plan->cost = plan->q.c > 0 ? plan->q.c : 0;
+    join_ends(c, plan);
     if (plan->still) return 1;
 
     /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
-    if (c->options.vertices != BVX_VERTICES_KEPT && solve_least(plan->q.a, plan->q.b, plan->d)) {
+    if (!kept && solve_least(plan->all.a, plan->all.b, plan->d)) {
         double reach = 0, length = 0;
 
         for (int k = 0; k < 3; k++) {
-            double const way = plan->d[k] - 0.5 * offset[k];
+            double const way = plan->d[k] - 0.5 * plan->offset[k];
 
-            length += offset[k] * offset[k];
+            length += plan->offset[k] * plan->offset[k];
             reach += way * way;
         }
         if (reach <= 4 * length) {
-            double const cost = plan->q.c + bvxi_vec_dot(plan->q.b, plan->d);
+            double const cost = plan->all.c + bvxi_vec_dot(plan->all.b, plan->d);
 
             plan->cost = cost > 0 ? cost : 0;
             return 1;
@@ -226,12 +223,18 @@ static int plan_edge(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     }
 
     /* Where the planes leave it open: the better end, which stays on the surface. */
-    at_u = plan->cost;
-    at_v = quadric_at(&plan->q, offset);
-    if (at_v < at_u) {
-        plan->cost = at_v;
-        if (c->options.vertices == BVX_VERTICES_KEPT) swap_ends(c, plan, offset);
-        else memcpy(plan->d, offset, sizeof plan->d);
+    at_v = quadric_at(&plan->all, plan->offset);
+    if (!(at_v < plan->cost)) return 1;
+    plan->cost = at_v;
+    if (kept) {
+        uint32_t const u = plan->u;
+
+        plan->edge = bvxi_corner_opposite(&c->mesh, plan->edge);
+        plan->u = plan->v;
+        plan->v = u;
+        join_ends(c, plan);
+    } else {
+        memcpy(plan->d, plan->offset, sizeof plan->d);
     }
     return 1;
 }
@@ -271,7 +274,7 @@ static float cost_of(const bvxi_collapse *c, int32_t edge)
     float cost = COLLAPSE_NEVER;
 
     if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return COLLAPSE_NEVER;
-    if ((c->kind[u] | c->kind[v]) == 0 && c->options.vertices != BVX_VERTICES_KEPT) cost = free_cost(c, u, v);
+    if ((c->kind[u] | c->kind[v]) == 0 && c->attributes.row == NULL) cost = free_cost(c, u, v);
     else if (plan_edge(c, edge, &plan)) cost = (float)plan.cost;
 
     /* No more than the type holds, and nothing that compares with nothing. */
@@ -535,6 +538,12 @@ static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, coll
     c->last[u] = v;
     c->fresh[u] = 1;
 
+    if (c->attributes.row != NULL) {
+        double d[3];
+
+        for (int k = 0; k < 3; k++) d[k] = (p[k] - m->at[u].p[k]) * c->scale;
+        bvxi_attributes_merge(c, plan->edge, plan->offset, d, star->corner, star->of_v);
+    }
     settle_vertex(c, plan, p);
     r->triangles += (uint64_t)drop_triangle(m, plan->edge);
     r->triangles += (uint64_t)drop_triangle(m, across);
@@ -584,14 +593,13 @@ static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collap
 static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const collapse_star *star, int needles,
                            double p[3])
 {
-    double offset[3];
+    const double *const offset = plan->offset;
 
     if (plan->still || s->c->options.vertices == BVX_VERTICES_KEPT) return STAR_TURNS;
-    offset_between(s->c, plan->u, plan->v, offset);
     for (int i = 0; i < 3; i++) {
         double const d[3] = {0.5 * i * offset[0], 0.5 * i * offset[1], 0.5 * i * offset[2]};
 
-        if (quadric_at(&plan->q, d) > 2 * plan->cost) continue;
+        if (quadric_at(&plan->all, d) > 2 * plan->cost) continue;
         memcpy(plan->d, d, sizeof plan->d);
         if (judge_at(s, plan, star, d, needles, p) == STAR_SAFE) return STAR_SAFE;
     }
@@ -890,6 +898,12 @@ static void undo_one(bvxi_collapse *c, uint32_t v)
          at = bvxi_corner_turn_left(m, at))
         m->triangle[at >> 2].vertex[at & 3] = v;
 
+    if (c->attributes.row != NULL) {
+        double back[3];
+
+        for (int k = 0; k < 3; k++) back[k] = (undo->p[k] - m->at[u].p[k]) * c->scale;
+        bvxi_attributes_restore(c, edge, back);
+    }
     move_quadric(c, u, undo->p);
     c->any[u] = bvxi_corner_next(edge);
     c->any[v] = bvxi_corner_previous(edge);

@@ -3,7 +3,6 @@
  *
  * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and
  * levels do not depend on the order in which the mesh comes. */
-#include "simplify/room.h"
 #include "bits/sort.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -56,22 +55,22 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, double from,
 
 /* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
  * one by one. */
-static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, double from, double to)
+static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, double from, double to)
 {
     double const middle = from + 0.8 * (to - from);
     uint64_t undone;
 
+    c->counted = 0;
     BVXI_TRY(collapse_edges(c, target, from, middle));
-    BVXI_TRY(bvxi_collapse_judge(c, 0, middle, to, &undone));
+    BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
     if (undone != 0) BVXI_TRY(collapse_edges(c, target, to, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
 
-bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, double from, double to)
+bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
 {
     uint64_t const begun = c->mesh.left;
-    (void)level;
 
     /* Judged on the way, what crosses has little built on it. */
     while (c->mesh.left > target) {
@@ -80,7 +79,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, uint64_t level, d
         double const at = from + (to - from) * (double)(begun - before) / (double)(begun - target);
         double const end = from + (to - from) * (double)(begun - next) / (double)(begun - target);
 
-        BVXI_TRY(collapse_judged(c, next, at, end));
+        BVXI_TRY(collapse_judged(c, next, next == target, at, end));
         if (c->mesh.left > next && c->mesh.left + c->mesh.left / 8 > before) break;
     }
     return BVX_OK;
@@ -139,8 +138,9 @@ static void order_equal_keys(collapse_order *o, uint64_t used)
         }
 }
 
-/* The corners of a triangle in the new order of vertices, the least one first, which keeps the sense. */
-static void ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
+/* The corners of a triangle in the new order of vertices, the least one first, which keeps the sense; returns which
+ * one that was. */
+static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
 {
     uint32_t v[3];
     int first;
@@ -149,6 +149,7 @@ static void ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
     first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
     for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
+    return first;
 }
 
 /* Triangles that begin with one vertex by the one after it: few, but where a vertex has very many. */
@@ -159,12 +160,13 @@ static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t beg
     if (end - begin > COLLAPSE_BUCKET) {
         for (uint64_t i = begin; i < end; i++) {
             o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
-            o->index[i - begin] = 0;
+            o->index[i - begin] = (uint32_t)t[i].opposite[0];
         }
         BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, end - begin));
         for (uint64_t i = begin; i < end; i++) {
             t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
             t[i].vertex[2] = (uint32_t)o->key[i - begin];
+            t[i].opposite[0] = (int32_t)o->index[i - begin];
         }
         return BVX_OK;
     }
@@ -201,14 +203,21 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
         sum += own;
     }
     for (uint64_t t = 0; t < n; t++) {
-        ranked_triangle(o, t, v);
-        memcpy(c->mesh.triangle[begin[v[0]]++].vertex, v, sizeof v);
+        int const first = ranked_triangle(o, t, v);
+        bvxi_corner_triangle *const to = &c->mesh.triangle[begin[v[0]]++];
+
+        /* Where it comes from waits in a field that is not set yet. */
+        memcpy(to->vertex, v, sizeof v);
+        to->opposite[0] = (int32_t)(t << 2) | first;
     }
 
     /* Each bucket ends where the next one began. */
     for (uint64_t i = 0; i < c->mesh.vertices; i++)
         BVXI_TRY(order_bucket(c, o, i == 0 ? 0 : begin[i - 1], begin[i]));
     bvxi_drop(c->ctx, begin);
+    if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the triangles' sources", &c->from));
+    for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].opposite[0];
     return BVX_OK;
 }
 
@@ -341,31 +350,57 @@ static void add_lines(bvxi_collapse *c, double (*normal)[3])
     }
 }
 
-/* Planes upright on the triangles of border edges, each to both ends of its edge. */
-static void add_borders(bvxi_collapse *c)
+/* A plane upright on a triangle along one of its edges, to both ends of it. */
+static void add_upright(bvxi_collapse *c, int32_t corner)
 {
     const bvxi_corners *const m = &c->mesh;
+    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(corner));
+    uint32_t const v = bvxi_corner_vertex_of(m, bvxi_corner_previous(corner));
+    const double *const a = m->at[u].p, *const b = m->at[v].p;
+    double const edge[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
+    double n[3], plane[3], length;
 
-    for (uint64_t t = m->triangles; t < m->triangles + m->ghosts; t++) {
-        const bvxi_corner_triangle *const ghost = &m->triangle[t];
-        const uint32_t *const v = m->triangle[ghost->opposite[0] >> 2].vertex;
-        const double *const a = m->at[ghost->vertex[1]].p, *const b = m->at[ghost->vertex[2]].p;
-        double const edge[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-        double const square = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
-        double n[3], plane[3], length;
+    bvxi_area_normal(m->at[bvxi_corner_vertex_of(m, corner)].p, a, b, n);
+    for (int k = 0; k < 3; k++)
+        plane[k] = edge[(k + 1) % 3] * n[(k + 2) % 3] - edge[(k + 2) % 3] * n[(k + 1) % 3];
+    length = sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
 
-        bvxi_area_normal(m->at[v[0]].p, m->at[v[1]].p, m->at[v[2]].p, n);
-        for (int k = 0; k < 3; k++)
-            plane[k] = edge[(k + 1) % 3] * n[(k + 2) % 3] - edge[(k + 2) % 3] * n[(k + 1) % 3];
-        length = sqrt(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
+    /* Nor has an edge without a length, or beside a triangle without an area. */
+    if (!(length > 0)) return;
+    for (int k = 0; k < 3; k++) plane[k] /= length;
+    add_plane(&m->at[u], plane, BORDER_WEIGHT * square * c->scale * c->scale);
+    add_plane(&m->at[v], plane, BORDER_WEIGHT * square * c->scale * c->scale);
+}
 
-        /* Nor has an edge without a length, or beside a triangle without an area. */
-        if (!(length > 0)) continue;
+/* Vertices on one line of borders and seams move along it, those where lines meet or end do not; and planes keep
+ * lines where they are. */
+static void mark_lines(bvxi_collapse *c)
+{
+    const bvxi_corners *const m = &c->mesh;
+    int32_t const end = (int32_t)(4 * m->triangles);
 
-        for (int k = 0; k < 3; k++) plane[k] /= length;
-        for (int i = 1; i < 3; i++)
-            add_plane(&c->mesh.at[ghost->vertex[i]], plane, BORDER_WEIGHT * square * c->scale * c->scale);
+    for (int32_t corner = 0; corner < end; corner += (corner & 3) == 2 ? 2 : 1) {
+        int const ghost = bvxi_corner_is_ghost(m, bvxi_corner_opposite(m, corner));
+
+        if (!ghost && !bvxi_attributes_part(c, corner)) continue;
+        add_upright(c, corner);
+
+        /* Seams are met from both sides. */
+        for (int k = 0; k < 2 && (ghost || corner < bvxi_corner_opposite(m, corner)); k++) {
+            uint8_t *const kind = &c->kind[bvxi_corner_vertex_of(
+                m, k == 0 ? bvxi_corner_next(corner) : bvxi_corner_previous(corner))];
+
+            *kind = (uint8_t)(*kind + (*kind < 3));
+            if (ghost && c->options.lock_border) *kind = 3;
+        }
     }
+    for (uint64_t v = 0; v < m->vertices; v++)
+        c->kind[v] = c->kind[v] == 0 ? 0 : c->kind[v] == 2 ? VERTEX_LINE : VERTEX_FIXED;
+
+    for (int32_t corner = 0; corner < end && c->options.locked != NULL; corner += (corner & 3) == 2 ? 2 : 1)
+        if (c->options.locked[bvxi_given_vertex(c, corner)] != 0)
+            c->kind[bvxi_corner_vertex_of(m, corner)] = VERTEX_FIXED;
 }
 
 static bvx_status start_quadrics(bvxi_collapse *c)
@@ -383,24 +418,11 @@ static bvx_status start_quadrics(bvxi_collapse *c)
     /* In this order: the weight of lines is a share of that of planes. */
     add_planes(c, normal);
     if (c->options.even > 0) add_lines(c, normal);
-    add_borders(c);
     bvxi_drop(c->ctx, normal);
     return BVX_OK;
 }
 
 /* ---- Opening, results ---- */
-
-/* Vertices on borders move along them only. */
-static void mark_kinds(bvxi_collapse *c)
-{
-    const bvxi_corners *const m = &c->mesh;
-
-    for (uint64_t t = m->triangles; t < m->triangles + m->ghosts; t++)
-        for (int k = 1; k < 3; k++)
-            c->kind[m->triangle[t].vertex[k]] |= c->options.lock_border ? VERTEX_FIXED : VERTEX_LINE;
-    for (uint64_t v = 0; v < m->vertices && c->options.locked != NULL; v++)
-        if (c->options.locked[m->source[v]] != 0) c->kind[v] |= VERTEX_FIXED;
-}
 
 static bvx_status open_arrays(bvxi_collapse *c)
 {
@@ -429,7 +451,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
                 c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
         }
     c->alive = n;
-    mark_kinds(c);
+    BVXI_TRY(bvxi_attributes_open(c));
+    mark_lines(c);
     return bvxi_collapse_evaluate(c);
 }
 
@@ -464,8 +487,15 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     return open_arrays(c);
 }
 
+int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options)
+{
+    return mesh->uvs != NULL || mesh->uvs2 != NULL || mesh->normals != NULL || mesh->colours != NULL ||
+           mesh->materials != NULL || options->locked != NULL || options->vertices == BVX_VERTICES_KEPT;
+}
+
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                              const bvxi_collapse_options *options, bvxi_collapse **collapse)
+                              const bvxi_sheets *sheets, const bvxi_collapse_options *options,
+                              bvxi_collapse **collapse)
 {
     bvxi_collapse *c;
 
@@ -477,8 +507,10 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->ctx = ctx;
     c->function = function;
     c->options = *options;
-    c->view = mesh;
-    BVXI_TRY(open_steps(c, mesh));
+    c->given = mesh;
+    c->view = &sheets->view;
+    c->source = sheets->source;
+    BVXI_TRY(open_steps(c, &sheets->view));
     *collapse = c;
     return BVX_OK;
 }
@@ -487,6 +519,8 @@ void bvxi_collapse_close(bvxi_collapse *c)
 {
     if (c == NULL) return;
     bvxi_drop(c->ctx, c->tree.node[0]);
+    bvxi_attributes_close(c);
+    bvxi_drop(c->ctx, c->from);
     bvxi_drop(c->ctx, c->came);
     bvxi_drop(c->ctx, c->origin);
     bvxi_drop(c->ctx, c->kind);
@@ -507,29 +541,6 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
         (*index)[v] = next;
         next += !bvxi_collapse_is_gone(c, (uint32_t)v);
     }
-    return BVX_OK;
-}
-
-bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
-{
-    const bvxi_corners *const m = &c->mesh;
-    uint32_t *index, *to;
-
-    BVXI_TRY(bvxi_collapse_number(c, &index));
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, c->alive, m->left, level));
-    to = level->triangles;
-    for (uint64_t t = 0; t < m->triangles; t++) {
-        if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
-        for (int k = 0; k < 3; k++) *to++ = index[m->triangle[t].vertex[k]];
-    }
-    for (uint64_t v = 0; v < m->vertices; v++)
-        for (uint64_t k = 0; k < 3 && !bvxi_collapse_is_gone(c, (uint32_t)v); k++) {
-            uint64_t const at = 3 * (uint64_t)index[v] + k;
-
-            if (c->options.position_type == BVX_F64) ((double *)level->positions)[at] = m->at[v].p[k];
-            else ((float *)level->positions)[at] = (float)m->at[v].p[k];
-        }
-    bvxi_drop(c->ctx, index);
     return BVX_OK;
 }
 

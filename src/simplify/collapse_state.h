@@ -3,12 +3,9 @@
 #ifndef BVXI_COLLAPSE_STATE_H
 #define BVXI_COLLAPSE_STATE_H
 
+#include "simplify/collapse.h"
 #include "simplify/corners.h"
 #include "simplify/crossings.h"
-#include "simplify/room.h"
-#ifndef BVX_VERTICES_KEPT
-#define BVX_VERTICES_KEPT 1
-#endif
 
 enum {
     COLLAPSE_GONE = -2, /* in place of a vertex's edge */
@@ -20,6 +17,20 @@ enum {
     VERTEX_LINE = 1,  /* on one line of borders or seams: along it only */
     VERTEX_FIXED = 2 /* where such lines meet or end, or locked: not at all */
 };
+
+enum { ATTRIBUTE_CHANNELS = 11 };
+
+/* Sets of attributes, rows, of which a vertex has one on each side of its seams. */
+typedef struct bvxi_attributes {
+    uint32_t *row;      /* of each corner, or NULL without rows; BVXI_VERTEX_NONE of ghosts */
+    uint32_t *material; /* of each triangle, or NULL */
+    uint32_t *vertex, *uv; /* of each row: the vertex of the given mesh, and its texture coordinates' index */
+    double *q;          /* of each row [Size: rows * stride] */
+    uint64_t rows;
+    int32_t stride, channels;
+    int32_t uv2_at, normal_at, colour_at; /* where channels of the kinds begin; texture coordinates at 0 */
+    double length[ATTRIBUTE_CHANNELS];    /* that a difference of 1 stands for, in units of 1 / scale */
+} bvxi_attributes;
 
 #define COLLAPSE_NEVER 3e38f /* the cost of an edge that must not collapse */
 
@@ -38,6 +49,9 @@ struct bvxi_collapse {
     bvxi_collapse_options options;
     bvxi_corners mesh;
 
+    uint32_t *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
+    bvxi_attributes attributes;
+
     float *least;        /* of each vertex: the cost of its cheapest edge */
     int32_t *edge;       /* the corner opposite to that edge, -1, or COLLAPSE_GONE */
     int32_t *any;        /* a corner of the vertex */
@@ -47,7 +61,9 @@ struct bvxi_collapse {
     collapse_undo *undo; /* of vertices that are gone */
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 
-    const bvx_mesh_view *view;
+    const bvx_mesh_view *given; /* the mesh as it was given */
+    const bvx_mesh_view *view;  /* and as sheets */
+    const uint32_t *source;     /* corner of the given mesh at each corner of the sheets, or NULL: the same */
     uint32_t *origin;   /* corners of the triangles as they were opened */
     crossing_tree tree; /* while collapses are looked at one by one: node[0] is not NULL */
     uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
@@ -73,12 +89,35 @@ static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
     return c->edge[v] == COLLAPSE_GONE;
 }
 
+/* collapse.c: 1 along borders and seams, which vertices on lines may collapse along. */
+int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
 /* collapse.c: evaluate all edges, and the cheapest of each vertex. */
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
 /* Undo the collapse in which v went, or one after it that builds on it; returns the vertex that is back. */
 uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v);
+
+/* attributes.c */
+bvx_status bvxi_attributes_open(bvxi_collapse *c);
+void bvxi_attributes_close(bvxi_collapse *c);
+/* The vertex and triangle of the given mesh that a corner had when it was opened. */
+uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner);
+uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner);
+/* 1: attributes have a seam along an edge of two triangles, or materials a border. */
+int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge);
+/* Add what a collapse costs in attributes, about the vertex next to the edge's corner; offset leads to the other. */
+void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
+                         double *cost);
+/* The rows of the vertex that goes become those of the one that stays, which moves by d; corner: those of the
+ * former in triangles that stay. */
+void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3], const double d[3],
+                           const int32_t *corner, int32_t count);
+/* Undo that, once the triangles are back; back: the way of the vertex that stayed. */
+void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3]);
+/* A row's attributes, of those kinds that there are; moved 0: its own. */
+void bvxi_attributes_give(const bvxi_collapse *c, uint32_t row, int moved, float uv[2], float uv2[2],
+                          float normal[3], uint8_t colour[4]);
 
 /* collapse_mesh.c: the new index of each vertex that is left. */
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);

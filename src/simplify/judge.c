@@ -442,3 +442,17 @@ int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const 
     }
     return 0;
 }
+
+bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
+{
+    uint32_t *pairs;
+
+    if (!c->counted) {
+        BVXI_TRY(search_level(c, 1, 0.0, 1.0, &pairs, &c->crossings));
+        bvxi_drop(c->ctx, pairs);
+        bvxi_collapse_end_careful(c);
+    }
+    c->counted = 1;
+    *count = c->crossings;
+    return BVX_OK;
+}

@@ -3,7 +3,7 @@
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
 #include "core/costs.h"
-#include "simplify/sheets.h"
+#include "simplify/collapse.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
 
@@ -99,29 +99,49 @@ static double smallest_angle(const bvx_mesh *level)
 /* Distances that nothing has measured are no numbers. */
 static const bvx_distance_report not_measured = {0, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
 
-static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i,
-                               const bvxi_collapse *collapse, int met)
+/* The certificate and crossings of a level, by its own indices, or without seams. By error the collapse has gone
+ * beyond it. */
+static bvx_status judge_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
+                              const bvx_mesh *level, bvx_level_report *r)
+{
+    int const beyond = c->target_errors != NULL, seams = bvxi_collapse_has_seams(collapse);
+    bvx_mesh plain = {0};
+    bvx_mesh_view view;
+    bvx_status status = BVX_OK;
+
+    bvx_mesh_view_of(level, &view);
+    if (beyond) status = BVXI_SHARE(ctx, 0.0, 0.8, bvx_mesh_crossings(ctx, &view, &r->crossings, NULL, 0));
+    else status = BVXI_SHARE(ctx, 0.0, 0.8, bvxi_collapse_crossings(collapse, &r->crossings));
+    if (status == BVX_OK && !beyond && seams) {
+        status = bvxi_collapse_give_plain(collapse, &plain);
+        bvx_mesh_view_of(&plain, &view);
+    }
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.8, 1.0, bvx_mesh_check(ctx, &view, beyond && seams, &r->certificate));
+    bvx_mesh_free(ctx, &plain);
+    return status;
+}
+
+static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
+                               int met)
 {
     const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
     bvx_mesh_view view;
     bvx_level_report *r;
-    uint64_t crossings = 0;
 
     bvx_mesh_view_of(&c->levels[i], &view);
     if (c->reports == NULL) return BVX_OK;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.25, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0)));
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, judge_level(ctx, c, collapse, &c->levels[i], r)));
     r->vertices = view.vertex_count;
     r->triangles = view.triangle_count;
     r->target = target_of(c, i);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
-    r->crossings = crossings;
     r->least_angle = smallest_angle(&c->levels[i]);
     r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.25, 0.3, bvx_mesh_check(ctx, &view, 0, &r->certificate)));
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->target_errors != NULL || c->measure_samples != 0;
@@ -137,7 +157,7 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 {
     uint64_t const wanted = target_of(c, i), target = wanted < c->halve_from ? wanted : c->halve_from;
 
-    BVXI_TRY(bvxi_collapse_to(collapse, target, target, 0.0, 1.0));
+    BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
     *met = bvxi_collapse_triangles(collapse) <= wanted;
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
@@ -196,7 +216,18 @@ static void plan_tries(const bvxi_level_chain *c, double triangles, double part,
     cost[TRY_MORE] = (tries - 1.0) * (measure + 0.5 * collapse);
 }
 
-/* Copy a mesh into a level: into the arrays that the caller brought, or into new ones. */
+static bvx_status copy_array(bvx_context *ctx, const void *from, uint64_t bytes, void *to)
+{
+    void *copy;
+
+    if (from == NULL) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, bytes, "the level's attributes", &copy));
+    memcpy(copy, from, (size_t)bytes);
+    memcpy(to, &copy, sizeof copy);
+    return BVX_OK;
+}
+
+/* Copy a mesh into a level: into the arrays that the caller brought, or into new ones with its attributes. */
 static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const bvx_mesh *mesh,
                             bvx_mesh *level)
 {
@@ -206,7 +237,14 @@ static bvx_status copy_into(bvx_context *ctx, const bvxi_level_chain *c, const b
                             mesh->triangle_count, level));
     memcpy(level->positions, mesh->positions, (size_t)mesh->vertex_count * vertex_bytes);
     memcpy(level->triangles, mesh->triangles, (size_t)mesh->triangle_count * 12);
-    return BVX_OK;
+    if (level->owned != 1) return BVX_OK;
+    level->uv_count = mesh->uv_count;
+    BVXI_TRY(copy_array(ctx, mesh->colours, level->vertex_capacity * 4, &level->colours));
+    BVXI_TRY(copy_array(ctx, mesh->normals, level->vertex_capacity * 12, &level->normals));
+    BVXI_TRY(copy_array(ctx, mesh->uvs2, level->vertex_capacity * 8, &level->uvs2));
+    BVXI_TRY(copy_array(ctx, mesh->uvs, mesh->uv_count * 8, &level->uvs));
+    BVXI_TRY(copy_array(ctx, mesh->uv_triangles, level->triangle_capacity * 12, &level->uv_triangles));
+    return copy_array(ctx, mesh->materials, level->triangle_capacity * 4, &level->materials);
 }
 
 /* Hand a mesh over to a level: as it is, or into arrays of the caller's. */
@@ -226,7 +264,7 @@ static bvx_status hand_over(bvx_context *ctx, const bvxi_level_chain *c, bvx_mes
 static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                 bvx_mesh *found, int *met)
 {
-    uint64_t before, level;
+    uint64_t before;
     bvx_distance_report d;
     double part = FIRST_PART, cost[TRY_STEPS];
     bvxi_steps steps = {ctx, cost, TRY_STEPS, 0.0};
@@ -234,7 +272,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     *met = 0;
     /* A measured surface may have more triangles than the mesh. */
     if (bvxi_collapse_triangles(collapse) > c->halve_from)
-        BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, c->halve_from, 0.0, 0.0));
+        BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, 0.0, 0.0));
     plan_tries(c, (double)bvxi_collapse_triangles(collapse), part, cost);
     do {
         bvx_mesh made = {0};
@@ -257,10 +295,9 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         if (!*met) break;
 
         before = bvxi_collapse_triangles(collapse);
-        level = part < 1 ? (uint64_t)((double)before * part) : before;
         plan_tries(c, (double)before, part, cost);
         BVXI_TRY(BVXI_STEP(&steps, TRY_COLLAPSE,
-                           bvxi_collapse_to(collapse, next_try(before, part), level, 0.0, 1.0)));
+                           bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
     } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
@@ -329,8 +366,30 @@ static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end,
     return sum;
 }
 
-static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *surface)
+/* The mesh as it is where it is manifold by its positions, else with its edges parted. */
+static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh, bvxi_sheets *made,
+                                bvxi_sheets_report *sheets, bvxi_collapse **collapse)
 {
+    uint64_t mark;
+    bvx_status status;
+
+    c->collapse.borders = BVXI_BORDERS_REFUSED;
+    if (c->collapse.simple) return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
+    c->collapse.borders = BVXI_BORDERS_KEPT;
+    mark = bvxi_scratch_begin(ctx);
+    status = bvxi_scratch_keep(ctx, mark, bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
+    if (status == BVX_OK) sheets->split = bvxi_collapse_tried(*collapse)->split;
+    if (status != BVX_ERR_ARGUMENT) return status;
+
+    BVXI_TRY(bvxi_sheets_part(ctx, made, sheets));
+    c->collapse.borders = BVXI_BORDERS_CUT;
+    return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
+}
+
+static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh, bvxi_sheets *made,
+                             bvxi_sheets_report *sheets)
+{
+    const bvx_mesh_view *const surface = &made->view;
     double const all = cost_of_chain(c, 0, c->count, (double)surface->triangle_count);
     bvxi_collapse *collapse = NULL;
     bvx_status status;
@@ -343,7 +402,7 @@ static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_me
         bvxi_share_cost(ctx, 0.0, 1.0, opened + all);
         bvxi_share_cost(ctx, 0.0, from, opened);
     }
-    status = bvxi_collapse_open(ctx, c->function, surface, &c->collapse, &collapse);
+    status = open_collapse(ctx, c, mesh, made, sheets, &collapse);
 
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
         double const triangles = (double)bvxi_collapse_triangles(collapse);
@@ -359,37 +418,21 @@ static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_me
     return status;
 }
 
-/* What the collapse does not do yet. */
-static bvx_status check_supported(bvx_context *ctx, const bvxi_level_chain *c)
-{
-    const bvxi_collapse_options *const o = &c->collapse;
-
-    if (!o->lock_border && o->locked == NULL && o->vertices == BVX_VERTICES_PLACED &&
-        o->topology == BVX_TOPOLOGY_KEEP)
-        return BVX_OK;
-    return bvxi_fail_for(
-        ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_CHOICE,
-        "%s: lock_border, locked, BVX_VERTICES_KEPT and BVX_TOPOLOGY_SIMPLIFY are not supported",
-        c->function);
-}
-
 bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
                             bvxi_sheets_report *sheets)
 {
     bvxi_sheets_report unused;
-    bvxi_sheets made = {0};
-    bvx_status status = check_supported(ctx, c);
+    bvxi_sheets made = {.view = *mesh};
+    bvx_status status = BVX_OK;
 
+    c->collapse.counted = c->reports != NULL;
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;
-    made.view = *mesh;
     /* What has too many triangles is refused when it is opened. */
-    if (status == BVX_OK && !c->collapse.simple && mesh->triangle_count <= INT32_MAX / 4)
-        status = BVXI_SHARE(ctx, 0.0, 0.05, bvxi_sheets_open(ctx, mesh, &made, sheets));
-    c->collapse.lenient = !c->collapse.simple;
-    c->collapse.borders = c->collapse.simple ? BVXI_BORDERS_REFUSED : BVXI_BORDERS_CUT;
-    if (status == BVX_OK) status = BVXI_SHARE(ctx, 0.05, 1.0, make_chain(ctx, c, &made.view));
+    if (!c->collapse.simple && mesh->triangle_count <= INT32_MAX / 4)
+        status = bvxi_sheets_open(ctx, mesh, bvxi_collapse_needs_sources(mesh, &c->collapse), &made, sheets);
+    if (status == BVX_OK) status = make_chain(ctx, c, mesh, &made, sheets);
     bvxi_sheets_close(ctx, &made);
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;

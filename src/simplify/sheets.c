@@ -28,6 +28,7 @@ typedef struct sheet_work {
     bvx_context *ctx;
     bvx_mesh_view *view;
     uint32_t *corner;
+    uint32_t *source; /* or NULL: of each corner, that of the mesh [Size: triangles * 3] */
     bvxi_sheets_report *report;
     uint64_t triangles;
     uint64_t *keys;   /* lower vertex << 32 | higher one of each half-edge, ascending [Size: triangles * 3] */
@@ -58,17 +59,27 @@ static int runs_up(const sheet_work *w, uint32_t half)
 
 /* ---- Welded triangles ---- */
 
-static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh)
+static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
 {
-    uint64_t different, kept;
+    uint64_t const bytes = mesh->triangle_count * (sources ? 24 : 12);
+    uint64_t different, kept = 0;
     uint32_t *representative;
 
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the welded triangles", &w->corner));
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, bytes, "the welded triangles", &w->corner));
+    if (sources) w->source = w->corner + 3 * mesh->triangle_count;
     BVXI_TRY(
         bvxi_alloc(w->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' positions", &representative));
     BVXI_TRY(bvxi_weld(w->ctx, mesh, representative, &different));
-    kept = bvxi_drop_collapsed(mesh, representative, w->corner);
-    for (uint64_t i = 0; i < 3 * kept; i++) w->corner[i] = representative[w->corner[i]];
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t v[3];
+
+        bvxi_view_triangle(mesh, t, v);
+        for (int k = 0; k < 3; k++) v[k] = representative[v[k]];
+        if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;
+        memcpy(w->corner + 3 * kept, v, sizeof v);
+        for (uint64_t k = 0; k < 3 && sources; k++) w->source[3 * kept + k] = (uint32_t)(3 * t + k);
+        kept++;
+    }
     bvxi_drop(w->ctx, representative);
     w->report->collapsed = mesh->triangle_count - kept;
     w->triangles = kept;
@@ -169,8 +180,12 @@ static void drop_marked(sheet_work *w, const uint8_t *copy)
 {
     uint64_t kept = 0;
 
-    for (uint64_t t = 0; t < w->triangles; t++)
-        if (copy[t] != COPY_DROPPED) memmove(w->corner + 3 * kept++, w->corner + 3 * t, 12);
+    for (uint64_t t = 0; t < w->triangles; t++) {
+        if (copy[t] == COPY_DROPPED) continue;
+        memmove(w->corner + 3 * kept, w->corner + 3 * t, 12);
+        if (w->source != NULL) memmove(w->source + 3 * kept, w->source + 3 * t, 12);
+        kept++;
+    }
     w->report->doubles += w->triangles - kept;
     w->triangles = kept;
 }
@@ -274,6 +289,11 @@ static bvx_status turn_patches(sheet_work *w)
         if (!(differs ? a->other <= a->same : a->other > a->same)) continue;
         c[1] = c[2];
         c[2] = second;
+        if (w->source != NULL) {
+            second = w->source[3 * t + 1];
+            w->source[3 * t + 1] = w->source[3 * t + 2];
+            w->source[3 * t + 2] = second;
+        }
         w->report->turned++;
     }
     bvxi_drop(w->ctx, area);
@@ -568,15 +588,27 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
     return BVX_OK;
 }
 
-bvx_status bvxi_sheets_open(bvx_context *ctx, const bvx_mesh_view *mesh, bvxi_sheets *sheets,
+bvx_status bvxi_sheets_open(bvx_context *ctx, const bvx_mesh_view *mesh, int sources, bvxi_sheets *sheets,
                             bvxi_sheets_report *report)
 {
     sheet_work w = {.ctx = ctx, .view = &sheets->view, .report = report};
 
     sheets->view = *mesh;
-    BVXI_TRY(weld(&w, mesh));
+    BVXI_TRY(weld(&w, mesh, sources));
     sheets->corner = w.corner;
-    BVXI_TRY(bvxi_progress(ctx, "collapse", 0.01));
+    sheets->source = w.source;
+    sheets->view.triangle_count = report->triangles = w.triangles;
+    return bvxi_progress(ctx, "collapse", 0.01);
+}
+
+bvx_status bvxi_sheets_part(bvx_context *ctx, bvxi_sheets *sheets, bvxi_sheets_report *report)
+{
+    sheet_work w = {.ctx = ctx,
+                    .view = &sheets->view,
+                    .report = report,
+                    .corner = sheets->corner,
+                    .source = sheets->source,
+                    .triangles = sheets->view.triangle_count};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.triangles * 36, "the edges of the mesh", &w.keys));
     w.half = (uint32_t *)(void *)(w.keys + 3 * w.triangles);

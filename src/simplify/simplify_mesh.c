@@ -77,5 +77,3 @@ bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
 {
     return BVXI_CALL(context, run_mesh_simplify(context, mesh, options, level_count, levels));
 }
-bvx_status bvxi_nearest_colours(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_mesh_view *surface, uint8_t *colours)
-{ (void)ctx;(void)mesh;(void)surface;(void)colours; return BVX_OK; }

@@ -1,0 +1,176 @@
+/* give_level.c - a level as a mesh: its vertices in their order, with the attributes that the mesh has.
+ *
+ * Where attributes have a seam, each side has a vertex of its own, or of a mesh with texture coordinates of their
+ * own indices a pair of these. With BVX_VERTICES_KEPT triangles index the vertices that were given. */
+#include "mesh/mesh.h"
+#include "mesh/view.h"
+#include "simplify/collapse_state.h"
+
+static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, const double p[3])
+{
+    for (uint64_t k = 0; k < 3; k++) {
+        if (c->options.position_type == BVX_F64) ((double *)level->positions)[3 * at + k] = p[k];
+        else ((float *)level->positions)[3 * at + k] = (float)p[k];
+    }
+}
+
+/* The triangles that are left, by the indices of their corners' vertices or rows. */
+static void put_triangles(const bvxi_collapse *c, const uint32_t *index, int rows, uint32_t *to)
+{
+    const bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t t = 0; t < m->triangles; t++) {
+        if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
+        for (uint64_t k = 0; k < 3; k++) *to++ = index[rows ? c->attributes.row[4 * t + k] : m->triangle[t].vertex[k]];
+    }
+}
+
+static void put_materials(const bvxi_collapse *c, uint32_t *to)
+{
+    for (uint64_t t = 0; t < c->mesh.triangles; t++)
+        if (!bvxi_corner_gone(&c->mesh, (int32_t)(4 * t))) *to++ = c->attributes.material[t];
+}
+
+bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
+{
+    const bvxi_corners *const m = &c->mesh;
+    uint32_t *index;
+
+    BVXI_TRY(bvxi_collapse_number(c, &index));
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, c->alive, m->left, level));
+    put_triangles(c, index, 0, level->triangles);
+    for (uint64_t v = 0; v < m->vertices; v++)
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v)) put_position(c, level, index[v], m->at[v].p);
+    bvxi_drop(c->ctx, index);
+    return BVX_OK;
+}
+
+/* ---- Vertices as they were given ---- */
+
+static bvx_status give_kept(bvxi_collapse *c, bvx_mesh *level)
+{
+    const bvx_mesh_view *const given = c->given;
+
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, given->vertex_count, c->mesh.left,
+                            level));
+    put_triangles(c, c->attributes.vertex, 1, level->triangles);
+    for (uint64_t v = 0; v < given->vertex_count; v++) {
+        double p[3];
+
+        bvxi_view_position(given, v, p);
+        put_position(c, level, v, p);
+    }
+    return BVX_OK;
+}
+
+/* ---- Vertices with attributes ---- */
+
+/* Where the vertex of a row is now, and whether it has moved. */
+static int has_moved(const bvxi_collapse *c, uint32_t v)
+{
+    double p[3];
+
+    bvxi_view_position(c->view, c->mesh.source[v], p);
+    for (int k = 0; k < 3; k++)
+        if (bvxi_collapse_rounded(c, p[k]) != c->mesh.at[v].p[k]) return 1;
+    return 0;
+}
+
+/* Number the rows that are used, in the order of triangles; at[row] becomes the vertex. Returns how many. */
+static uint64_t number_rows(const bvxi_collapse *c, uint32_t *index, uint32_t *at)
+{
+    const bvxi_corners *const m = &c->mesh;
+    uint32_t count = 0;
+
+    memset(index, 0xff, (size_t)c->attributes.rows * 4);
+    for (uint64_t t = 0; t < m->triangles; t++) {
+        if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
+        for (uint64_t k = 0; k < 3; k++) {
+            uint32_t const row = c->attributes.row[4 * t + k];
+
+            if (index[row] == UINT32_MAX) index[row] = count++;
+            at[row] = m->triangle[t].vertex[k];
+        }
+    }
+    return count;
+}
+
+/* Arrays for what the mesh has. */
+static bvx_status open_arrays(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
+{
+    const bvx_mesh_view *const given = c->given;
+    uint64_t const n = level->vertex_capacity;
+
+    if (given->normals != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 12, "the normals", &level->normals));
+    if (given->uvs2 != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 8, "the second texture coordinates", &level->uvs2));
+    if (given->colours != NULL) BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 4, "the colours", &level->colours));
+    if (given->uvs == NULL) return BVX_OK;
+    level->uv_count = given->uv_indices != NULL ? uvs : n;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, level->uv_count * 8, "the texture coordinates", &level->uvs));
+    if (given->uv_indices == NULL) return BVX_OK;
+    return bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 12, "the triangles' texture coordinates",
+                      &level->uv_triangles);
+}
+
+static void put_row(const bvxi_collapse *c, bvx_mesh *level, uint32_t row, uint32_t v, uint64_t to, uint64_t uv_to)
+{
+    float uv[2], uv2[2], normal[3];
+    uint8_t colour[4];
+
+    bvxi_attributes_give(c, row, has_moved(c, v), uv, uv2, normal, colour);
+    put_position(c, level, to, c->mesh.at[v].p);
+    if (level->uvs != NULL) memcpy(level->uvs + 2 * uv_to, uv, sizeof uv);
+    if (level->uvs2 != NULL) memcpy(level->uvs2 + 2 * to, uv2, sizeof uv2);
+    if (level->normals != NULL) memcpy(level->normals + 3 * to, normal, sizeof normal);
+    if (level->colours != NULL) memcpy(level->colours + 4 * to, colour, sizeof colour);
+}
+
+static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
+{
+    int const apart = c->given->uv_indices != NULL;
+    uint64_t const rows = c->attributes.rows;
+    uint32_t *index, *at, *vertex = NULL;
+    uint64_t count;
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, rows * 8, "the level's attributes", &index));
+    at = index + rows;
+    count = number_rows(c, index, at);
+    if (apart) BVXI_TRY(bvxi_collapse_number(c, &vertex));
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, apart ? c->alive : count, c->mesh.left,
+                            level));
+    BVXI_TRY(open_arrays(c, level, count));
+
+    for (uint64_t r = 0; r < rows; r++)
+        if (index[r] != UINT32_MAX)
+            put_row(c, level, (uint32_t)r, at[r], apart ? vertex[at[r]] : index[r], index[r]);
+    put_triangles(c, apart ? vertex : index, !apart, level->triangles);
+    if (level->uv_triangles != NULL) put_triangles(c, index, 1, level->uv_triangles);
+    bvxi_drop(c->ctx, vertex);
+    bvxi_drop(c->ctx, index);
+    return BVX_OK;
+}
+
+/* ---- Levels ---- */
+
+int bvxi_collapse_has_seams(const bvxi_collapse *c)
+{
+    return c->attributes.row != NULL;
+}
+
+bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
+{
+    bvx_status status;
+
+    /* Arrays of an earlier level do not suit, and those of the caller's hold no attributes. */
+    if (level->owned == 1 && bvxi_mesh_has_attributes(level)) bvx_mesh_free(c->ctx, level);
+    if (c->options.vertices == BVX_VERTICES_KEPT) status = give_kept(c, level);
+    else if (c->attributes.row != NULL && (level->owned == 1 || level->positions == NULL)) status = give_rows(c, level);
+    else status = bvxi_collapse_give_plain(c, level);
+    if (status != BVX_OK || c->attributes.material == NULL || level->owned != 1) return status;
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 4, "the materials", &level->materials));
+    put_materials(c, level->materials);
+    return BVX_OK;
+}
