@@ -791,13 +791,13 @@ static bvx_status sweep_ranges(collapse_sweep *s)
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done)
 {
     uint64_t const begun = c->counts.collapsed;
-    uint64_t const share = (uint64_t)((double)c->alive * SWEEP_SHARE) + 1;
+    uint64_t const share = idle > 1 ? c->alive : (uint64_t)((double)c->alive * SWEEP_SHARE) + 1;
     collapse_sweep s = {.c = c, .left = c->mesh.left, .needed = (c->mesh.left - target + 1) / 2};
     uint64_t const wanted = (2 * s.needed) << idle;
     collapse_range *r;
     int ranged;
 
-    /* After sweeps in vain more edges are tried, since the cheapest ones are refused. */
+    /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
     choose_threshold(&s, wanted < share ? wanted : share);
     *done = 0;
     if (s.candidates == 0) return BVX_OK;

@@ -13,7 +13,7 @@
 enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
-    COLLAPSE_IDLE = 12,       /* sweeps without a collapse until all edges are looked at anew */
+    COLLAPSE_IDLE = 20,       /* sweeps without a collapse until all edges are looked at anew */
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
 };
 
@@ -373,27 +373,30 @@ static void add_upright(bvxi_collapse *c, int32_t corner)
     add_plane(&m->at[v], plane, BORDER_WEIGHT * square * c->scale * c->scale);
 }
 
+/* An edge of a line; count: it is the first of its two sides, so that its ends count it once. */
+static void mark_line(bvxi_collapse *c, int32_t corner, int count)
+{
+    uint32_t const ends[2] = {bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(corner)),
+                              bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner))};
+
+    add_upright(c, corner);
+    for (int k = 0; k < 2 && count; k++) c->kind[ends[k]] = (uint8_t)(c->kind[ends[k]] + (c->kind[ends[k]] < 3));
+}
+
 /* Vertices on one line of borders and seams move along it, those where lines meet or end do not; and planes keep
  * lines where they are. */
 static void mark_lines(bvxi_collapse *c)
 {
     const bvxi_corners *const m = &c->mesh;
+    int const parted = c->attributes.row != NULL || c->attributes.material != NULL;
     int32_t const end = (int32_t)(4 * m->triangles);
 
-    for (int32_t corner = 0; corner < end; corner += (corner & 3) == 2 ? 2 : 1) {
-        int const ghost = bvxi_corner_is_ghost(m, bvxi_corner_opposite(m, corner));
-
-        if (!ghost && !bvxi_attributes_part(c, corner)) continue;
-        add_upright(c, corner);
-
-        /* Seams are met from both sides. */
-        for (int k = 0; k < 2 && (ghost || corner < bvxi_corner_opposite(m, corner)); k++) {
-            uint8_t *const kind = &c->kind[bvxi_corner_vertex_of(
-                m, k == 0 ? bvxi_corner_next(corner) : bvxi_corner_previous(corner))];
-
-            *kind = (uint8_t)(*kind + (*kind < 3));
-            if (ghost && c->options.lock_border) *kind = 3;
-        }
+    for (int32_t corner = 0; corner < end && parted; corner += (corner & 3) == 2 ? 2 : 1)
+        if (!bvxi_corner_is_ghost(m, bvxi_corner_opposite(m, corner)) && bvxi_attributes_part(c, corner))
+            mark_line(c, corner, corner < bvxi_corner_opposite(m, corner));
+    for (int32_t ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
+        mark_line(c, bvxi_corner_opposite(m, ghost), 1);
+        for (int k = 1; k < 3 && c->options.lock_border; k++) c->kind[m->triangle[ghost >> 2].vertex[k]] = 3;
     }
     for (uint64_t v = 0; v < m->vertices; v++)
         c->kind[v] = c->kind[v] == 0 ? 0 : c->kind[v] == 2 ? VERTEX_LINE : VERTEX_FIXED;

@@ -9,6 +9,8 @@
 
 /* ---- Connecting ---- */
 
+enum { EDGE_CROWD = 48 }; /* triangles around a vertex whose list would be too long */
+
 /* A corner whose edge waits at one of its ends for its second side. */
 typedef struct edge_wait {
     uint32_t other; /* end of the edge */
@@ -62,10 +64,10 @@ static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int border
     uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
                    v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
 
-    /* The end of fewer triangles has the shorter list; of equals the smaller number, so that both sides
-     * choose the same. */
-    int const at_u = lists->around[u] < lists->around[v] || (lists->around[u] == lists->around[v] && u < v);
-    uint32_t const end = at_u ? u : v, other = at_u ? v : u;
+    /* The lower end has the list, or that of fewer triangles where the lower one has very many. */
+    uint32_t const low = u < v ? u : v, high = u < v ? v : u;
+    int const crowded = BVXI_UNLIKELY(lists->around[low] > EDGE_CROWD) && lists->around[high] < lists->around[low];
+    uint32_t const end = crowded ? high : low, other = crowded ? low : high;
     edge_wait *wait;
 
     m->triangle[c >> 2].opposite[c & 3] = -1;

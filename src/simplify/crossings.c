@@ -28,6 +28,7 @@ typedef struct crossing_job {
     const crossing_tree *tree;
     int all;
     int32_t pieces;
+    uint32_t *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
     uint64_t *counts; /* of each piece, then where its pairs begin */
     uint8_t *marks;   /* of each node of level 0 */
     uint64_t *keys;   /* lower index << 32 | higher one, or NULL */
@@ -306,6 +307,41 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
     return any;
 }
 
+/* Of fans of very many triangles all nodes overlap. */
+static void common_piece(void *user, int32_t index, int32_t worker)
+{
+    const crossing_job *const job = user;
+    const crossing_tree *const tree = job->tree;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t common[3] = {BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE};
+        int any = 0;
+
+        for (uint64_t t = i * WIDTH; t < (i + 1) * WIDTH; t++) {
+            const uint32_t *v;
+
+            if (!is_there(tree, t)) continue;
+            v = tree->triangle[t].vertex;
+            if (!any) memcpy(common, v, sizeof common);
+            for (int k = 0; k < 3 && any; k++)
+                if (common[k] != v[0] && common[k] != v[1] && common[k] != v[2]) common[k] = BVXI_VERTEX_NONE;
+            any = 1;
+        }
+        job->common[i] = BVXI_VERTEX_NONE;
+        for (int k = 0; k < 3; k++)
+            if (common[k] != BVXI_VERTEX_NONE && tree->fan != NULL && (tree->fan[common[k]] & FAN_GRAPH) != 0)
+                job->common[i] = common[k];
+    }
+}
+
+static int is_one_fan(const crossing_job *job, uint64_t a, uint64_t b)
+{
+    return job->common[a] != BVXI_VERTEX_NONE && job->common[a] == job->common[b];
+}
+
 /* Pairs of a node's triangles with each other and with all after them. */
 static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *keys)
 {
@@ -318,7 +354,7 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     int32_t depth = 0;
 
     if (!hold_node(job, node, held)) return 0;
-    found = pairs_of_nodes(job, held, node, node, keys);
+    found = is_one_fan(job, node, node) ? 0 : pairs_of_nodes(job, held, node, node, keys);
     whole_box(&tree->node[0][node], low, high);
     whole = query_of(low, high);
 
@@ -334,7 +370,7 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
              * where only fresh triangles are looked at. */
             if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
-            else found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
+            else if (!is_one_fan(job, node, child)) found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
         }
     }
     return found;
@@ -402,9 +438,12 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
     *count = 0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job.pieces * 8, "the crossings' counts", &job.counts));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0], "the crossings' marks", &job.marks));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 4, "the nodes' fans", &job.common));
+    bvxi_tasks(ctx, job.pieces, common_piece, &job);
     BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, count_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
+    bvxi_drop(ctx, job.common);
     bvxi_drop(ctx, job.marks);
     bvxi_drop(ctx, job.counts);
     return BVX_OK;

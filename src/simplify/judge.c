@@ -11,86 +11,107 @@
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
 
-enum {
-    FAN_MOST = 64, /* triangles around a vertex that is looked at */
-    JUDGE_GRAIN = 1024
-};
+enum { JUDGE_GRAIN = 1024 }; /* vertices of a task */
 
 /* Sines and cosines that rounding does not bring to the other side of 0. */
 #define FAN_SINE 1e-9
 
 /* ---- Fans ---- */
 
-/* A vertex's neighbours relative to it, counter-clockwise, from its border on where it has one. */
-typedef struct vertex_fan {
-    double way[FAN_MOST + 1][3];
-    int32_t count; /* triangles */
-    int open;
-} vertex_fan;
+/* A walk around a vertex over its neighbours, counter-clockwise, from its border on where it has one. */
+typedef struct fan_walk {
+    const bvxi_corners *m;
+    const double *p;
+    int32_t start, at;
+    int open; /* 1: it begins and ends at a border */
+    double way[3], next[3]; /* to the two neighbours of a triangle */
+} fan_walk;
 
-/* 0: too many triangles, or borders. */
-static int gather_fan(const bvxi_corners *m, uint32_t v, int32_t any, vertex_fan *f)
+static void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
 {
-    const double *const p = bvxi_corner_position(m, v);
-    int32_t at = any, start = any;
+    const double *const q = bvxi_corner_position(w->m, bvxi_corner_vertex_of(w->m, corner));
 
-    f->open = 0;
-    for (f->count = 0; f->count <= FAN_MOST; f->count++) {
-        uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
+    for (int k = 0; k < 3; k++) way[k] = q[k] - w->p[k];
+}
 
-        /* What comes after the border is the beginning; a second border is not looked at. */
-        if (BVXI_UNLIKELY(w == BVXI_VERTEX_GHOST)) {
-            if (f->open) return 0;
-            f->open = 1;
-            start = at = bvxi_corner_turn_left(m, at);
-            f->count = -1;
-            continue;
-        }
-        for (int k = 0; k < 3; k++) f->way[f->count][k] = bvxi_corner_position(m, w)[k] - p[k];
-        at = bvxi_corner_turn_left(m, at);
-        if (f->open && bvxi_corner_vertex_of(m, bvxi_corner_next(at)) == BVXI_VERTEX_GHOST) return f->count > 0;
-        if (at == start) break;
-    }
-    if (++f->count > FAN_MOST) return 0;
-    memcpy(f->way[f->count], f->way[0], sizeof f->way[0]);
+/* The first triangle. */
+static void fan_begin(fan_walk *w)
+{
+    w->at = w->start;
+    fan_neighbour(w, bvxi_corner_next(w->at), w->way);
+    fan_neighbour(w, bvxi_corner_previous(w->at), w->next);
+}
+
+/* The next one; 0: all have been. */
+static int fan_next(fan_walk *w)
+{
+    w->at = bvxi_corner_turn_left(w->m, w->at);
+    if (w->at == w->start || bvxi_corner_is_ghost(w->m, w->at)) return 0;
+    memcpy(w->way, w->next, sizeof w->way);
+    fan_neighbour(w, bvxi_corner_previous(w->at), w->next);
     return 1;
+}
+
+static void fan_open(const bvxi_corners *m, uint32_t v, int32_t any, fan_walk *w)
+{
+    w->m = m;
+    w->p = bvxi_corner_position(m, v);
+    w->start = any;
+    w->open = 0;
+    if (m->ghosts == 0) return;
+    for (int32_t at = any;;) {
+        int const ghost = bvxi_corner_is_ghost(m, at);
+
+        at = bvxi_corner_turn_left(m, at);
+        if (ghost && !bvxi_corner_is_ghost(m, at)) {
+            w->open = 1;
+            w->start = at;
+            return;
+        }
+        if (at == any) return;
+    }
 }
 
 /* Seen along the sum of their normals all triangles face one way, and go around the vertex once, or less where
  * they begin and end at a border: then no two of them meet beside their common edges. */
-static int is_graph(const vertex_fan *f)
+static int is_graph(const bvxi_corners *m, uint32_t v, int32_t any)
 {
-    double n[FAN_MOST][3], square[FAN_MOST + 1], sum[3] = {0, 0, 0}, left[3], sum_square, left_square;
+    double n[3], sum[3] = {0, 0, 0}, first[3], left[3], sum_square, left_square;
     int changes = 0, side_before = 1;
+    fan_walk w;
 
-    for (int32_t i = 0; i <= f->count; i++) square[i] = bvxi_vec_dot(f->way[i], f->way[i]);
-    for (int32_t i = 0; i < f->count; i++) {
-        bvxi_vec_cross(f->way[i], f->way[i + 1], n[i]);
-        for (int k = 0; k < 3; k++) sum[k] += n[i][k];
-    }
+    fan_open(m, v, any, &w);
+    fan_begin(&w);
+    do {
+        bvxi_vec_cross(w.way, w.next, n);
+        for (int k = 0; k < 3; k++) sum[k] += n[k];
+    } while (fan_next(&w));
     sum_square = bvxi_vec_dot(sum, sum);
-    for (int32_t i = 0; i < f->count; i++) {
-        double const along = bvxi_vec_dot(n[i], sum);
 
-        if (!((along > 0) & (along * along > FAN_SINE * FAN_SINE * sum_square * square[i] * square[i + 1]))) return 0;
-    }
-
-    /* Each triangle turns left by less than half a turn. A fan that goes around once is first to the left of
-     * its first edge, then to the right: one change. One that ends at a border may end anywhere before it
-     * comes to its first edge. What lies on that line within rounding tells nothing. */
-    bvxi_vec_cross(sum, f->way[0], left);
+    /* Each triangle turns left by less than half a turn. A fan that goes around once is first to the left of its
+     * first edge, then to the right: one change. One that ends at a border may end anywhere before it comes to its
+     * first edge. What lies on that line within rounding tells nothing. */
+    fan_begin(&w);
+    memcpy(first, w.way, sizeof first);
+    bvxi_vec_cross(sum, first, left);
     left_square = bvxi_vec_dot(left, left);
-    for (int32_t i = 1; i < f->count + f->open; i++) {
-        double const side = bvxi_vec_dot(f->way[i], left);
+    do {
+        double const next_square = bvxi_vec_dot(w.next, w.next);
+        double along, side;
 
-        if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * square[i] * left_square)) {
-            if (f->open && bvxi_vec_dot(f->way[i], f->way[0]) > 0) return 0;
+        bvxi_vec_cross(w.way, w.next, n);
+        along = bvxi_vec_dot(n, sum);
+        if (!((along > 0) & (along * along > FAN_SINE * FAN_SINE * sum_square * bvxi_vec_dot(w.way, w.way) * next_square)))
+            return 0;
+        side = bvxi_vec_dot(w.next, left);
+        if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * next_square * left_square)) {
+            if (w.open && bvxi_vec_dot(w.next, first) > 0) return 0;
             continue;
         }
         changes += (side > 0) != side_before;
         side_before = side > 0;
-    }
-    return f->open ? changes <= 1 : changes == 1 && !side_before;
+    } while (fan_next(&w));
+    return w.open ? changes <= 1 : changes == 1 && !side_before;
 }
 
 /* ---- The level's boxes ---- */
@@ -120,7 +141,6 @@ static void fans_piece(void *user, int32_t piece, int32_t worker)
 {
     const judge_level *const l = user;
     const bvxi_collapse *const c = l->c;
-    vertex_fan f;
     uint64_t begin, end;
     (void)worker;
 
@@ -129,7 +149,7 @@ static void fans_piece(void *user, int32_t piece, int32_t worker)
         if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
         l->fan[v] = c->fresh[v] != 0 ? FAN_FRESH : 0;
         if (!l->all && !is_beside_fresh(c, (uint32_t)v)) continue;
-        if (gather_fan(&c->mesh, (uint32_t)v, c->any[v], &f) && is_graph(&f)) l->fan[v] |= FAN_GRAPH;
+        if (is_graph(&c->mesh, (uint32_t)v, c->any[v])) l->fan[v] |= FAN_GRAPH;
     }
 }
 
