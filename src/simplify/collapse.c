@@ -343,10 +343,26 @@ static void least_piece(void *user, int32_t index, int32_t worker)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v)) find_least(c, (uint32_t)v);
 }
 
+void bvxi_collapse_index(bvxi_collapse *c)
+{
+    bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t v = 0; v < m->vertices; v++) c->edge[v] = -1;
+    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
+        for (int k = 0; k < 3; k++)
+            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
+                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+}
+
+void bvxi_collapse_find_least(bvxi_collapse *c)
+{
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), least_piece, c);
+}
+
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 {
     bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), least_piece, c);
+    bvxi_collapse_find_least(c);
     return BVX_OK;
 }
 

@@ -61,6 +61,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
 
     c->counted = 0;
+    BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, from, middle));
     BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
     if (undone != 0) BVXI_TRY(collapse_edges(c, target, to, to));
@@ -89,6 +90,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 
 typedef struct collapse_order {
     const bvx_mesh_view *view;
+    const uint32_t *packed; /* its indices where sheets have them, or NULL */
     uint64_t *key; /* of vertices, then of triangles */
     uint32_t *index;
     /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
@@ -145,7 +147,8 @@ static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     uint32_t v[3];
     int first;
 
-    bvxi_view_triangle(o->view, t, v);
+    if (o->packed != NULL) memcpy(v, o->packed + 3 * t, sizeof v);
+    else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
     first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
     for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
@@ -268,7 +271,7 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
-    collapse_order o = {.view = mesh, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
+    collapse_order o = {.view = mesh, .packed = c->sheets->corner, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
 
     memcpy(o.low, low, sizeof o.low);
@@ -436,23 +439,21 @@ static bvx_status open_arrays(bvxi_collapse *c)
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->triangles * 12, "the mesh's corners", &c->origin));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
+    c->first_triangles = m->triangles;
+    c->first_vertices = n;
     for (uint64_t t = 0; t < m->triangles; t++) memcpy(c->origin + 3 * t, m->triangle[t].vertex, 12);
+    memcpy(c->first_source, m->source, (size_t)n * 4);
     c->edge = (int32_t *)(void *)(c->least + n);
     c->any = c->edge + n;
     c->last = (uint32_t *)(void *)(c->any + n);
     c->waits = c->kind + n;
     c->fresh = c->waits + n;
 
-    for (uint64_t v = 0; v < n; v++) {
-        c->edge[v] = -1;
-        c->last[v] = BVXI_VERTEX_NONE;
-    }
-    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
-        for (int k = 0; k < 3; k++) {
-            m->triangle[t].cost[k] = COLLAPSE_NEVER;
-            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
-                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
-        }
+    memset(c->last, 0xff, (size_t)n * sizeof *c->last);
+    for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
+        for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
+    bvxi_collapse_index(c);
     c->alive = n;
     BVXI_TRY(bvxi_attributes_open(c));
     mark_lines(c);
@@ -512,6 +513,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->options = *options;
     c->given = mesh;
     c->view = &sheets->view;
+    c->sheets = sheets;
     c->source = sheets->source;
     BVXI_TRY(open_steps(c, &sheets->view));
     *collapse = c;
@@ -525,6 +527,8 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_attributes_close(c);
     bvxi_drop(c->ctx, c->from);
     bvxi_drop(c->ctx, c->came);
+    bvxi_drop(c->ctx, c->now);
+    bvxi_drop(c->ctx, c->first_source);
     bvxi_drop(c->ctx, c->origin);
     bvxi_drop(c->ctx, c->kind);
     bvxi_drop(c->ctx, c->least);

@@ -62,9 +62,13 @@ struct bvxi_collapse {
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 
     const bvx_mesh_view *given; /* the mesh as it was given */
+    const bvxi_sheets *sheets;
     const bvx_mesh_view *view;  /* and as sheets */
     const uint32_t *source;     /* corner of the given mesh at each corner of the sheets, or NULL: the same */
-    uint32_t *origin;   /* corners of the triangles as they were opened */
+    /* As the mesh was opened: its triangles' corners, the view's vertex at each of its vertices, and the vertex that
+     * each is part of, or NULL before the first packing. */
+    uint32_t *origin, *first_source, *now;
+    uint64_t first_triangles, first_vertices;
     crossing_tree tree; /* while collapses are looked at one by one: node[0] is not NULL */
     uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
     uint64_t crossings; /* pairs of the level, where counted is 1 */
@@ -91,6 +95,9 @@ static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
 
 /* collapse.c: 1 along borders and seams, which vertices on lines may collapse along. */
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
+/* collapse.c: a corner of each vertex; its cheapest edge by the costs that stand beside the edges. */
+void bvxi_collapse_index(bvxi_collapse *c);
+void bvxi_collapse_find_least(bvxi_collapse *c);
 /* collapse.c: evaluate all edges, and the cheapest of each vertex. */
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
@@ -118,6 +125,11 @@ void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3
 /* A row's attributes, of those kinds that there are; moved 0: its own. */
 void bvxi_attributes_give(const bvxi_collapse *c, uint32_t row, int moved, float uv[2], float uv2[2],
                           float normal[3], uint8_t colour[4]);
+
+/* pack.c: close the gaps in all arrays where they are a third. What was collapsed before can no more be undone. */
+bvx_status bvxi_collapse_pack(bvxi_collapse *c);
+/* The vertex that one of the mesh is part of now. */
+uint32_t bvxi_collapse_now(const bvxi_collapse *c, uint32_t v);
 
 /* collapse_mesh.c: the new index of each vertex that is left. */
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);

@@ -57,26 +57,24 @@ static void cut_both_sides(bvxi_corners *m, int32_t waiting)
     m->triangle[waiting >> 2].opposite[waiting & 3] = CORNER_CUT;
 }
 
-/* Join a corner with the one that waits across its edge, or let it wait; 0 when the edge has too many sides,
- * or two that run the same way. */
-static int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, int borders)
+/* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait; 0 when the edge
+ * has too many sides, or two that run the same way. */
+BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, uint32_t u, uint32_t v, int borders)
 {
-    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(c)),
-                   v = bvxi_corner_vertex_of(m, bvxi_corner_previous(c));
-
     /* The lower end has the list, or that of fewer triangles where the lower one has very many. */
     uint32_t const low = u < v ? u : v, high = u < v ? v : u;
     int const crowded = BVXI_UNLIKELY(lists->around[low] > EDGE_CROWD) && lists->around[high] < lists->around[low];
     uint32_t const end = crowded ? high : low, other = crowded ? low : high;
     edge_wait *wait;
 
-    m->triangle[c >> 2].opposite[c & 3] = -1;
-    for (int32_t i = lists->first[end]; i >= 0; i = lists->wait[i].next) {
-        int32_t const e = lists->wait[i].corner;
+    for (int32_t i = lists->first[end]; i >= 0; i = wait->next) {
+        int32_t e;
 
-        if (lists->wait[i].other != other) continue;
+        wait = &lists->wait[i];
+        if (wait->other != other) continue;
 
         /* Opposite directions, and nobody else has joined it: a pair. */
+        e = wait->corner;
         if (bvxi_corner_vertex_of(m, bvxi_corner_next(e)) == v && bvxi_corner_opposite(m, e) == -1) {
             bvxi_corners_join(m, c, e);
             return 1;
@@ -148,8 +146,15 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
         for (int k = 0; k < 3; k++) lists->around[m->triangle[t].vertex[k]]++;
 
     /* Corners are numbered by fours: the fourth is left out. */
-    for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1)
-        if (!pair_corner(m, lists, c, borders)) return fail_edge(ctx, function, m, c, borders);
+    for (int32_t c = 0; c < end; c += 4) {
+        bvxi_corner_triangle *const t = &m->triangle[c >> 2];
+        uint32_t const v[3] = {t->vertex[0], t->vertex[1], t->vertex[2]};
+
+        t->opposite[0] = t->opposite[1] = t->opposite[2] = -1;
+        if (!pair_corner(m, lists, c, v[1], v[2], borders)) return fail_edge(ctx, function, m, c, borders);
+        if (!pair_corner(m, lists, c + 1, v[2], v[0], borders)) return fail_edge(ctx, function, m, c + 1, borders);
+        if (!pair_corner(m, lists, c + 2, v[0], v[1], borders)) return fail_edge(ctx, function, m, c + 2, borders);
+    }
 
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
         if (is_border(m, c)) lengthen_cut(m, c);

@@ -27,7 +27,7 @@ typedef struct fan_walk {
     double way[3], next[3]; /* to the two neighbours of a triangle */
 } fan_walk;
 
-static void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
+BVXI_VECTOR_INLINE void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
 {
     const double *const q = bvxi_corner_position(w->m, bvxi_corner_vertex_of(w->m, corner));
 
@@ -35,7 +35,7 @@ static void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
 }
 
 /* The first triangle. */
-static void fan_begin(fan_walk *w)
+BVXI_VECTOR_INLINE void fan_begin(fan_walk *w)
 {
     w->at = w->start;
     fan_neighbour(w, bvxi_corner_next(w->at), w->way);
@@ -43,7 +43,7 @@ static void fan_begin(fan_walk *w)
 }
 
 /* The next one; 0: all have been. */
-static int fan_next(fan_walk *w)
+BVXI_VECTOR_INLINE int fan_next(fan_walk *w)
 {
     w->at = bvxi_corner_turn_left(w->m, w->at);
     if (w->at == w->start || bvxi_corner_is_ghost(w->m, w->at)) return 0;
@@ -200,12 +200,6 @@ typedef struct judge_origin {
     crossing_tree tree;
 } judge_origin;
 
-static uint32_t now_of(const bvxi_collapse *c, uint32_t v)
-{
-    while (bvxi_collapse_is_gone(c, v)) v = c->undo[v].stayed;
-    return v;
-}
-
 static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
 {
     const uint32_t *const v = c->origin + 3 * t;
@@ -219,7 +213,7 @@ static uint32_t small_vertex(const bvxi_collapse *c, judge_origin *o, uint32_t v
     double p[3];
 
     if (o->small[v] != BVXI_VERTEX_NONE) return o->small[v];
-    bvxi_view_position(c->view, c->mesh.source[v], p);
+    bvxi_view_position(c->view, c->first_source[v], p);
     for (int k = 0; k < 3; k++) o->at[i].p[k] = bvxi_collapse_rounded(c, p[k]);
     o->back[i] = v;
     o->vertices++;
@@ -230,13 +224,13 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
     uint64_t count = 0;
 
-    for (uint64_t t = 0; t < c->mesh.triangles; t++) count += (uint64_t)is_beside(c, o, t);
+    for (uint64_t t = 0; t < c->first_triangles; t++) count += (uint64_t)is_beside(c, o, t);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 3 * sizeof *o->at, "positions beside crossings", &o->at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
                         &o->triangle));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 12, "vertices beside crossings", &o->back));
     count = 0;
-    for (uint64_t t = 0; t < c->mesh.triangles; t++) {
+    for (uint64_t t = 0; t < c->first_triangles; t++) {
         if (!is_beside(c, o, t)) continue;
         for (uint64_t k = 0; k < 3; k++) {
             o->triangle[count].vertex[k] = small_vertex(c, o, c->origin[3 * t + k]);
@@ -262,11 +256,11 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
 
     if (c->came == NULL)
         BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->vertices * 8, "vertices that went", &o.now));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 8, "vertices that went", &o.now));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
-    o.small = o.now + m->vertices;
-    for (uint64_t v = 0; v < m->vertices; v++) {
-        o.now[v] = now_of(c, (uint32_t)v);
+    o.small = o.now + c->first_vertices;
+    for (uint64_t v = 0; v < c->first_vertices; v++) {
+        o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
         o.small[v] = BVXI_VERTEX_NONE;
     }
     for (uint64_t i = 0; i < 2 * count; i++)
