@@ -17,9 +17,6 @@
 #include "bits/bits.h"
 #include "core/vec3.h"
 
-/* A vertex may lie so many mean edges from the planes that it stands for: up to 0.6 in levels that look like
- * their source, 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
-#define CRUMPLED (2.0 / 3.0)
 /* Of mean edge's square to a triangle's area, where all sides are equal. */
 #define EDGE_SQUARE 2.309401076758503
 /* A new triangle keeps its side when its normal turns by less than about 78 degrees. */
@@ -586,7 +583,8 @@ static int is_crumpled(const collapse_sweep *s, const edge_plan *plan, const dou
 
     /* Both sides are multiplied by the count of triangles and the trace, so that nothing is divided by an
      * area of 0. */
-    return quadric_at(&plan->q, d) * (double)s->left > CRUMPLED * CRUMPLED * EDGE_SQUARE * s->c->area * trace;
+    return quadric_at(&plan->q, d) * (double)s->left >
+           s->c->crumpled * s->c->crumpled * EDGE_SQUARE * s->c->area * trace;
 }
 
 /* May the edge collapse to an offset from u? p becomes the position, rounded as the caller gets it. */
@@ -935,8 +933,17 @@ uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v)
 {
     uint32_t next;
 
+    /* What it went into may be gone itself: that came later. */
+    while (bvxi_collapse_is_gone(c, c->undo[v].stayed)) v = c->undo[v].stayed;
+
     /* The last one of those that touch it; their order rises, so that this ends. */
     while ((next = latest_around(c, c->undo[v].stayed)) != v) v = next;
     undo_one(c, v);
     return v;
+}
+
+void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order)
+{
+    for (uint32_t v = 0; v < c->mesh.vertices; v++)
+        while (bvxi_collapse_is_gone(c, v) && c->undo[v].order >= order) bvxi_collapse_undo(c, v);
 }

@@ -17,6 +17,12 @@ enum {
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
 };
 
+/* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
+ * source, 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
+#define CRUMPLED_LITTLE 0.1
+#define CRUMPLED_MOST   0.6
+#define CRUMPLED_STEP   1.6
+
 /* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
  * as one that turns or flattens something. */
 #define COLLAPSE_NARROWEST 1e-30
@@ -28,7 +34,7 @@ enum {
 /* ---- The run to a target ---- */
 
 /* Sweeps until the target is met or none makes a collapse. */
-static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, double from, double to)
+static bvx_status collapse_within(bvxi_collapse *c, uint64_t target, double from, double to)
 {
     uint64_t const begun = c->mesh.left;
     uint64_t since = 0; /* collapses since all edges were looked at */
@@ -53,6 +59,24 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, double from,
     return BVX_OK;
 }
 
+/* What lies further from the surface than in levels that look like their source goes only where the target is met by
+ * it, little by little: a shape that cannot have so few triangles is not crumpled to come nearer. */
+static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, double from, double to)
+{
+    uint32_t order;
+
+    c->crumpled = CRUMPLED_LITTLE;
+    BVXI_TRY(collapse_within(c, target, from, to));
+    order = c->order;
+    while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
+        c->crumpled *= CRUMPLED_STEP;
+        BVXI_TRY(bvxi_collapse_evaluate(c));
+        BVXI_TRY(collapse_within(c, target, to, to));
+    }
+    if (last && c->mesh.left > target) bvxi_collapse_undo_since(c, order);
+    return BVX_OK;
+}
+
 /* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
  * one by one. */
 static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, double from, double to)
@@ -62,9 +86,9 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
 
     c->counted = 0;
     BVXI_TRY(bvxi_collapse_pack(c));
-    BVXI_TRY(collapse_edges(c, target, from, middle));
+    BVXI_TRY(collapse_edges(c, target, last, from, middle));
     BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
-    if (undone != 0) BVXI_TRY(collapse_edges(c, target, to, to));
+    if (undone != 0) BVXI_TRY(collapse_edges(c, target, last, to, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
@@ -72,18 +96,18 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
 {
     uint64_t const begun = c->mesh.left;
+    uint64_t next = begun / COLLAPSE_JUDGED;
 
     /* Judged on the way, what crosses has little built on it. */
-    while (c->mesh.left > target) {
-        uint64_t const before = c->mesh.left, step = before / COLLAPSE_JUDGED;
-        uint64_t const next = step > target ? step : target;
-        double const at = from + (to - from) * (double)(begun - before) / (double)(begun - target);
+    for (; next > target; next = c->mesh.left <= next ? next / COLLAPSE_JUDGED : 0) {
+        double const at = from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target);
         double const end = from + (to - from) * (double)(begun - next) / (double)(begun - target);
 
-        BVXI_TRY(collapse_judged(c, next, next == target, at, end));
-        if (c->mesh.left > next && c->mesh.left + c->mesh.left / 8 > before) break;
+        BVXI_TRY(collapse_judged(c, next, 0, at, end > at ? end : at));
     }
-    return BVX_OK;
+    if (c->mesh.left <= target) return BVX_OK;
+    return collapse_judged(c, target, 1, from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target),
+                           to);
 }
 
 /* ---- The mesh in an order of space ---- */

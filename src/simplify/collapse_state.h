@@ -74,6 +74,7 @@ struct bvxi_collapse {
     uint64_t crossings; /* pairs of the level, where counted is 1 */
     int counted;
 
+    double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
     double scale; /* quadrics measure lengths in units of 1 / scale, the mesh's size */
     double area;  /* of the mesh as it was opened, in the same units */
     double low[3];
@@ -104,6 +105,8 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
 /* Undo the collapse in which v went, or one after it that builds on it; returns the vertex that is back. */
 uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v);
+/* Undo all collapses from an order on. */
+void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order);
 
 /* attributes.c */
 bvx_status bvxi_attributes_open(bvxi_collapse *c);
