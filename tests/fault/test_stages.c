@@ -293,10 +293,14 @@ static bvx_status read_finite(void *user, bvx_context *ctx)
 {
     bvx_mesh mesh = {0};
     uint64_t dropped = 0;
-    bvx_status status = bvx_read_mesh_finite(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size,
-                                             BVX_FORMAT_OBJ, &dropped, &mesh);
+    bvx_read_options options;
+    bvx_status status;
 
     (void)user;
+    bvx_read_options_init(&options, sizeof options);
+    options.drop_nonfinite = 1;
+    status = bvx_read_mesh_with(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ,
+                                &options, &mesh);
     if (status == BVX_OK) {
         ((double *)mesh.positions)[0] = HUGE_VAL;
         status = bvx_mesh_drop_nonfinite(ctx, &mesh, &dropped);
