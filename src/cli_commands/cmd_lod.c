@@ -413,10 +413,10 @@ const cli_command cli_lod = {
     .does = "a chain of closed meshes of several sizes from one mesh, grid or volume",
     .details =
         "Reads any mesh (" CLI_MESHES_READ
-        ", also with .gz) and writes closed, manifold, oriented meshes of 1/2,\n"
-        "1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
-        "; %d becomes\n"
-        "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it "
+        ", also with .gz) and writes closed, manifold, oriented meshes of\n"
+        "1/2, 1/4 ... of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN
+        "; %d\n"
+        "becomes 0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh collapse; where it "
         "is open,\n"
         "not manifold, flipped or crosses itself, its surface is measured first, as repair does. A target "
         "below\n"

@@ -97,7 +97,7 @@ bvx_status bvxi_gltf_each(bvxi_gltf *f, uint64_t accessor, const bvxi_gltf_array
 
 /* ---- gltf_nodes.c: the scene ---- */
 
-/* World of a node: row by row three numbers and the translation. glTF's y up is turned to z up. */
+/* From a node to the world: row by row three numbers and the translation. Axes are the file's own. */
 typedef struct bvxi_gltf_world {
     double m[3][4];
 } bvxi_gltf_world;

@@ -66,11 +66,12 @@ static bvx_status gltf_decode(const bvxi_gltf *f, const char *p, const char *end
     return BVX_OK;
 }
 
-static bvx_status gltf_open_file(bvxi_gltf *f, char *name, bvxi_gltf_bytes *found)
+/* size: of the name, which ends earlier where a zero byte is in it. */
+static bvx_status gltf_open_file(bvxi_gltf *f, char *name, uint32_t size, bvxi_gltf_bytes *found)
 {
     const bvx_read_options *const o = f->options;
 
-    if (!gltf_plain_name(name) || o->open_file == NULL) return BVX_OK;
+    if (bvxi_text_length(name) != size || !gltf_plain_name(name) || o->open_file == NULL) return BVX_OK;
     if (o->open_file(o->user, name, &found->file) != 0) return BVX_OK;
     found->is_open = 1;
     found->bytes = found->file.bytes;
@@ -107,7 +108,7 @@ bvx_status bvxi_gltf_uri(bvxi_gltf *f, uint32_t uri, bvxi_gltf_bytes *found)
         status = gltf_decode(f, text + comma + 1, text + size, bvxi_source_byte(f->source, start) + comma + 1,
                              found);
     } else {
-        status = gltf_open_file(f, plain, found);
+        status = gltf_open_file(f, plain, size, found);
     }
     bvxi_drop(ctx, plain);
     return status;

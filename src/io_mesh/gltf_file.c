@@ -131,11 +131,12 @@ static bvx_status gltf_check_version(const bvxi_gltf *f)
     uint32_t const asset = bvxi_json_member(j, 0, "asset");
     uint32_t const version = bvxi_json_member(j, asset, "version");
     uint32_t const least = bvxi_json_member(j, asset, "minVersion");
+    char text[64] = "";
     uint32_t size = 0;
-    const char *text;
 
     /* The first version kept its lists as objects, and may say nothing of itself. */
-    text = bvxi_json_kind(j, version) == BVXI_JSON_TEXT ? bvxi_json_text(j, version, &size) : "";
+    if (bvxi_json_kind(j, version) == BVXI_JSON_TEXT && j->value[version].size < sizeof text)
+        size = bvxi_json_plain(j, version, text);
     if ((size >= 2 && memcmp(text, "1.", 2) == 0) ||
         bvxi_json_kind(j, bvxi_json_member(j, 0, "meshes")) == BVXI_JSON_OBJECT)
         return bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,

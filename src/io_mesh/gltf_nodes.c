@@ -17,19 +17,13 @@ typedef struct gltf_nodes {
 
 /* ---- matrices ---- */
 
-/* z up, as all other formats here have it: x, -z, y. */
-static const bvxi_gltf_world gltf_turn = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
-
 static void gltf_multiply(const bvxi_gltf_world *a, const bvxi_gltf_world *b, bvxi_gltf_world *product)
 {
-    bvxi_gltf_world p;
-
     for (int r = 0; r < 3; r++)
         for (int c = 0; c < 4; c++) {
-            p.m[r][c] = a->m[r][0] * b->m[0][c] + a->m[r][1] * b->m[1][c] + a->m[r][2] * b->m[2][c];
-            if (c == 3) p.m[r][c] += a->m[r][3];
+            product->m[r][c] = a->m[r][0] * b->m[0][c] + a->m[r][1] * b->m[1][c] + a->m[r][2] * b->m[2][c];
+            if (c == 3) product->m[r][c] += a->m[r][3];
         }
-    *product = p;
 }
 
 /* The numbers of an array of exactly so many; 0 where the member is missing. */
@@ -228,9 +222,12 @@ bvx_status bvxi_gltf_scene_of(const bvxi_gltf *f, bvxi_gltf_scene *scene)
         bvxi_gltf_world local;
 
         BVXI_TRY(gltf_local(f, node, &local));
-        gltf_multiply(parent == BVXI_JSON_NONE ? &gltf_turn : &scene->world[parent], &local,
-                      &scene->world[node]);
-        if (parent != BVXI_JSON_NONE) scene->drawn[node] = scene->drawn[parent];
+        if (parent == BVXI_JSON_NONE) {
+            scene->world[node] = local;
+            continue;
+        }
+        gltf_multiply(&scene->world[parent], &local, &scene->world[node]);
+        scene->drawn[node] = scene->drawn[parent];
     }
     bvxi_drop(f->source->ctx, n.depth);
     bvxi_drop(f->source->ctx, n.order);

@@ -358,16 +358,19 @@ static bvx_status gltf_put_normal(void *user, uint64_t element, const double *v)
     return BVX_OK;
 }
 
+/* v runs down in glTF, and up in a mesh. */
 static bvx_status gltf_put_pair(const gltf_target *t, uint64_t element, const double *v, float *array)
 {
     const bvxi_source *const s = t->r->f.source;
 
+    double const pair[2] = {v[0], 1.0 - v[1]};
+
     for (size_t k = 0; k < 2; k++) {
-        if (!(bvxi_absolute(v[k]) < BVXI_FLOAT_LIMIT))
+        if (!(bvxi_absolute(pair[k]) < BVXI_FLOAT_LIMIT))
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
                                  "%s: mesh %u: vertex %i has a texture coordinate that is not finite",
                                  s->format, (uint64_t)t->mesh, element);
-        array[(size_t)(t->base + element) * 2 + k] = (float)v[k];
+        array[(size_t)(t->base + element) * 2 + k] = (float)pair[k];
     }
     return BVX_OK;
 }
