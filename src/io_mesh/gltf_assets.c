@@ -5,7 +5,7 @@
  * twice by the same steps, to count and to fill. */
 #include "io_mesh/gltf.h"
 
-enum { GLTF_EXTENSIONS = 256, GLTF_REPEATS = 4 };
+enum { GLTF_EXTENSIONS = 256, GLTF_IMAGE_REPEATS = 4 };
 
 /* The bytes of an image; none where its file was not found. */
 static bvx_status gltf_take_image(bvxi_gltf *f, uint32_t i)
@@ -171,10 +171,10 @@ bvx_status bvxi_gltf_assets(bvxi_gltf *f, bvx_mesh *mesh)
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
         BVXI_TRY(gltf_take_image(f, i));
         bytes += f->image[i].size;
-        if (bytes > GLTF_REPEATS * f->bytes)
+        if (bytes > GLTF_IMAGE_REPEATS * f->bytes)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: its images have more than %d times the bytes of the file",
-                                 f->source->format, (int64_t)GLTF_REPEATS);
+                                 f->source->format, (int64_t)GLTF_IMAGE_REPEATS);
     }
     gltf_lay_out(f, &assets, NULL, &out);
 

@@ -1,11 +1,17 @@
 /* gltf_file.c - a glTF file opened: its container, its version and extensions, the lists of its description.
  *
- * Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022), chapters 3 and 4. Text and GLB are told
- * apart by their first bytes, whatever the file is called. An extension that a file requires is refused by its
+ * Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022), chapters 3 and 4. Text and GLB are known
+ * by their first bytes, whatever the file is called. An extension that a file requires is refused by its
  * name, unless nothing of the mesh depends on it. */
 #include "io_mesh/gltf.h"
 
-enum { GLB_MAGIC = 0x46546c67, GLB_JSON = 0x4e4f534a, GLB_BIN = 0x004e4942, GLB_HEAD = 12, GLB_CHUNK = 8 };
+enum {
+    GLTF_MAGIC = 0x46546c67,
+    GLTF_CHUNK_JSON = 0x4e4f534a,
+    GLTF_CHUNK_BIN = 0x004e4942,
+    GLTF_HEAD = 12,
+    GLTF_CHUNK_HEAD = 8
+};
 
 static const struct {
     const char *member, *one;
@@ -83,10 +89,10 @@ static bvx_status gltf_take_chunks(bvxi_gltf *f, const char **text, uint64_t *si
     bvxi_source *const s = f->source;
     const uint8_t *const b = (const uint8_t *)s->begin;
     uint64_t const there = (uint64_t)(s->end - s->begin);
-    uint64_t at = GLB_HEAD, length;
+    uint64_t at = GLTF_HEAD, length;
 
     s->format = "GLB";
-    if (there < GLB_HEAD + GLB_CHUNK)
+    if (there < GLTF_HEAD + GLTF_CHUNK_HEAD)
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: the file ends at byte %u, in its head", there);
     if (bvxi_load_u32(b + 4, 0) == 1)
         return bvxi_fail(s->ctx, BVX_ERR_UNSUPPORTED,
@@ -99,19 +105,19 @@ static bvx_status gltf_take_chunks(bvxi_gltf *f, const char **text, uint64_t *si
         return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: the file has %u bytes, its head says %u", there,
                          length);
 
-    for (int i = 0; at + GLB_CHUNK <= length; i++) {
+    for (int i = 0; at + GLTF_CHUNK_HEAD <= length; i++) {
         uint64_t const bytes = bvxi_load_u32(b + at, 0), kind = bvxi_load_u32(b + at + 4, 0);
 
-        if (bytes > length - at - GLB_CHUNK)
+        if (bytes > length - at - GLTF_CHUNK_HEAD)
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: byte %u: a chunk of %u bytes ends beyond the file",
                              at, bytes);
-        at += GLB_CHUNK;
-        if (i == 0 && kind != GLB_JSON)
+        at += GLTF_CHUNK_HEAD;
+        if (i == 0 && kind != GLTF_CHUNK_JSON)
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "GLB: byte %u: the first chunk is not JSON", at - 4);
         if (i == 0) {
             *text = s->begin + at;
             *size = bytes;
-        } else if (kind == GLB_BIN && f->chunk == NULL) {
+        } else if (kind == GLTF_CHUNK_BIN && f->chunk == NULL) {
             f->chunk = b + at;
             f->chunk_size = bytes;
         }
@@ -236,7 +242,7 @@ bvx_status bvxi_gltf_open(bvxi_gltf *f)
     uint64_t size = (uint64_t)(s->end - text);
 
     f->bytes = (uint64_t)(s->end - s->begin);
-    if (f->bytes >= 4 && bvxi_load_u32((const uint8_t *)s->begin, 0) == GLB_MAGIC)
+    if (f->bytes >= 4 && bvxi_load_u32((const uint8_t *)s->begin, 0) == GLTF_MAGIC)
         BVXI_TRY(gltf_take_chunks(f, &text, &size));
     BVXI_TRY(bvxi_json_read(s, text, size, &f->json));
     if (bvxi_json_kind(&f->json, 0) != BVXI_JSON_OBJECT)
