@@ -321,11 +321,14 @@ static int is_mesh_format(int32_t format)
 typedef struct files_beside {
     cli_run *run;
     const char *path; /* of the file that names them */
+    uint64_t held;    /* bytes of all that are open, and of that file */
+    int failed;       /* 1: one is there and cannot be read, which is told */
+    bvx_read_report report;
 } files_beside;
 
 static int32_t open_beside(void *user, const char *name, bvx_file_bytes *file)
 {
-    const files_beside *const beside = user;
+    files_beside *const beside = user;
     size_t folder = strlen(beside->path), n = strlen(name);
     cli_bytes *const b = calloc(1, sizeof *b);
     char *path;
@@ -343,10 +346,13 @@ static int32_t open_beside(void *user, const char *name, bvx_file_bytes *file)
 
     /* A file that is not there is no failure of the run: the reader knows what it is needed for. */
     there = cli_open_file(path, "rb");
-    if (there == NULL || read_bytes(beside->run, path, there, 0, b) != CLI_DONE) {
+    if (there != NULL && !beside->failed)
+        beside->failed = read_bytes(beside->run, path, there, beside->held, b) != CLI_DONE;
+    if (there == NULL || beside->failed) {
         free(b->bytes);
         free(b);
     } else {
+        beside->held += b->room;
         file->handle = b;
         file->bytes = b->bytes;
         file->size = b->size;
@@ -366,37 +372,36 @@ static void close_beside(void *user, bvx_file_bytes *file)
 
 /* Commands that measure a mesh or describe it leave out triangles that lie nowhere; the others, which keep
  * triangles, refuse them: what keeps every triangle in its place must not lose one silently. */
-static bvx_status read_triangles(cli_run *run, const char *path, const cli_bytes *b, int32_t format,
-                                 bvx_mesh *mesh, bvx_read_report *report)
+static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
-    files_beside beside = {run, path};
+    cli_run *const run = beside->run;
     bvx_read_options options;
 
     bvx_read_options_init(&options, sizeof options);
     options.drop_nonfinite = (run->command->bit &
                               (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO)) != 0;
-    options.report = report;
+    options.report = &beside->report;
     /* Nothing lies beside standard input. */
-    if (strcmp(path, "-") != 0) {
+    if (strcmp(beside->path, "-") != 0) {
         options.open_file = open_beside;
         options.close_file = close_beside;
-        options.user = &beside;
+        options.user = beside;
     }
     return bvx_read_mesh_with(run->context, b->bytes, b->size, format, &options, mesh);
 }
 
 /* cloud NULL: a mesh alone will do. */
-static bvx_status parse_mesh(cli_run *run, const char *path, const cli_bytes *b, int32_t format,
-                             bvx_mesh *mesh, int *cloud, bvx_read_report *report)
+static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh,
+                             int *cloud)
 {
     bvx_status read = BVX_ERR_EMPTY;
     /* A .xyz file has no triangles to look for. */
-    if (format != BVX_FORMAT_XYZ) read = read_triangles(run, path, b, format, mesh, report);
+    if (format != BVX_FORMAT_XYZ) read = read_triangles(beside, b, format, mesh);
     /* A .ply without faces is read once more, as points. */
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
         return read;
     *cloud = 1;
-    return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
+    return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
 /* What is left out is told by how many triangles of this file went. */
@@ -430,7 +435,7 @@ static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
 
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
-    bvx_read_report report = {0};
+    files_beside beside = {.run = run, .path = path};
     cli_bytes b = {NULL, 0, 0, 0};
     int status = cli_open_input(run, path, &b);
 
@@ -438,14 +443,15 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         bvx_status read;
 
         cli_stage_begin(run, "parse");
-        read = parse_mesh(run, path, &b, format, mesh, cloud, &report);
+        beside.held = b.room;
+        read = parse_mesh(&beside, &b, format, mesh, cloud);
         cli_end_parse(run, b.size);
-        status = cli_check_call(run, read, cli_input_name(path));
+        status = beside.failed ? CLI_FAILED : cli_check_call(run, read, cli_input_name(path));
     }
     if (status == CLI_DONE) {
-        run->report.nonfinite += report.dropped;
-        warn_of_nonfinite(run, path, report.dropped);
-        warn_of_losses(run, path, report.lost);
+        run->report.nonfinite += beside.report.dropped;
+        warn_of_nonfinite(run, path, beside.report.dropped);
+        warn_of_losses(run, path, beside.report.lost);
     }
     free(b.bytes);
     return status;

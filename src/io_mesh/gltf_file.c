@@ -67,7 +67,6 @@ bvx_status bvxi_gltf_index(const bvxi_gltf *f, int list, uint64_t i, uint32_t ob
                            int into, uint32_t *index)
 {
     uint64_t whole;
-    uint32_t value;
 
     *index = BVXI_JSON_NONE;
     if (bvxi_json_member(&f->json, object, name) == BVXI_JSON_NONE) return BVX_OK;
@@ -76,7 +75,6 @@ bvx_status bvxi_gltf_index(const bvxi_gltf *f, int list, uint64_t i, uint32_t ob
         return bvxi_fail_for(f->source->ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
                              "%s: %s %u: %s is %u; there are %u %s", f->source->format, gltf_lists[list].one,
                              i, name, whole, (uint64_t)f->list_count[into], gltf_lists[into].member);
-    BVXI_TRY(bvxi_gltf_item(f, into, whole, name, &value));
     *index = (uint32_t)whole;
     return BVX_OK;
 }
