@@ -144,7 +144,8 @@ class _Beside:
     """Files in the folder of one that names them, held until it is read."""
 
     def __init__(self, folder: str) -> None:
-        self.folder, self.held = folder, []
+        self.folder = folder
+        self.held: list[Any] = []
 
 
 @ffi.def_extern(error=1)
