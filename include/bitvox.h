@@ -2587,13 +2587,16 @@ BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tr
     X(BVX_FORMAT_XYZ, 15, "xyz")      \
     X(BVX_FORMAT_CSL, 20, "csl")      \
     X(BVX_FORMAT_CSV, 21, "csv")      \
-    X(BVX_FORMAT_SVG, 22, "svg")
+    X(BVX_FORMAT_SVG, 22, "svg")      \
+    X(BVX_FORMAT_GLTF, 23, "gltf")
 enum {
     BVX_FORMAT_UNKNOWN = 0,
     BVX_FORMAT_LIST(BVX_LIST_ENUM)
     /** What formats hold: bit 1 << format. */
-    BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF,
-    BVX_MESHES_WRITTEN = BVX_MESHES_READ | 1 << BVX_FORMAT_GLB,
+    BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
+                      1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_GLTF,
+    BVX_MESHES_WRITTEN = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY |
+                         1 << BVX_FORMAT_OFF | 1 << BVX_FORMAT_GLB,
     BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX |
                      1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
     BVX_GRIDS_WRITTEN = BVX_GRIDS_READ,
@@ -2618,22 +2621,71 @@ BVX_API int32_t bvx_format_of_name(const char *name);
 /** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
  *  overlap nor turn over. STL vertices are welded where their bits are equal. Colours and texture coordinates
  *  are read when all vertices or faces have them. What is read of each format: docs/formats.md.
- *  format  BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY or _OFF
- *  mesh    brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY), else f64
+ *  format  BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _GLB or _GLTF (both are
+ *          recognised by content)
+ *  mesh    brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY, glTF), else
+ *          f64
  *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
- *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle).
- *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF) or 128 (PLY) times size and 32 KiB; counts that the
- *  size cannot hold are refused before allocation] */
+ *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle),
+ *  BVX_ERR_UNSUPPORTED (glTF: an extension that must be known and is not, by its name).
+ *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY) or 4096 (glTF: nodes repeat meshes) times
+ *  size and 32 KiB; counts that the size cannot hold are refused before allocation] */
 BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                  bvx_mesh *mesh);
 
-/** The same, but triangles with a corner that is not finite are left out, not refused; of a polygon all are.
- *  dropped  out: the number of triangles left out
+/** The bytes of a file that another one names. */
+typedef struct bvx_file_bytes {
+    const void *bytes;
+    uint64_t size;
+    void *handle; /**< the callback's own */
+} bvx_file_bytes;
+
+/** Fills file with the bytes of the file called name, and returns 0; any other result: there is none. name is
+ *  relative to the folder of the file that is read, in UTF-8 with / between folders, without "..", backslash
+ *  and colon. The bytes must stay until bvx_close_fn has been called with the same struct. */
+typedef int32_t bvx_open_fn(void *user, const char *name, bvx_file_bytes *file);
+typedef void bvx_close_fn(void *user, bvx_file_bytes *file);
+
+/** What a file holds that its mesh does not: skins with their joints and weights, morph targets, animations,
+ *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh. Bits. */
+#define BVX_LOST_LIST(X)                    \
+    X(BVX_LOST_SKINS, 1, "skins")           \
+    X(BVX_LOST_MORPHS, 2, "morphs")         \
+    X(BVX_LOST_ANIMATIONS, 4, "animations") \
+    X(BVX_LOST_POINTS, 8, "points")         \
+    X(BVX_LOST_IMAGES, 16, "images")        \
+    X(BVX_LOST_ATTRIBUTES, 32, "attributes")
+enum { BVX_LOST_LIST(BVX_LIST_ENUM) };
+
+typedef struct bvx_read_report {
+    uint64_t dropped; /**< triangles left out by drop_nonfinite */
+    uint32_t lost;    /**< what the mesh does not hold: bits of BVX_LOST_... */
+    uint32_t reserved;
+} bvx_read_report;
+
+typedef struct bvx_read_options {
+    size_t struct_size;
+    int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a
+                                 polygon all are [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+    bvx_open_fn *open_file;   /**< [Default: NULL, no other file is opened] */
+    bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
+    void *user;               /**< first argument of open_file and close_file [Default: NULL] */
+    bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
+} bvx_read_options;
+
+BVX_API void bvx_read_options_init(bvx_read_options *options, size_t size);
+
+/** The same with all options. glTF names files for buffers and images: a buffer that is not there is
+ *  BVX_ERR_FORMAT, an image a loss. Materials, textures and images become mesh.assets; a triangle without a
+ *  material has the index after the last one. What else is read of glTF: docs/formats.md.
  *  Returns what bvx_read_mesh returns; BVX_ERR_EMPTY also when no triangle remains. Colours and texture
  *  coordinates must be finite.
- *  [Memory: 4 bytes a vertex more, where triangles are left out] */
-BVX_API bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size,
-                                        int32_t format, uint64_t *dropped, bvx_mesh *mesh);
+ *  [Memory: as bvx_read_mesh, files that open_file hands out count as size; 4 bytes a vertex more, where
+ *  triangles are left out]
+ *  Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022); KHR_mesh_quantization. */
+BVX_API bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                      const bvx_read_options *options, bvx_mesh *mesh);
 
 /** Read a cloud of points: the vertices of a mesh without triangles.
  *  BVX_FORMAT_XYZ  text, a point a line: x y z, further columns are ignored; between them spaces, tabs,

@@ -6,8 +6,8 @@ export type Triple = [number, number, number];
 export type TripleIn = readonly [number, number, number] | Float64Array | Float32Array | Int32Array;
 
 /** Formats of meshes that are read, and those that are written. */
-export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off';
-export type MeshFormat = MeshFormatIn | 'glb';
+export type MeshFormatIn = 'stl' | 'obj' | 'ply' | 'off' | 'glb' | 'gltf';
+export type MeshFormat = 'stl' | 'obj' | 'ply' | 'off' | 'glb';
 
 export type Fill = 'auto' | 'parity' | 'nonzero' | 'vote' | 'flood' | 'regions' | 'below' | 'winding';
 export type FillReason = 'asked' | 'sound' | 'nested' | 'overlap' | 'open' | 'unorientable';
@@ -498,7 +498,7 @@ export interface Bitvox {
     reset(): void;
 
     /** The mesh format that a file name's ending stands for (".gz" is looked through). */
-    formatOfName(name: string): MeshFormat | undefined;
+    formatOfName(name: string): MeshFormatIn | undefined;
     /** [bvx_read_mesh]; finite: triangles with a corner that is not finite are left out and counted. */
     readMesh(
         bytes: ArrayBuffer | ArrayBufferView,

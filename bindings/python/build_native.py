@@ -16,6 +16,8 @@ import csource  # noqa: E402
 GLUE_CDEF = """
 extern "Python" int32_t bvxpy_progress(void *, const char *, double);
 extern "Python" int32_t bvxpy_inflate(void *, const void *, uint64_t, void *, uint64_t);
+extern "Python" int32_t bvxpy_open(void *, const char *, bvx_file_bytes *);
+extern "Python" void bvxpy_close(void *, bvx_file_bytes *);
 """
 # What the library makes and takes back; an older library has fewer.
 THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume")

@@ -110,7 +110,7 @@ static int suits_files(const cli_run *run, const char *stage)
 {
     const cli_options *const o = run->options;
     int32_t const bit = run->command->bit;
-    int const mesh_in = is_name_of(o->inputs > 0 ? o->input[0] : NULL, BVX_MESHES_WRITTEN);
+    int const mesh_in = is_name_of(o->inputs > 0 ? o->input[0] : NULL, BVX_MESHES_READ);
     int const mesh_out = is_name_of(o->output, BVX_MESHES_WRITTEN);
 
     /* Two meshes are measured, two grids are counted. */

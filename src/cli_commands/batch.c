@@ -72,8 +72,9 @@ static const char *ending_of_outputs(const cli_run *run, const char *input)
 
     /* Without --format each file keeps its own; voxels of a mesh and levels of a grid need another. */
     if (run->options->format != 0) return cli_format_name(run->options->format);
-    if (bit == CLI_LOD && cli_kind_of_format(bvx_format_of_name(input)) != CLI_MESH) return "ply";
-    return bit == CLI_VOXELIZE ? "bvx" : NULL;
+    if (bit == CLI_LOD && cli_kind_of_input(bvx_format_of_name(input)) != CLI_MESH) return "ply";
+    if (bit == CLI_VOXELIZE) return "bvx";
+    return bvx_format_of_name(input) == BVX_FORMAT_GLTF ? "glb" : NULL; /* the first is not written */
 }
 
 /* Levels have numbers, so that what a script finds does not depend on how many there are; .glb holds all. */

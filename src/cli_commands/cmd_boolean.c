@@ -491,8 +491,8 @@ const cli_command cli_boolean = {
     .does = "union, intersection, difference or xor of two bodies",
     .details =
         "OPERATION is union, intersection, difference (A without B) or xor. Two meshes (" CLI_MESHES_READ
-        ", also\n"
-        "with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
+        ",\n"
+        "also with .gz) become a closed, manifold, oriented mesh that does not cross itself (" CLI_MESHES_WRITTEN
         "),\n"
         "its vertices on their surfaces, whatever is wrong with how they meet; walls thinner than\n"
         "voxels are kept. With --triangles or --error the edges of the result collapse. Grids\n"

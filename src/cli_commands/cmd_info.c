@@ -92,12 +92,26 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
+/* Indices of triangles stand for materials of the file; those beyond them for none. */
+static void tell_materials(cli_made *made, const bvx_mesh *mesh)
+{
+    uint32_t most = 0;
+
+    for (uint64_t t = 0; t < mesh->triangle_count; t++)
+        if (mesh->materials[t] > most) most = mesh->materials[t];
+    cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
+}
+
 static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
 {
     if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
+    if (mesh->normals != NULL) cli_tell(made, "  normals     of vertices\n");
     if (mesh->uvs != NULL)
         cli_tell(made, "  texture     coordinates of %s\n",
-                 mesh->uv_triangles != NULL ? "triangles' corners" : "vertices");
+                 mesh->uv_triangles != NULL ? "triangles' corners"
+                 : mesh->uvs2 != NULL       ? "vertices, two of each"
+                                            : "vertices");
+    if (mesh->materials != NULL) tell_materials(made, mesh);
 }
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)

@@ -424,9 +424,8 @@ const cli_command cli_repair = {
     .usage = "IN -o OUT [options]",
     .does = "a closed, manifold, oriented mesh from any",
     .details =
-        "Reads a mesh (" CLI_MESHES_READ
-        ", also with .gz) with whatever is wrong with it - holes, gaps, overlaps,\n"
-        "flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes "
+        "Reads a mesh (" CLI_MESHES_READ ", also with .gz) with whatever is wrong with it - holes, gaps,\n"
+        "overlaps, flipped, doubled or crossing triangles, corners that are NaN or infinite (left out) - and writes "
         "one\n"
         "that is closed, manifold, oriented and does not cross itself (" CLI_MESHES_WRITTEN "). Details\n"
         "below a voxel are lost; what encloses nothing, like a single sheet, becomes a shell; walls thinner "

@@ -34,7 +34,7 @@ static int is_terminal(void)
 static int32_t format_of_inputs(const cli_run *run, int first)
 {
     for (int i = first; i < run->options->inputs; i++)
-        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
+        if (cli_kind_of_input(cli_input_format(run, run->options->input[i])) == CLI_MESH)
             return BVX_FORMAT_PLY;
     return BVX_FORMAT_BVX;
 }

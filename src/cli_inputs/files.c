@@ -313,36 +313,95 @@ void cli_end_parse(cli_run *run, uint64_t bytes)
 
 static int is_mesh_format(int32_t format)
 {
-    return format == BVX_FORMAT_STL || format == BVX_FORMAT_OBJ || format == BVX_FORMAT_PLY ||
-           format == BVX_FORMAT_OFF;
+    return format > 0 && format < 31 && (BVX_MESHES_READ >> format & 1) != 0;
+}
+
+/* ---- files that a file names ---- */
+
+typedef struct files_beside {
+    cli_run *run;
+    const char *path; /* of the file that names them */
+    uint64_t held;    /* bytes of all that are open, and of that file */
+    int failed;       /* 1: one is there and cannot be read, which is told */
+    bvx_read_report report;
+} files_beside;
+
+static int32_t open_beside(void *user, const char *name, bvx_file_bytes *file)
+{
+    files_beside *const beside = user;
+    size_t folder = strlen(beside->path), n = strlen(name);
+    cli_bytes *const b = calloc(1, sizeof *b);
+    char *path;
+    FILE *there;
+
+    while (folder > 0 && strchr("/\\", beside->path[folder - 1]) == NULL) folder--;
+    path = malloc(folder + n + 1);
+    if (b == NULL || path == NULL) {
+        free(path);
+        free(b);
+        return 1;
+    }
+    memcpy(path, beside->path, folder);
+    memcpy(path + folder, name, n + 1);
+
+    /* A file that is not there is no failure of the run: the reader knows what it is needed for. */
+    there = cli_open_file(path, "rb");
+    if (there != NULL && !beside->failed)
+        beside->failed = read_bytes(beside->run, path, there, beside->held, b) != CLI_DONE;
+    if (there == NULL || beside->failed) {
+        free(b->bytes);
+        free(b);
+    } else {
+        beside->held += b->room;
+        file->handle = b;
+        file->bytes = b->bytes;
+        file->size = b->size;
+    }
+    if (there != NULL) fclose(there);
+    free(path);
+    return file->handle == NULL;
+}
+
+static void close_beside(void *user, bvx_file_bytes *file)
+{
+    cli_bytes *const b = file->handle;
+    (void)user;
+    free(b->bytes);
+    free(b);
 }
 
 /* Commands that measure a mesh or describe it leave out triangles that lie nowhere; the others, which keep
- * triangles, refuse them. */
-static bvx_status read_triangles(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
+ * triangles, refuse them: what keeps every triangle in its place must not lose one silently. */
+static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
 {
-    uint64_t dropped = 0;
-    bvx_status status;
+    cli_run *const run = beside->run;
+    bvx_read_options options;
 
-    /* What keeps every triangle in its place must not lose one silently. */
-    if ((run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO)) == 0)
-        return bvx_read_mesh(run->context, b->bytes, b->size, format, mesh);
-    status = bvx_read_mesh_finite(run->context, b->bytes, b->size, format, &dropped, mesh);
-    if (status == BVX_OK) run->report.nonfinite += dropped;
-    return status;
+    bvx_read_options_init(&options, sizeof options);
+    options.drop_nonfinite = (run->command->bit &
+                              (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO)) != 0;
+    options.report = &beside->report;
+    /* Nothing lies beside standard input. */
+    if (strcmp(beside->path, "-") != 0) {
+        options.open_file = open_beside;
+        options.close_file = close_beside;
+        options.user = beside;
+    }
+    return bvx_read_mesh_with(run->context, b->bytes, b->size, format, &options, mesh);
 }
 
 /* cloud NULL: a mesh alone will do. */
-static bvx_status parse_mesh(cli_run *run, const cli_bytes *b, int32_t format, bvx_mesh *mesh, int *cloud)
+static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh,
+                             int *cloud)
 {
     bvx_status read = BVX_ERR_EMPTY;
     /* A .xyz file has no triangles to look for. */
-    if (format != BVX_FORMAT_XYZ) read = read_triangles(run, b, format, mesh);
+    if (format != BVX_FORMAT_XYZ) read = read_triangles(beside, b, format, mesh);
     /* A .ply without faces is read once more, as points. */
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
         return read;
     *cloud = 1;
-    return bvx_read_points(run->context, b->bytes, b->size, format, mesh);
+    return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
 /* What is left out is told by how many triangles of this file went. */
@@ -353,9 +412,30 @@ static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
                  cli_input_name(path), dropped, dropped == 1 ? "" : "s");
 }
 
+/* One line of what the file has and no command passes on. */
+static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
+{
+    static const struct {
+        uint32_t bit;
+        const char *text;
+    } known[] = {{BVX_LOST_SKINS, "skins"},
+                 {BVX_LOST_MORPHS, "morph targets"},
+                 {BVX_LOST_ANIMATIONS, "animations"},
+                 {BVX_LOST_POINTS, "points and lines"},
+                 {BVX_LOST_IMAGES, "images whose file is not there"},
+                 {BVX_LOST_ATTRIBUTES, "further attributes of vertices"}};
+    char text[160] = "";
+    size_t n = 0;
+
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if ((lost & known[i].bit) != 0)
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", n > 0 ? ", " : "", known[i].text);
+    if (n > 0) cli_warn(run, "%s: not read: %s", cli_input_name(path), text);
+}
+
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
-    uint64_t const before = run->report.nonfinite;
+    files_beside beside = {.run = run, .path = path};
     cli_bytes b = {NULL, 0, 0, 0};
     int status = cli_open_input(run, path, &b);
 
@@ -363,11 +443,16 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         bvx_status read;
 
         cli_stage_begin(run, "parse");
-        read = parse_mesh(run, &b, format, mesh, cloud);
+        beside.held = b.room;
+        read = parse_mesh(&beside, &b, format, mesh, cloud);
         cli_end_parse(run, b.size);
-        status = cli_check_call(run, read, cli_input_name(path));
+        status = beside.failed ? CLI_FAILED : cli_check_call(run, read, cli_input_name(path));
     }
-    if (status == CLI_DONE) warn_of_nonfinite(run, path, run->report.nonfinite - before);
+    if (status == CLI_DONE) {
+        run->report.nonfinite += beside.report.dropped;
+        warn_of_nonfinite(run, path, beside.report.dropped);
+        warn_of_losses(run, path, beside.report.lost);
+    }
     free(b.bytes);
     return status;
 }

@@ -8,8 +8,10 @@
 
 enum { CLI_MESH = 1, CLI_GRID = 2, CLI_TREE = 3 };
 
-/* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... */
+/* CLI_MESH, CLI_GRID or 0, of any BVX_FORMAT_... that is written. */
 int cli_kind_of_format(int32_t format);
+/* The same of an input: .gltf is read only. */
+int cli_kind_of_input(int32_t format);
 const char *cli_format_name(int32_t format);
 int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
 char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */

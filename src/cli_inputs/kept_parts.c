@@ -9,7 +9,7 @@
 static int keeps_measured_parts(const cli_run *run)
 {
     return run->command->bit == CLI_LOD &&
-           cli_kind_of_format(cli_input_format(run, run->options->input[0])) == CLI_MESH;
+           cli_kind_of_input(cli_input_format(run, run->options->input[0])) == CLI_MESH;
 }
 
 uint64_t cli_least_part(const cli_run *run)
@@ -33,7 +33,7 @@ int cli_check_parts(cli_run *run)
     /* Commands that take meshes and grids alike: one mesh among the inputs is refused, since its parts are
      * none of voxels. */
     for (int i = 0; i < run->options->inputs; i++)
-        if (cli_kind_of_format(cli_input_format(run, run->options->input[i])) == CLI_MESH)
+        if (cli_kind_of_input(cli_input_format(run, run->options->input[i])) == CLI_MESH)
             return cli_usage(run, "%s is for grids and volumes; %s is a mesh", name,
                              cli_input_name(run->options->input[i]));
     return CLI_DONE;

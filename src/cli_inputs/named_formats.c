@@ -19,6 +19,11 @@ int cli_kind_of_format(int32_t format)
                                                    : 0;
 }
 
+int cli_kind_of_input(int32_t format)
+{
+    return format == BVX_FORMAT_GLTF ? CLI_MESH : cli_kind_of_format(format);
+}
+
 const char *cli_format_name(int32_t format)
 {
     switch (format) {
@@ -60,15 +65,12 @@ int32_t cli_input_format(const cli_run *run, const char *path)
 int cli_input_kind(cli_run *run, const char *path, int *kind)
 {
     int32_t const format = cli_input_format(run, path);
-    *kind = format == BVX_FORMAT_GLB ? 0 : format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_format(format);
+    *kind = format == BVX_FORMAT_RAW ? CLI_GRID : cli_kind_of_input(format);
     if (*kind != 0) return CLI_DONE;
     if (strcmp(path, "-") == 0)
         return cli_usage(run,
                          "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
                          " " CLI_GRIDS ")");
-    /* What can be written may well be given by mistake, so it has a message of its own. */
-    if (format == BVX_FORMAT_GLB)
-        return cli_fail(run, "%s: .glb is written, not read; take .ply or .obj", path);
     return cli_fail(
         run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
 }

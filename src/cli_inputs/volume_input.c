@@ -39,9 +39,9 @@ static const cli_rule raw_rules[] = {
 static int refuse_for_input(cli_run *run, const char *option, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    const char *const kind = cli_kind_of_format(format) == CLI_MESH ? "a mesh"
-                             : format == BVX_FORMAT_XYZ             ? "a cloud of points"
-                                                                    : "a grid";
+    const char *const kind = cli_kind_of_input(format) == CLI_MESH ? "a mesh"
+                             : format == BVX_FORMAT_XYZ            ? "a cloud of points"
+                                                                   : "a grid";
     /* --level and --levels differ by a letter: the other one may be meant. */
     const char *const meant = cli_mistaken_for(run, option);
 
@@ -61,7 +61,7 @@ int cli_check_volume_options(cli_run *run)
     for (int i = 0; i < o->inputs; i++) {
         int32_t const format = cli_input_format(run, o->input[i]);
         /* refused later, by its name */
-        if (cli_kind_of_format(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ)
+        if (cli_kind_of_input(format) == 0 && format != BVX_FORMAT_RAW && format != BVX_FORMAT_XYZ)
             return CLI_DONE;
         volumes += cli_may_be_volume(format);
         raw += format == BVX_FORMAT_RAW;

@@ -3,7 +3,7 @@
 #ifndef CLI_ENDINGS_H
 #define CLI_ENDINGS_H
 
-#define CLI_MESHES_READ      ".stl .obj .ply .off"
+#define CLI_MESHES_READ      ".stl .obj .ply .off .glb .gltf"
 #define CLI_MESHES_WRITTEN   ".ply .obj .stl .off .glb"
 #define CLI_GRIDS            ".npy .binvox .vox .nrrd .vti .bvx" /* read and written */
 #define CLI_CONTOURS_READ    ".csl .csv"

@@ -38,6 +38,24 @@ bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh)
                       &mesh->uv_triangles);
 }
 
+bvx_status bvxi_make_normals(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 12, "the normals of the file",
+                      &mesh->normals);
+}
+
+bvx_status bvxi_make_uvs2(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->vertex_capacity * 8,
+                      "the second texture coordinates of the file", &mesh->uvs2);
+}
+
+bvx_status bvxi_make_materials(bvx_context *ctx, bvx_mesh *mesh)
+{
+    return bvxi_alloc(ctx, BVXI_RESULT, mesh->triangle_capacity * 4, "the material indices of the file",
+                      &mesh->materials);
+}
+
 void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh)
 {
     bvxi_mesh_release(ctx, mesh, BVXI_MESH_COLOURS);
@@ -52,5 +70,5 @@ void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh)
 int bvxi_mesh_is_empty(const bvx_mesh *m)
 {
     return m->positions == NULL && m->triangles == NULL && m->vertex_keys == NULL &&
-           m->triangle_keys == NULL && m->colours == NULL && m->uvs == NULL && m->uv_triangles == NULL;
+           m->triangle_keys == NULL && !bvxi_mesh_has_attributes(m);
 }

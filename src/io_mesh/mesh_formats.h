@@ -14,6 +14,9 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh);
 bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh);
+/* GLB and glTF text, known by their first bytes; *lost gets bits of BVX_LOST_.... */
+bvx_status bvxi_read_gltf(bvxi_source *source, const bvx_read_options *options, uint32_t *lost,
+                          bvx_mesh *mesh);
 /* The vertices only. */
 bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points);
 
@@ -27,6 +30,9 @@ bvx_status bvxi_make_triangles(bvx_context *ctx, bvx_mesh *mesh, uint64_t count)
 bvx_status bvxi_make_colours(bvx_context *ctx, bvx_mesh *mesh);
 bvx_status bvxi_make_uvs(bvx_context *ctx, bvx_mesh *mesh, uint64_t count);
 bvx_status bvxi_make_uv_triangles(bvx_context *ctx, bvx_mesh *mesh);
+bvx_status bvxi_make_normals(bvx_context *ctx, bvx_mesh *mesh);
+bvx_status bvxi_make_uvs2(bvx_context *ctx, bvx_mesh *mesh);
+bvx_status bvxi_make_materials(bvx_context *ctx, bvx_mesh *mesh);
 void bvxi_drop_colours(bvx_context *ctx, bvx_mesh *mesh);
 void bvxi_drop_uvs(bvx_context *ctx, bvx_mesh *mesh);
 

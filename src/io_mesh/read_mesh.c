@@ -1,4 +1,4 @@
-/* read_mesh.c - a mesh from the bytes of a file: bvx_read_mesh, bvx_read_mesh_finite. The checks around the
+/* read_mesh.c - a mesh from the bytes of a file: bvx_read_mesh, bvx_read_mesh_with. The checks around the
  * formats' own readers: arguments, text of two bytes a letter, corners that are not finite. */
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
@@ -14,11 +14,15 @@ static int is_utf16(const bvxi_source *source)
     return (b[0] == 0) != (b[1] == 0) && (b[0] == 0) == (b[2] == 0) && (b[1] == 0) == (b[3] == 0);
 }
 
-static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *mesh)
+static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_read_options *options,
+                               uint32_t *lost, bvx_mesh *mesh)
 {
+    int const gltf = format == BVX_FORMAT_GLB || format == BVX_FORMAT_GLTF;
+
     source->format = format == BVX_FORMAT_STL   ? "STL"
                      : format == BVX_FORMAT_OBJ ? "OBJ"
                      : format == BVX_FORMAT_PLY ? "PLY"
+                     : gltf                     ? "glTF"
                                                 : "OFF";
 
     /* An empty file is refused first, or its reader would name a line that nobody wrote. */
@@ -32,47 +36,66 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, bvx_mesh *me
     case BVX_FORMAT_STL: return bvxi_read_stl(source, mesh);
     case BVX_FORMAT_OBJ: return bvxi_read_obj(source, mesh);
     case BVX_FORMAT_PLY: return bvxi_read_ply(source, mesh);
-    default: return bvxi_read_off(source, mesh);
+    case BVX_FORMAT_OFF: return bvxi_read_off(source, mesh);
+    default: return bvxi_read_gltf(source, options, lost, mesh);
     }
 }
 
-/* dropped NULL: what is not finite is refused. */
-static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size,
-                                int32_t format, uint64_t *dropped, bvx_mesh *mesh)
-{
-    bvxi_source source = {0};
-    bvx_mesh made = {0};
-    uint64_t count = 0;
-    bvx_status status;
+static const bvxi_option read_rows[] = {
+    BVXI_SWITCH(bvx_read_options, drop_nonfinite),
+    BVXI_RESERVED(bvx_read_options, reserved),
+};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
+static bvx_status check_read(bvx_context *context, const char *function, const void *bytes, uint64_t size,
+                             int32_t format, const bvx_read_options *options, const bvx_mesh *mesh)
+{
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
+    BVXI_TRY(bvxi_check_options(context, function, options, BVXI_OPTIONS(read_rows)));
+    if ((options->open_file == NULL) != (options->close_file == NULL))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: open_file and close_file are set together or not at all", function);
     if (size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: size is %u, more than memory can hold", function, size);
-    if (format < 0 || format > BVX_FORMAT_SVG || (BVX_MESHES_READ >> format & 1) == 0)
+    if (format < 0 || format > BVX_FORMAT_GLTF || (BVX_MESHES_READ >> format & 1) == 0)
         return bvxi_fail_format(context, BVX_ERR_ARGUMENT, function, "mesh that is read", format,
                                 BVX_MESHES_READ);
     if (mesh->owned != 1 && !bvxi_mesh_is_empty(mesh))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: mesh brings arrays, which are not used; zero it first", function);
+    return BVX_OK;
+}
+
+static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size,
+                                int32_t format, const bvx_read_options *given, bvx_mesh *mesh)
+{
+    bvxi_source source = {0};
+    bvx_mesh made = {0};
+    bvx_read_report report = {0};
+    bvx_read_options options;
+    bvx_status status;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    bvx_read_options_init(&options, sizeof options);
+    BVXI_TRY(bvxi_take_options(context, function, given, &options, sizeof options));
+    BVXI_TRY(check_read(context, function, bytes, size, format, &options, mesh));
 
     /* Nothing is read into the caller's mesh: after a failure it is as it was. */
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
-    source.takes_any = dropped != NULL;
-    status = read_mesh_as(&source, format, &made);
+    source.takes_any = options.drop_nonfinite;
+    status = read_mesh_as(&source, format, &options, &report.lost, &made);
 
     /* Vertices with odd coordinates are kept by the readers
      * only so that their triangles can be dropped here. */
-    if (status == BVX_OK && dropped != NULL) {
-        status = bvxi_mesh_drop_nonfinite(context, function, &made, &count);
+    if (status == BVX_OK && options.drop_nonfinite) {
+        status = bvxi_mesh_drop_nonfinite(context, function, &made, &report.dropped);
         if (status == BVX_OK && made.triangle_count == 0)
             status = bvxi_fail_for(context, BVX_ERR_EMPTY, BVX_REASON_NOT_FINITE,
                                    "%s: each of the %u triangles has a corner that is not finite",
-                                   source.format, count);
+                                   source.format, report.dropped);
     }
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);
@@ -82,7 +105,7 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     /* The old arrays are freed only now, when the new ones are complete. */
     bvx_mesh_free(context, mesh);
     *mesh = made;
-    if (dropped != NULL) *dropped = count;
+    if (options.report != NULL) *options.report = report;
     return BVX_OK;
 }
 
@@ -92,10 +115,15 @@ bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size,
     return BVXI_CALL(context, run_read_mesh(context, "bvx_read_mesh", bytes, size, format, NULL, mesh));
 }
 
-bvx_status bvx_read_mesh_finite(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                uint64_t *dropped, bvx_mesh *mesh)
+bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                              const bvx_read_options *options, bvx_mesh *mesh)
 {
-    static const char *const function = "bvx_read_mesh_finite";
-    if (context != NULL && dropped == NULL) return bvxi_fail_null(context, function, "dropped");
-    return BVXI_CALL(context, run_read_mesh(context, function, bytes, size, format, dropped, mesh));
+    return BVXI_CALL(context,
+                     run_read_mesh(context, "bvx_read_mesh_with", bytes, size, format, options, mesh));
+}
+
+void bvx_read_options_init(bvx_read_options *options, size_t size)
+{
+    static const bvx_read_options defaults = {0};
+    bvxi_give_options(options, size, &defaults, sizeof defaults);
 }

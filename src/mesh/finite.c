@@ -1,8 +1,8 @@
 /* finite.c - a mesh without the triangles that have a corner at infinity or at what is not a number.
  *
  * Vertices that are not finite go, whether a triangle uses them or not, and with them every triangle that
- * does. What remains moves up within its arrays, so the order of vertices and triangles stays, and keys,
- * colours and texture coordinates stay with what they belong to.
+ * does. What remains moves up within its arrays, so the order of vertices and triangles stays, and keys and
+ * attributes stay with what they belong to.
  * Memory: 4 bytes a vertex, where there is something to drop. Cost: O(vertices + triangles). */
 #include "mesh/view.h"
 #include "mesh/mesh.h"
@@ -42,7 +42,9 @@ static void finite_pack_vertices(bvx_mesh *mesh, uint32_t *number)
             finite_move(mesh->positions, mesh->position_type == BVX_F32 ? 12 : 24, v, kept);
             finite_move(mesh->vertex_keys, 8, v, kept);
             finite_move(mesh->colours, 4, v, kept);
+            finite_move(mesh->normals, 12, v, kept);
             finite_move(uvs, 8, v, kept);
+            finite_move(mesh->uvs2, 8, v, kept);
         }
         kept++;
     }
@@ -63,6 +65,7 @@ static void finite_pack_triangles(bvx_mesh *mesh, const uint32_t *number)
         if (kept != t) {
             finite_move(mesh->triangle_keys, 8, t, kept);
             finite_move(mesh->uv_triangles, 12, t, kept);
+            finite_move(mesh->materials, 4, t, kept);
         }
         kept++;
     }

@@ -293,16 +293,63 @@ static bvx_status read_finite(void *user, bvx_context *ctx)
 {
     bvx_mesh mesh = {0};
     uint64_t dropped = 0;
-    bvx_status status = bvx_read_mesh_finite(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size,
-                                             BVX_FORMAT_OBJ, &dropped, &mesh);
+    bvx_read_options options;
+    bvx_status status;
 
     (void)user;
+    bvx_read_options_init(&options, sizeof options);
+    options.drop_nonfinite = 1;
+    status = bvx_read_mesh_with(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ,
+                                &options, &mesh);
     if (status == BVX_OK) {
         ((double *)mesh.positions)[0] = HUGE_VAL;
         status = bvx_mesh_drop_nonfinite(ctx, &mesh, &dropped);
         if (status == BVX_OK) assert_true(dropped > 0);
         else bvx_mesh_free(ctx, &mesh);
     }
+    return end_with_mesh(ctx, status, &mesh);
+}
+
+/* Every kind of memory that a reader of glTF takes, and a file that is closed whatever happens. */
+static const char gltf_text[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"children\":[1,2]},{\"mesh\":0},{\"mesh\":0,\"translation\":[9,0,0]}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"TEXCOORD_0\":2,\"TEXCOORD_1\":2,"
+    "\"COLOR_0\":0},\"indices\":1,\"material\":0},{\"attributes\":{\"POSITION\":0},\"mode\":5}]}],\"materials\":[{}],"
+    "\"images\":[{\"uri\":\"a.png\"},{\"uri\":\"data:image\\/png;base64,AAAA\"},{\"bufferView\":0}],\"accessors\":["
+    "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},{\"bufferView\":1,\"componentType\":5121,"
+    "\"count\":3,\"type\":\"SCALAR\"},{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}],"
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":3}],"
+    "\"buffers\":[{\"byteLength\":39,\"uri\":\"data:;base64,AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAQAAAgD8AAAAAAAEC\"}]}";
+
+static int32_t open_beside(void *user, const char *name, bvx_file_bytes *beside)
+{
+    (void)name;
+    ++*(int *)user;
+    beside->bytes = "abcd";
+    beside->size = 4;
+    return 0;
+}
+
+static void close_beside(void *user, bvx_file_bytes *beside)
+{
+    (void)beside;
+    --*(int *)user;
+}
+
+static bvx_status read_gltf(void *user, bvx_context *ctx)
+{
+    int open = 0;
+    bvx_mesh mesh = {0};
+    bvx_read_options options;
+    bvx_status status;
+
+    (void)user;
+    bvx_read_options_init(&options, sizeof options);
+    options.open_file = open_beside;
+    options.close_file = close_beside;
+    options.user = &open;
+    status = bvx_read_mesh_with(ctx, gltf_text, sizeof gltf_text - 1, BVX_FORMAT_GLTF, &options, &mesh);
+    assert_int_equal(open, 0);
     return end_with_mesh(ctx, status, &mesh);
 }
 
@@ -428,6 +475,7 @@ static fault_row stages[] = {
     {"read OBJ", read_obj, 1, 1, 0},
     {"read PLY", read_ply, 1, 1, 0},
     {"read OBJ, finite", read_finite, 1, 1, 0},
+    {"read glTF", read_gltf, 20, 1, 0},
     {"write STL", write_stl, 1, 0, 0},
     {"write OBJ", write_obj, 1, 0, 0},
     {"write PLY", write_ply, 1, 0, 0},

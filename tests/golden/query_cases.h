@@ -293,12 +293,17 @@ static void finite_mesh(golden *g, const bvx_mesh *mesh)
     bvx_buffer file = {0};
     bvx_mesh spoilt = {0};
     uint64_t dropped = 0;
+    bvx_read_report report = {0};
+    bvx_read_options options;
 
+    bvx_read_options_init(&options, sizeof options);
+    options.drop_nonfinite = 1;
+    options.report = &report;
     golden_begin(g, "finite");
     if (golden_good(g, bvx_write_mesh(g->context, mesh, BVX_FORMAT_OBJ, &file)) &&
         golden_good(
-            g, bvx_read_mesh_finite(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &dropped, &spoilt))) {
-        golden_u64(g, "of_finite", dropped);
+            g, bvx_read_mesh_with(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &options, &spoilt))) {
+        golden_u64(g, "of_finite", report.dropped);
         for (uint64_t v = 0; v < spoilt.vertex_count; v += 7)
             ((double *)spoilt.positions)[v * 3 + v % 3] = HUGE_VAL;
         if (golden_good(g, bvx_mesh_drop_nonfinite(g->context, &spoilt, &dropped)))

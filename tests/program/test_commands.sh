@@ -158,7 +158,9 @@ works 'and back' convert back.ply -o back.off
 holds 'text and binary keep every bit' cmp back.off knot.off
 works 'convert to glb' convert "$knot" -o knot.glb
 holds 'a glb is one' sh -c 'test "$(head -c 4 knot.glb)" = glTF'
-refuses 1 'written, not read' info knot.glb
+works 'a glb is read' info knot.glb
+holds 'a glb is read: its triangles' says '^  triangles +[0-9]+ of'
+holds 'a glb is read: its normals' says '^  normals +of vertices'
 for format in ply obj; do
     works "convert --normals to $format" convert "$knot" -o with_normals.$format --normals
     works "normals are left out again from $format" convert with_normals.$format -o without.$format

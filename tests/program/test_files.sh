@@ -239,4 +239,33 @@ for command in info voxelize lod render convert compare faces refine fill sectio
     too_wide=$((too_wide + $("$program" $command --help | awk 'length($0) > 110 { n++ } END { print n + 0 }')))
 done
 holds 'help fits 110 columns' [ $too_wide = 0 ]
+# ---- glTF: text with its bytes in a file beside it, and what no mesh holds ----
+
+mkdir -p scene
+zero='\000\000\000\000' one='\000\000\200\077'
+# shellcheck disable=SC2059
+printf "$zero$zero$zero$one$zero$zero$zero$one$zero" >'scene/three corners.bin'
+gltf() { # MEMBERS: a triangle in the file scene/t.gltf
+    cat >scene/t.gltf <<END
+{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+ $1}
+END
+}
+gltf '"buffers": [{"byteLength": 36, "uri": "three%20corners.bin"}]'
+run convert scene/t.gltf -o t.off
+holds 'a .gltf with a file beside it' test $status = 0
+holds 'a .gltf with a file beside it: its triangle' sh -c 'test "$(tail -n 1 t.off)" = "3 0 1 2" && test "$(wc -l <t.off)" = 6'
+works 'info of a .gltf' info scene/t.gltf
+holds 'a .gltf from standard input has no file beside it' sh -c '! "$0" info - --format glb <scene/t.gltf 2>err && grep -q "there is no file" err' "$program"
+gltf '"animations": [{}], "materials": [{}], "images": [{"uri": "gone.png"}], "buffers": [{"byteLength": 36, "uri": "three corners.bin"}]'
+warns 'scene/t.gltf: not read: animations, images whose file is not there' info scene/t.gltf
+holds 'info of a .gltf: materials' grep -q '^  materials' out
+gltf '"buffers": [{"byteLength": 36, "uri": "../scene/three corners.bin"}]'
+refuses 1 'there is no file' convert scene/t.gltf -o u.off
+gltf '"extensionsRequired": ["KHR_draco_mesh_compression"]'
+refuses 1 'compressed by KHR_draco_mesh_compression' convert scene/t.gltf -o u.off
+refuses 2 'does not end in a format that can be written' convert "$knot" -o knot.gltf
+rm -rf scene
+
 counts

@@ -12,6 +12,7 @@ enum {
     READ_OBJ = 64,
     READ_PLY = 128,
     READ_OFF = 64,
+    READ_GLTF = 4096, /* nodes repeat meshes, accessors without bytes are zeros */
     READ_POINTS = 16,
     READ_SECTIONS = 40,
     READ_OCTREE = 2,

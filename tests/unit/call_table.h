@@ -609,6 +609,15 @@ static bvx_status read_sections(const world *w)
     return bvx_read_sections(w->ctx, csv, sizeof csv - 1, BVX_FORMAT_CSV, &o, (bvx_sections *)w->out);
 }
 
+static const char off[] = "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+static bvx_status read_mesh_with(const world *w)
+{
+    TAKE_OPTIONS(read, o);
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_read_mesh_with(w->ctx, off, sizeof off - 1, BVX_FORMAT_OFF, &o, (bvx_mesh *)w->out);
+}
+
 static bvx_status read_lattice(const world *w)
 {
     bvx_grid placed = *w->grid; /* it gets the lattice of the file */
@@ -726,6 +735,7 @@ static const call calls[] = {
     CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
     CALL(read_grid, BYTES, TO_GRID),
     CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
+    CALL(read_mesh_with, OPTIONS | RESERVED, TO_MESH),
     CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS),
     CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
 };

@@ -4,6 +4,7 @@
 #define TEST_READ_SUPPORT_H
 
 #include "bitvox.h"
+#include "mesh/mesh.h"
 #include "mesh/polygon.h"
 #include "tools/read_limits.h"
 
@@ -26,11 +27,15 @@ void tearDown(void)
 }
 
 /* Numbers of texture coordinates in range, all of them finite. Returns the
- * bytes of colours and texture coordinates. */
+ * bytes of all attributes. */
 static inline uint64_t check_valid_attributes(const bvx_mesh *m)
 {
     uint64_t bytes = m->colours != NULL ? m->vertex_count * 4 : 0;
 
+    if (m->normals != NULL) bytes += m->vertex_count * 12;
+    if (m->uvs2 != NULL) bytes += m->vertex_count * 8;
+    if (m->materials != NULL) bytes += m->triangle_count * 4;
+    bytes += bvxi_assets_bytes(m->assets);
     if (m->uvs == NULL) {
         TEST_ASSERT_NULL(m->uv_triangles);
         TEST_ASSERT_EQUAL_UINT64(0, m->uv_count);
@@ -69,7 +74,8 @@ static inline uint64_t most_memory(int32_t format, uint64_t size)
     return read_limit(format == BVX_FORMAT_STL   ? READ_STL
                       : format == BVX_FORMAT_OBJ ? READ_OBJ
                       : format == BVX_FORMAT_PLY ? READ_PLY
-                                                 : READ_OFF,
+                      : format == BVX_FORMAT_OFF ? READ_OFF
+                                                 : READ_GLTF,
                       size);
 }
 

@@ -629,8 +629,8 @@ static void test_sizes_beyond_memory_and_none(void)
         uint64_t const n = sizes[i];
         bvx_read_volume_options o;
         expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
-        expect_refused(ctx, bvx_read_mesh_finite(ctx, text, n, BVX_FORMAT_PLY, second, &out.mesh),
-                       "bvx_read_mesh_finite");
+        expect_refused(ctx, bvx_read_mesh_with(ctx, text, n, BVX_FORMAT_PLY, NULL, &out.mesh),
+                       "bvx_read_mesh_with");
         expect_refused(ctx, bvx_read_points(ctx, text, n, BVX_FORMAT_XYZ, &out.mesh), "bvx_read_points");
         expect_refused(ctx, bvx_read_grid(ctx, text, n, BVX_FORMAT_NPY, NULL, &out.grid), "bvx_read_grid");
         expect_refused(ctx, bvx_read_octree(ctx, text, n, &out.tree), "bvx_read_octree");

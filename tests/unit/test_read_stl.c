@@ -357,8 +357,7 @@ static void test_read_mesh_arguments(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, STL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", UINT64_MAX, STL, &m));
     for (int32_t format = -1; format < 14; format++)
-        if (format != BVX_FORMAT_STL && format != BVX_FORMAT_OBJ && format != BVX_FORMAT_PLY &&
-            format != BVX_FORMAT_OFF)
+        if (format < 0 || (BVX_MESHES_READ >> format & 1) == 0)
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, format, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
     /* its own arrays: used again */

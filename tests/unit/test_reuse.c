@@ -130,9 +130,11 @@ static bvx_status crop(bvx_context *c, const model *m, results *r)
 
 static bvx_status read_finite(bvx_context *c, const model *m, results *r)
 {
-    uint64_t dropped;
+    bvx_read_options options;
 
-    return bvx_read_mesh_finite(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &dropped, &r->mesh[0]);
+    bvx_read_options_init(&options, sizeof options);
+    options.drop_nonfinite = 1;
+    return bvx_read_mesh_with(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &options, &r->mesh[0]);
 }
 
 static bvx_status drop_nonfinite(bvx_context *c, const model *m, results *r)
@@ -294,7 +296,7 @@ static const struct row {
     {"bvx_grid_erode", erode},
     {"bvx_grid_open", open_grid},
     {"bvx_grid_close", close_grid},
-    {"bvx_read_mesh_finite", read_finite},
+    {"bvx_read_mesh_with", read_finite},
     {"bvx_mesh_drop_nonfinite", drop_nonfinite},
     {"bvx_mesh_carry", carry},
     {"bvx_read_lattice", read_lattice},
@@ -488,8 +490,8 @@ static void test_failures_leave_results_that_can_be_used(void)
 /* ---- arrays of the caller's ---- */
 
 /* Calls that refuse them, as the header says of each, or that make one result out of another. */
-static const char *const takes_none[] = {"bvx_read_mesh",   "bvx_read_mesh_finite", "bvx_mesh_drop_nonfinite",
-                                         "bvx_read_points", "bvx_mesh_carry",       "bvx_extract_octree"};
+static const char *const takes_none[] = {"bvx_read_mesh",   "bvx_read_mesh_with", "bvx_mesh_drop_nonfinite",
+                                         "bvx_read_points", "bvx_mesh_carry",     "bvx_extract_octree"};
 
 static int refuses_arrays(const char *name)
 {

@@ -61,7 +61,7 @@ class Bitvox {
             .toLowerCase()
             .replace(/\.gz$/, '')
             .match(/\.([a-z0-9]+)$/)?.[1];
-        return ['stl', 'obj', 'ply', 'off', 'glb'].includes(ending) ? ending : undefined;
+        return ['stl', 'obj', 'ply', 'off', 'glb', 'gltf'].includes(ending) ? ending : undefined;
     }
 
     readMesh(bytes, format, options = {}) {
@@ -71,9 +71,11 @@ class Bitvox {
             const kind = choiceOf('readMesh', 'format', 'format_', format);
             if (!options.finite) call.do('bvx_read_mesh', at, size, kind, mesh);
             else {
-                const dropped = call.block(8);
-                call.do('bvx_read_mesh_finite', at, size, kind, dropped, mesh);
-                return { ...call.meshOut(mesh), dropped: machine.get('u64', dropped) };
+                const report = call.struct('read_report');
+                const given = call.options('read_options', { dropNonfinite: true });
+                machine.setField('read_options', given, 'report', report);
+                call.do('bvx_read_mesh_with', at, size, kind, given, mesh);
+                return { ...call.meshOut(mesh), dropped: machine.read('read_report', report).dropped };
             }
             return call.meshOut(mesh);
         });

@@ -22,6 +22,29 @@ def test_meshes_round_trip(ball, tmp_path, ending):
     assert sorted(os.listdir(tmp_path)) == [path.name]
 
 
+def gltf(*members):
+    """A triangle in a file of text whose bytes stand beside it."""
+    return ('{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 1},'
+            ' "material": 0}]}], "materials": [{}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},'
+            ' {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"}], "bufferViews": [{"buffer": 0, "byteLength": 36}],'
+            ' "buffers": [{"byteLength": 36, "uri": "sub/a%20b.bin"}]' + "".join(members) + "}")
+
+
+def test_gltf_with_files_beside_it(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "a b.bin").write_bytes(np.array([0, 0, 1, 1, 0, 0, 0, 1, 0], "<f4").tobytes())
+    (tmp_path / "a.gltf").write_text(gltf())
+    mesh = bitvox.read(tmp_path / "a.gltf")
+    assert mesh.vertices.tolist() == [[0, 0, 1], [1, 0, 0], [0, 1, 0]] and mesh.faces.tolist() == [[0, 1, 2]]
+    assert mesh.vertex_normals.tolist() == mesh.vertices.tolist() and mesh.materials.tolist() == [0] and mesh.uvs.tolist()[0] == [0, 1]
+    (tmp_path / "b.gltf").write_text(gltf(', "images": [{"uri": "gone.png"}], "animations": [{}]'))
+    with pytest.warns(UserWarning, match="not read: animations, images"):
+        bitvox.read(tmp_path / "b.gltf")
+    with pytest.raises(bitvox.FormatError, match="there is no file"):
+        bitvox.loads(gltf().encode(), "gltf")
+    assert bitvox.check(tmp_path / "a.gltf").triangles == 1
+
+
 def test_glb_is_written(ball, tmp_path):
     ball.save(tmp_path / "ball.glb")
     assert (tmp_path / "ball.glb").read_bytes()[:4] == b"glTF"

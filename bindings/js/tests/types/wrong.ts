@@ -16,8 +16,8 @@ bitvox.voxelize(mesh, { resolution: '64' });
 bitvox.voxelize([0, 0, 0]);
 // @ts-expect-error bytes
 bitvox.readMesh('scan.ply', 'ply');
-// @ts-expect-error GLB is written, not read
-bitvox.readMesh(new Uint8Array(4), 'glb');
+// @ts-expect-error glTF text is read, not written
+bitvox.writeMesh(mesh, 'gltf');
 // @ts-expect-error one level a file
 bitvox.writeLevels([mesh], 'stl');
 // @ts-expect-error targets are a list

@@ -27,7 +27,10 @@ MESH_OUTPUTS = formats_in(lib.BVX_MESHES_WRITTEN)
 GRID_FORMATS = formats_in(lib.BVX_GRIDS_READ)
 MESHES_BY_LIBRARIES = ("3mf", "vtp")  # trimesh, PyVista
 _TREE_MAGIC = b"\x89BVO"
-OF_OTHERS = ("amf", "3mf", "glb", "gltf", "vtp", "dxf", "nii", "mha", "dcm")  # trimesh, PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
+OF_OTHERS = ("amf", "3mf", "vtp", "dxf", "nii", "mha", "dcm")  # trimesh, PyVista, ezdxf, nibabel, SimpleITK, pydicom; amf here
+_LOST = ((lib.BVX_LOST_SKINS, "skins"), (lib.BVX_LOST_MORPHS, "morph targets"), (lib.BVX_LOST_ANIMATIONS, "animations"),
+         (lib.BVX_LOST_POINTS, "points and lines"), (lib.BVX_LOST_IMAGES, "images whose file is not there"),
+         (lib.BVX_LOST_ATTRIBUTES, "further attributes of vertices"))
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
@@ -39,8 +42,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     Parameters
     ----------
     path
-        a name, or an open binary file. .stl .obj .ply .off (meshes), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
-        each also as .gz; .amf; .3mf .glb and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
+        a name, or an open binary file. .stl .obj .ply .off .glb .gltf (meshes; a .gltf with the files beside it), .npy .binvox .vox .nrrd .vti .bvx (grids; .bvx octrees too), .csl .csv (sections),
+        each also as .gz; .amf; .3mf and other meshes that trimesh reads, with ``bitvox[formats]``; .vtp with ``bitvox[view]``; .dxf (sections)
         with ``bitvox[geo]``; with ``bitvox[medical]`` the .dcm of an RTSTRUCT (sections) and a .nii or .mha that was written of a grid, which is known
         by its head (other masks: `bitvox.formats.read_nifti`, `bitvox.read_volume`). Beside .npy and .vox, FILE.json
         gives the lattice.
@@ -81,10 +84,10 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     kind = format_of(path, format)
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
-        return loads(read_bytes(path), kind, window=window, close_gap=close_gap, lattice=None if beside is None else read_bytes(beside),
-                     drop_nonfinite=drop_nonfinite, threads=threads, memory_limit=memory_limit, progress=progress)
+        return _loads(read_bytes(path), kind, window, None if beside is None else read_bytes(beside), close_gap, drop_nonfinite,
+                      threads, memory_limit, progress, folder=os.path.dirname(os.path.abspath(path)))
     if window is not None or close_gap is not None or drop_nonfinite:
-        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off")
+        raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf")
     return call("read_other", path, kind)
 
 
@@ -116,7 +119,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     data
         the bytes.
     format
-        an ending, such as "ply". Bytes of .nii, .glb, .3mf and others that other libraries read are laid into a file of their own first.
+        an ending, such as "ply". Bytes of .nii, .3mf and others that other libraries read are laid into a file of their own first.
     window, close_gap, drop_nonfinite
         as for `read`.
     lattice
@@ -134,7 +137,53 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     >>> bitvox.loads(bitvox.dumps(bitvox.read('knot.ply'), 'off'), 'off').n_faces > 1000
     True
     """
-    kind = format.lower().lstrip(".")
+    return _loads(data, format.lower().lstrip("."), window, lattice, close_gap, drop_nonfinite, threads, memory_limit, progress)
+
+
+class _Beside:
+    """Files in the folder of one that names them, held until it is read."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        self.held: list[Any] = []
+
+
+@ffi.def_extern(error=1)
+def bvxpy_open(user: Any, name: Any, file: Any) -> int:
+    beside = ffi.from_handle(user)
+    try:
+        with open(os.path.join(beside.folder, ffi.string(name).decode("utf-8")), "rb") as found:
+            data = ffi.from_buffer(found.read())
+    except (OSError, UnicodeDecodeError):
+        return 1
+    beside.held.append(data)
+    file.bytes, file.size = data, len(data)
+    return 0
+
+
+@ffi.def_extern()
+def bvxpy_close(user: Any, file: Any) -> None:
+    """What was opened goes with its `_Beside`."""
+
+
+def _read_mesh(held: Any, kind: str, drop_nonfinite: bool, folder: str | None, run: Run) -> Mesh:
+    mesh, report, options = new_mesh(), ffi.new("bvx_read_report *"), options_of("read_options")
+    options.drop_nonfinite = int(bool(drop_nonfinite))
+    options.report = report
+    if folder is not None:
+        handle = ffi.new_handle(_Beside(folder))
+        options.open_file, options.close_file, options.user = lib.bvxpy_open, lib.bvxpy_close, handle
+    run.check(lib.bvx_read_mesh_with(run.context, held, len(held), number_of(kind), options, mesh))
+    if report.dropped:
+        warnings.warn(f"{report.dropped} triangles with a corner that is not finite left out", stacklevel=5)
+    lost = [text for bit, text in _LOST if report.lost & bit]
+    if lost:
+        warnings.warn(f"not read: {', '.join(lost)}", stacklevel=5)
+    return Mesh._made(mesh)
+
+
+def _loads(data: Any, kind: str, window: WindowLike, lattice: bytes | None, close_gap: float | None, drop_nonfinite: bool, threads: int | None,
+           memory_limit: int | None, progress: Progress, folder: str | None = None) -> Any:
     if kind in OF_OTHERS:
         for name, given in (("window and lattice are for grids of the library's own formats", window is not None or lattice is not None),
                             ("close_gap is for sections", close_gap is not None), ("drop_nonfinite is for meshes", drop_nonfinite)):
@@ -150,15 +199,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
         if kind in MESH_FORMATS:
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids")
-            mesh = new_mesh()
-            if drop_nonfinite:
-                dropped = ffi.new("uint64_t *")
-                run.check(lib.bvx_read_mesh_finite(run.context, held, len(held), number_of(kind), dropped, mesh))
-                if dropped[0]:
-                    warnings.warn(f"{dropped[0]} triangles with a corner that is not finite left out", stacklevel=3)
-            else:
-                run.check(lib.bvx_read_mesh(run.context, held, len(held), number_of(kind), mesh))
-            return Mesh._made(mesh)
+            return _read_mesh(held, kind, drop_nonfinite, folder, run)
         if kind in SECTION_FORMATS:
             if window is not None or lattice is not None:
                 raise ArgumentError("window and lattice are for grids")
@@ -180,7 +221,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
                 beside = ffi.from_buffer(lattice)
                 run.check(lib.bvx_read_lattice(run.context, beside, len(beside), grid))
             return Grid._made(grid)
-    raise UnsupportedError(f"format {format!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}; " +
+    raise UnsupportedError(f"format {kind!r} is not read; meshes: {', '.join(MESH_FORMATS)}; grids: {', '.join(GRID_FORMATS)}; " +
                            f"by other libraries: {', '.join(OF_OTHERS)}")
 
 

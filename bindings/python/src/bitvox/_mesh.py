@@ -68,7 +68,7 @@ class Mesh:
     0.16666666666666666
     """
 
-    __slots__ = ("_vertices", "_faces", "_colors", "_uvs", "_uv_faces", "_keys", "frame", "report", "__weakref__")
+    __slots__ = ("_vertices", "_faces", "_colors", "_uvs", "_uv_faces", "_normals", "_materials", "_assets", "_keys", "frame", "report", "__weakref__")
 
     def __init__(self, vertices: Any, faces: Any = None, *, colors: Any = None, uvs: Any = None, uv_faces: Any = None,
                  frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
@@ -85,6 +85,9 @@ class Mesh:
             self._faces = arrays.faces_in(faces, len(self._vertices))
         self._colors: Any = arrays.colors_in(colors, len(self._vertices))
         self._uvs: Any = None
+        self._normals: Any = None
+        self._materials: Any = None
+        self._assets: Any = None
         self._uv_faces: Any = None
         if uvs is not None:
             self._set_uvs(uvs, uv_faces)
@@ -114,7 +117,12 @@ class Mesh:
         dtype = "float32" if owner.position_type == lib.BVX_F32 else "float64"
         self._vertices = arrays.array_at(owner.positions, dtype, (n, 3), owner, writable=True)
         self._faces = arrays.array_at(owner.triangles, "uint32", (m, 3), owner, writable=True)
-        self._colors = self._uvs = self._uv_faces = self._keys = None
+        self._colors = self._uvs = self._uv_faces = self._keys = self._normals = self._materials = None
+        self._assets = owner if owner.assets != ffi.NULL else None
+        if owner.normals != ffi.NULL:
+            self._normals = arrays.array_at(owner.normals, "float32", (n, 3), owner, writable=True)
+        if owner.materials != ffi.NULL:
+            self._materials = arrays.array_at(owner.materials, "uint32", (m,), owner, writable=True)
         if owner.colours != ffi.NULL:
             self._colors = arrays.array_at(owner.colours, "uint8", (n, 4), owner, writable=True)
         if owner.uvs != ffi.NULL:
@@ -180,6 +188,16 @@ class Mesh:
         return self._uv_faces
 
     @property
+    def vertex_normals(self) -> Array | None:
+        """(n, 3) float32 normals as a glTF file has them, or None; `normals` computes them."""
+        return self._normals
+
+    @property
+    def materials(self) -> Array | None:
+        """(m,) uint32 indices of materials of a glTF file, or None; a face without one has the index after the last."""
+        return self._materials
+
+    @property
     def keys(self) -> tuple[Any, Any] | None:
         """Canonical keys of vertices and of triangles' cells, uint64, where they were requested; else None."""
         return self._keys
@@ -220,12 +238,14 @@ class Mesh:
             found = found.astype(faces, copy=False)
         other._faces = found
         other._colors, other._uvs, other._uv_faces = self._colors, self._uvs, self._uv_faces
+        other._normals, other._materials, other._assets = self._normals, self._materials, self._assets
         other._keys, other.frame, other.report = self._keys, self.frame, self.report
         return other
 
     def _with_vertices(self, vertices: Any) -> Mesh:
         """The same mesh with other positions."""
         other = self.astype()
+        other._normals = None  # of the surface that it was
         other._vertices = arrays.vertices_in(vertices)
         return other
 
@@ -254,6 +274,8 @@ class Mesh:
         if self._uvs is not None:
             other._uvs = np.array(self._uvs)
             other._uv_faces = None if self._uv_faces is None else np.array(self._uv_faces)
+        other._normals = None if self._normals is None else np.array(self._normals)
+        other._materials, other._assets = None if self._materials is None else np.array(self._materials), self._assets
         with Run() as run:
             mesh, dropped = other._struct(run), ffi.new("uint64_t *")
             run.check(lib.bvx_mesh_drop_nonfinite(run.context, mesh, dropped))
@@ -261,6 +283,10 @@ class Mesh:
         other._vertices, other._faces = other._vertices[:n], other.faces[:m]
         if other._colors is not None:
             other._colors = other._colors[:n]
+        if other._normals is not None:
+            other._normals = other._normals[:n]
+        if other._materials is not None:
+            other._materials = other._materials[:m]
         if other._uv_faces is not None:
             other._uv_faces = other._uv_faces[:m]
         elif other._uvs is not None:
@@ -316,6 +342,12 @@ class Mesh:
             mesh.uv_count = len(self._uvs)
             if self._uv_faces is not None:
                 mesh.uv_triangles = ffi.cast("uint32_t *", arrays.address(self._uv_faces))
+        if self._normals is not None:
+            mesh.normals = ffi.cast("float *", arrays.address(self._normals))
+        if self._materials is not None:
+            mesh.materials = ffi.cast("uint32_t *", arrays.address(self._materials))
+        if self._assets is not None:
+            mesh.assets = self._assets.assets
         if self._keys is not None:
             mesh.vertex_keys = ffi.cast("uint64_t *", arrays.address(self._keys[0]))
             mesh.triangle_keys = ffi.cast("uint64_t *", arrays.address(self._keys[1]))
@@ -543,13 +575,14 @@ class Mesh:
 
     def __getstate__(self) -> Any:
         np = arrays.numpy("pickling")
-        held = [self._vertices, self._faces, self._colors, self._uvs, self._uv_faces, *(self._keys or (None, None))]
+        held = [self._vertices, self._faces, self._colors, self._uvs, self._uv_faces, *(self._keys or (None, None)), self._normals, self._materials]
         return [None if a is None else np.array(a) for a in held], self.frame, self.report
 
     def __setstate__(self, state: Any) -> None:
         held = state[0]
         self.frame, self.report = state[1:]
         self._vertices, self._faces, self._colors, self._uvs, self._uv_faces = held[:5]
+        self._normals, self._materials, self._assets = held[7], held[8], None
         self._keys = None if held[5] is None else (held[5], held[6])
 
     # ---- to others ----
