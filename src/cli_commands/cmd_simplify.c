@@ -25,7 +25,7 @@ static const cli_argument simplify_rows[] = {
            "cut: as keep, but cut along edges of three triangles and more;\n"
            "refuse: they are an error [keep]"),
     {.also = cli_takes_normals},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_carry},
     {.also = cli_takes_samples},
     {.also = cli_takes_all},

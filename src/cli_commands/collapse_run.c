@@ -329,7 +329,6 @@ int cli_write_collapse(cli_run *run, void *work)
 
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
-    if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     if (strcmp(c->source, "measured") == 0) warn_of_surface(made, c);
     warn_of_levels(made, c);
 

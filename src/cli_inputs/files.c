@@ -24,7 +24,7 @@
 #include <zlib.h>
 #endif
 
-enum { FILES_CHUNK = 1 << 20 };
+enum { FILES_CHUNK = 1 << 20, FILES_MATERIALS = 4096 };
 
 #define FILES_MACHINE \
     (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not report its memory */
@@ -353,6 +353,27 @@ static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
                  cli_input_name(path), dropped, dropped == 1 ? "" : "s");
 }
 
+uint32_t cli_attributes_of(const bvx_mesh *mesh)
+{
+    return (mesh->colours != NULL ? CLI_HAS_COLOURS : 0u) | (mesh->uvs != NULL ? CLI_HAS_UVS : 0u) |
+           (mesh->uvs2 != NULL ? CLI_HAS_SECOND_UVS : 0u) |
+           (mesh->materials != NULL ? CLI_HAS_MATERIALS : 0u);
+}
+
+/* Materials in use; those beyond the first of a great many count as one. */
+static int count_materials(const bvx_mesh *mesh)
+{
+    unsigned char used[FILES_MATERIALS] = {0};
+    int count = 0;
+
+    for (uint64_t t = 0; mesh->materials != NULL && t < mesh->triangle_count; t++) {
+        uint32_t const m = mesh->materials[t] < FILES_MATERIALS ? mesh->materials[t] : FILES_MATERIALS - 1;
+        count += !used[m];
+        used[m] = 1;
+    }
+    return count;
+}
+
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     uint64_t const before = run->report.nonfinite;
@@ -367,7 +388,11 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         cli_end_parse(run, b.size);
         status = cli_check_call(run, read, cli_input_name(path));
     }
-    if (status == CLI_DONE) warn_of_nonfinite(run, path, run->report.nonfinite - before);
+    if (status == CLI_DONE) {
+        warn_of_nonfinite(run, path, run->report.nonfinite - before);
+        run->report.had |= cli_attributes_of(mesh);
+        run->report.materials += count_materials(mesh);
+    }
     free(b.bytes);
     return status;
 }

@@ -81,7 +81,7 @@ static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
     bvx_write_report report;
     bvx_status status;
     far.frame[0] = 1e6;
-    status = bvx_check_written(ctx, &far, 1, w->format, &report);
+    status = bvx_check_written(ctx, &far, 1, NULL, w->format, &report);
     if (status != BVX_OK) return status;
     return bvx_write_mesh(ctx, &sheet, report.fits ? BVX_FORMAT_PLY : w->format, file);
 }
@@ -92,7 +92,7 @@ static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
     bvx_write_options o;
 
     if (w->check) return check_as(w, ctx, file);
-    if (w->levels != 0) return bvx_write_levels(ctx, levels, w->levels, w->format, file);
+    if (w->levels != 0) return bvx_write_levels(ctx, levels, w->levels, NULL, w->format, file);
     if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
