@@ -340,6 +340,7 @@ static int write_chain(cli_run *run, void *work)
 {
     const cli_chain *const c = work;
 
+    run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
 

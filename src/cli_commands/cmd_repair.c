@@ -364,8 +364,10 @@ typedef struct repair_job {
 static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
-    int const result = cli_write_mesh(run, &job->repaired);
+    int result;
 
+    run->source = &job->source;
+    result = cli_write_mesh(run, &job->repaired);
     job->report.after = run->report.mesh[0].certificate;
     return result;
 }

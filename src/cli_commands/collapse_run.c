@@ -324,6 +324,7 @@ int cli_write_collapse(cli_run *run, void *work)
 {
     cli_collapse_run *const c = work; /* the first member of the job */
 
+    run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
 

@@ -80,4 +80,5 @@ void cli_release(cli_run *run)
     if (run->work != NULL && run->job->free != NULL) run->job->free(run, run->work);
     free(run->work);
     run->work = NULL;
+    run->source = NULL;
 }

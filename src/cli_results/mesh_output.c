@@ -324,7 +324,7 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
         path, format, r->file.nonmanifold_edges, r->file.nonmanifold_vertices);
 }
 
-static bvx_write_options write_options(const cli_run *run)
+static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshes, int count)
 {
     bvx_write_options o;
 
@@ -334,6 +334,9 @@ static bvx_write_options write_options(const cli_run *run)
     o.turn = cli_turn_of(run);
     /* what rounding spoils was refused or warned of before */
     o.rounding = BVX_ROUNDING_ALLOW;
+    /* Triangles that keep the materials of another mesh need them in the file. */
+    for (int i = 0; i < count; i++)
+        if (meshes[i].materials != NULL && meshes[i].assets == NULL) o.source = run->source;
     return o;
 }
 
@@ -341,7 +344,7 @@ static bvx_write_options write_options(const cli_run *run)
 static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int number, const char *path)
 {
     bvx_write_report *const report = calloc((size_t)count, sizeof *report);
-    bvx_write_options const o = write_options(run);
+    bvx_write_options const o = write_options(run, placed, count);
     bvx_status status;
     int result = CLI_DONE;
 
@@ -399,7 +402,7 @@ static void note_kept(cli_run *run, const bvx_mesh *mesh, const char *path)
 static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
-    bvx_write_options const o = write_options(run);
+    bvx_write_options const o = write_options(run, mesh, 1);
     bvx_buffer file = {0};
 
     note_kept(run, mesh, path);
@@ -450,7 +453,7 @@ int cli_open_levels(cli_run *run, int count, char **path)
 static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
 {
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
-    bvx_write_options const o = write_options(run);
+    bvx_write_options const o = write_options(run, levels, count);
     bvx_buffer file = {0};
     int result;
 

@@ -271,6 +271,7 @@ struct cli_run {
     const cli_command *command;         /* not looked at in this room */
     const cli_job *job;                 /* of the command, likewise */
     void *work;                         /* the job's own */
+    const bvx_mesh *source;             /* of the job, whose materials files of levels get; NULL: none */
     cli_options *options;               /* likewise */
     void *own;                          /* the options of the command alone */
     const cli_command *const *commands; /* all of them, NULL after the last */

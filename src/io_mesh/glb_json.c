@@ -240,6 +240,11 @@ static void glb_put_attributes(const bvxi_glb *glb, uint64_t first, bvxi_output 
     for (int i = 0; i < BVXI_GLB_INDEX; i++) {
         if (glb->count[i] == 0) continue;
         if (i > 0) bvxi_output_text(out, ",");
+        /* glTF has no second texture coordinates without first ones: they stand for both. */
+        if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0) {
+            json_whole(out, glb->kind[BVXI_GLB_UV].attribute, first);
+            bvxi_output_text(out, ",");
+        }
         json_whole(out, glb->kind[i].attribute, first++);
     }
 }
