@@ -26,8 +26,8 @@ bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int3
 
 int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
 {
-    return mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL || mesh->normals != NULL ||
-           mesh->uvs2 != NULL || mesh->materials != NULL || mesh->assets != NULL;
+    return mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL ||
+           mesh->normals != NULL || mesh->uvs2 != NULL || mesh->materials != NULL || mesh->assets != NULL;
 }
 
 /* 1 when arrays that the library made hold such a surface and nothing else. */

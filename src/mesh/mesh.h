@@ -33,7 +33,8 @@ int bvxi_mesh_has_attributes(const bvx_mesh *mesh);
 /* Materials, textures and images of a glTF file: one block, in which all pointers lead. The texts are JSON
  * arrays as the file has them, or NULL; an image's bytes are its own, whatever its bufferView or uri was. */
 typedef struct bvxi_asset_image {
-    const char *members; /* the members of its JSON object without uri and bufferView, such as "mimeType":"..." */
+    const char
+        *members; /* the members of its JSON object without uri and bufferView, such as "mimeType":"..." */
     const uint8_t *bytes;
     uint64_t size;
 } bvxi_asset_image;

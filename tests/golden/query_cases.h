@@ -337,6 +337,9 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
     levels[1] = *mesh;
     file_value(g, "levels", bvx_write_levels(g->context, levels, 2, NULL, BVX_FORMAT_GLB, &file), &file);
     written_value(g, mesh);
+    o.quantize = 1;
+    o.turn = BVX_TURN_Z_TO_Y;
+    file_value(g, "quantized", bvx_write_levels(g->context, levels, 2, &o, BVX_FORMAT_GLB, &file), &file);
     golden_end(g);
 }
 
