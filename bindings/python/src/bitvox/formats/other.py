@@ -7,7 +7,6 @@ import io
 import os
 from typing import Any
 
-from .. import _arrays as arrays
 from .._errors import EmptyError, FormatError, UnsupportedError, need
 from .._mesh import Mesh
 from .._volume import BY_LIBRARIES
@@ -74,8 +73,4 @@ def read_other(path: str, kind: str) -> Any:
         raise FormatError(f"{path}: trimesh cannot read it: {type(why).__name__}: {why}") from why
     if not hasattr(mesh, "faces") or not len(mesh.faces):
         raise EmptyError(f"{path} has no triangles")
-    made = Mesh.of(mesh)
-    if kind in ("glb", "gltf"):  # y is up there; z is up in what `bitvox.write` writes and all else reads
-        x, y, z = arrays.numpy("glTF").asarray(made.vertices).T
-        made = made._with_vertices(arrays.numpy("glTF").stack([x, -z, y], axis=1))
-    return made
+    return Mesh.of(mesh)
