@@ -301,12 +301,12 @@ static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output
     bvxi_output_text(out, "\"images\":[");
     for (uint64_t i = 0; i < assets->image_count; i++) {
         const char *const members = assets->images[i].members;
+        int const named = members != NULL && *members != 0, held = assets->images[i].size > 0;
         bvxi_output_text(out, i > 0 ? ",{" : "{");
-        if (members != NULL && *members != 0) {
-            bvxi_output_text(out, members);
-            bvxi_output_text(out, ",");
-        }
-        json_whole(out, "bufferView", view + i);
+        if (named) bvxi_output_text(out, members);
+        if (named && held) bvxi_output_text(out, ",");
+        /* One whose bytes were not found stays what it was, a name. */
+        if (held) json_whole(out, "bufferView", view++);
         bvxi_output_text(out, "}");
     }
     bvxi_output_text(out, "],");
@@ -344,6 +344,7 @@ static void glb_put_views(const bvxi_glb_file *file, bvxi_output *out)
     for (uint64_t l = 0; l < file->levels; l++) glb_put_level_views(&file->level[l], out);
     for (uint64_t i = 0; i < bvxi_glb_images(file); i++) {
         uint64_t const size = file->assets->images[i].size;
+        if (size == 0) continue;
         glb_put_view(at, size, out);
         bvxi_output_text(out, "}");
         at = bvxi_glb_padded(at + size);

@@ -302,6 +302,27 @@ static void test_write_glb_names_its_extensions(void)
     free_file(&f);
 }
 
+/* An image without bytes has its members alone. */
+static void test_write_glb_of_an_image_that_is_not_there(void)
+{
+    static const bvxi_asset_image some[3] = {
+        {"\"uri\":\"gone.png\"", NULL, 0}, {NULL, png, sizeof png}, {"\"name\":\"a\"", png, sizeof png}};
+    struct bvx_assets own = assets;
+    bvx_mesh m = asset_mesh(BVX_F32, 0, 1);
+
+    own.image_count = 3;
+    own.images = some;
+    m.assets = &own;
+    glb_file f = write_glb(&m);
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        strstr(f.json,
+               "\"images\":[{\"uri\":\"gone.png\"},{\"bufferView\":3},{\"name\":\"a\",\"bufferView\":4}],"),
+        f.json);
+    TEST_ASSERT_EQUAL_UINT32(f.binary_size - 68 + sizeof png,
+                             json_count(json_item(strstr(f.json, "\"buffers\":") + 10, 0), "byteLength"));
+    free_file(&f);
+}
+
 /* Materials and images once for all levels: of the source, or of the first level that has some. */
 static void test_write_levels_share_materials_and_images(void)
 {
@@ -533,6 +554,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_write_glb_has_every_combination_of_attributes);
     RUN_TEST(test_write_glb_names_its_extensions);
+    RUN_TEST(test_write_glb_of_an_image_that_is_not_there);
     RUN_TEST(test_write_levels_share_materials_and_images);
     RUN_TEST(test_quantized_positions_of_seams_are_equal);
     RUN_TEST(test_quantized_meshes_at_the_limits);
