@@ -132,23 +132,29 @@ static void name_attributes(uint32_t which, int materials, cli_text *text)
     }
 }
 
+/* What would have kept the attributes; "" where nothing does. */
+static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
+{
+    int const held = (lost & ~attributes_of_format(bvx_format_of_name(run->options->output))) == 0;
+    uint32_t const carried = lost & (CLI_HAS_COLOURS | CLI_HAS_UVS);
+
+    if (run->command->bit == CLI_CONVERT || run->options->carry)
+        return held || (run->options->carry && carried != lost) ? "" : "; .glb keeps them";
+    if (!cli_takes(run, "--carry") || carried == 0) return "";
+    if (carried != lost) return held ? "; --carry keeps colours and texture coordinates" : "";
+    return held ? "; --carry keeps them" : "; .glb with --carry keeps them";
+}
+
 void cli_tell_lost(const cli_run *run, cli_made *made)
 {
-    const char *const out = run->options->output;
     uint32_t const lost = run->report.had & ~run->report.kept;
-    int const carries = cli_takes(run, "--carry") && !run->options->carry;
-    int const held = (lost & ~attributes_of_format(bvx_format_of_name(out))) == 0;
     cli_text names = {NULL, 0, 0, 0};
 
     if (lost == 0 || !CLI_HOLDS(run, CLI_TO_MESH)) return;
     name_attributes(lost, run->report.materials, &names);
-    /* What the command does not carry no format keeps. */
-    cli_advise(made, "%s: %s %s not kept%s", out, names.bytes,
+    cli_advise(made, "%s: %s %s not kept%s", run->options->output, names.bytes,
                lost == CLI_HAS_MATERIALS && run->report.materials == 1 ? "is" : "are",
-               carries && held ? "; --carry keeps them"
-               : carries       ? "; .glb with --carry keeps them"
-               : !held && (run->options->carry || run->command->bit == CLI_CONVERT) ? "; .glb keeps them"
-                                                                                    : "");
+               remedy_of_loss(run, lost));
     cli_text_free(&names);
 }
 
