@@ -2677,8 +2677,9 @@ BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, in
                                   bvx_buffer *file);
 
 /* STL and GLB hold 32-bit floats: STL of the position, GLB too where meshes have 32-bit floats and no frame,
- * else of what it is from the middle of the bounds; or whole steps where they are quantized. A mesh is spoilt where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more
- * than one triangle in 20 without its area or turned over. */
+ * else of what it is from the middle of the bounds; or whole steps where they are quantized. A mesh is spoilt
+ * where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more than one triangle
+ * in 20 without its area or turned over. */
 enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
 
 /* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
@@ -2695,9 +2696,8 @@ typedef struct bvx_write_options {
     int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
                            side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
                            formats are refused [Limit: 0..1] [Default: 0] */
-    const bvx_mesh
-        *source; /**< its materials, textures and images go into a GLB [Default: NULL, the mesh's own,
-                                 or those of the first level that has some] */
+    const bvx_mesh *source; /**< its materials, textures and images go into a GLB
+                                 [Default: NULL, those of the mesh, or of the first level that has some] */
 } bvx_write_options;
 
 BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
@@ -2739,9 +2739,9 @@ BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *level
                                      bvx_write_report *reports);
 
 /** Write levels of detail as one file: nodes "level_0", "level_1", ... with a mesh each, as
- *  bvx_write_mesh_with writes it, all about one centre, with materials, textures and images once. Only level_0 is in the scene; MSFT_lod, an extension that few readers
- *  know, attaches the others, and all other viewers show level_0. When a level gives way to the next:
- *  docs/formats.md.
+ *  bvx_write_mesh_with writes it, all about one centre, with materials, textures and images once. Only
+ *  level_0 is in the scene; MSFT_lod, an extension that few readers know, attaches the others, and all other
+ *  viewers show level_0. When a level gives way to the next: docs/formats.md.
  *  levels       [Size: level_count] the finest first, each with triangles
  *  level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh_with
  *  options      NULL: all defaults

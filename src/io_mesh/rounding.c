@@ -1,9 +1,10 @@
 /* rounding.c - what the numbers of a file leave of a mesh.
  *
- * STL and GLB hold 32-bit floats, a quantized GLB whole steps. Coordinates of a map projection are some millions, and the floats there lie
- * half a unit apart: a mesh of finer triangles becomes a heap of points that are equal, with no word of it in
- * the file. So what rounding does is measured before such a file is written: how far it moves a coordinate,
- * beside the mean length of edges, and how many triangles lose their area or are turned over. */
+ * STL and GLB hold 32-bit floats, a quantized GLB whole steps. Coordinates of a map projection are some
+ * millions, and the floats there lie half a unit apart: a mesh of finer triangles becomes a heap of points that
+ * are equal, with no word of it in the file. So what rounding does is measured before such a file is written:
+ * how far it moves a coordinate, beside the mean length of edges, and how many triangles lose their area or are
+ * turned over. */
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
 

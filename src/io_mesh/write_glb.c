@@ -1,8 +1,8 @@
 /* write_glb.c - a mesh, or several levels of detail, to binary glTF 2.0 with the materials that a file had;
  * first vertices are repeated where their corners have several texture coordinates.
  *
- * Source: Khronos Group. glTF 2.0 Specification. 2017; KHR_mesh_quantization; for levels Microsoft. MSFT_lod. Guarantee: repeated
- * vertices stand in the order of their first use. */
+ * Sources: Khronos Group. glTF 2.0 Specification. 2017. Khronos Group. KHR_mesh_quantization. Microsoft.
+ * MSFT_lod. Guarantee: repeated vertices stand in the order of their first use. */
 #include "io_mesh/glb.h"
 #include "io_mesh/mesh_formats.h"
 #include "mesh/mesh.h"
@@ -96,7 +96,7 @@ void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams)
 /* ---- A mesh to binary glTF 2.0, or several levels of detail to one such file ---- */
 
 /* Source: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022).
- * Attributes are those of the mesh; what it has no normals for gets smooth ones, over seams of the texture too.
+ * Attributes are those of the mesh; where it has no normals they are smooth, over seams of the texture too.
  * Positions in 32-bit floats go out as they are, others as floats relative to the centre of the bounds, which
  * nodes carry as doubles: so a mesh far from the origin keeps its shape. Levels share one centre, since some
  * readers swap meshes below one node; the arrays of a level follow those of the one before it. Colours become
