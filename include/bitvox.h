@@ -2700,39 +2700,51 @@ BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint
                                    bvx_mesh *points);
 
 /** Write a mesh; its frame is added. PLY, OBJ (without alpha) and OFF keep colours, PLY and OBJ texture
- *  coordinates too. GLB has both, smooth normals, and positions about the middle of the bounds. What each
- *  format holds: docs/formats.md. A mesh that rounding to 32-bit floats would spoil, like one in metres of a
+ *  coordinates too. GLB has all that a mesh has. What each format holds: docs/formats.md. Coordinates stay as
+ *  they are, whichever axis is up. A mesh that rounding to 32-bit floats would spoil, like one in metres of a
  *  map projection as STL, is refused with BVX_ERR_RANGE (BVX_ROUNDING_REFUSE says from where on; below that a
  *  few vertices may become one): take another format, or subtract from mesh.frame an origin that the file's
  *  user knows. bvx_check_written reports what a file would hold.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED.
- *  [Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex, and 84 a triangle while
- *  texture coordinates are split] */
+ *  [Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex without normals, 84 a
+ *  triangle while texture coordinates are split, 4 a triangle where materials differ] */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format,
                                   bvx_buffer *file);
 
-/* STL and GLB hold 32-bit floats: STL of the position, GLB of what it is from the middle of the bounds. A
- * mesh is spoilt where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more
- * than one triangle in 20 without its area or turned over. */
+/* STL and GLB hold 32-bit floats: STL of the position, GLB too where meshes have 32-bit floats and no frame,
+ * else of what it is from the middle of the bounds; or whole steps where they are quantized. A mesh is spoilt
+ * where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more than one triangle
+ * in 20 without its area or turned over. */
 enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
+
+/* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
+enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
 
 typedef struct bvx_write_options {
     size_t struct_size;
     int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL and OFF are
                            refused [Limit: 0..1] [Default: 0] */
-    int32_t rounding; /**< of a mesh that the format's 32-bit floats would spoil, BVX_ROUNDING_...
+    int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_...
                            [Limit: 0..1] [Default: BVX_ROUNDING_REFUSE] */
+    int32_t turn;     /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2]
+                           [Default: BVX_TURN_NONE] */
+    int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
+                           side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
+                           formats are refused [Limit: 0..1] [Default: 0] */
+    const bvx_mesh *source; /**< its materials, textures and images go into a GLB
+                                 [Default: NULL, those of the mesh, or of the first level that has some] */
 } bvx_write_options;
 
 BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
 
-/** The same with all options. Normals are smooth, as bvx_mesh_normals computes them at vertices, so sharp
- *  edges are averaged over too. PLY: float nx ny nz after the coordinates; OBJ: vn, with the vertex's index.
- *  The readers here skip them.
+/** The same with all options. Normals are those of the mesh, at length 1; without any they are smooth, as
+ *  bvx_mesh_normals computes them at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after
+ *  the coordinates; OBJ: vn, with the vertex's index.
  *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles)
- *  or OFF.
- *  [Memory: normals: 24 bytes a vertex more]
- *  [Cost: O(vertices + triangles)] */
+ *  or OFF, and for quantize in other formats than GLB.
+ *  [Memory: normals: 24 bytes a vertex more where the mesh has none; turn: its positions and normals once more]
+ *  [Cost: O(vertices + triangles)]
+ *  Source: Khronos Group. KHR_mesh_quantization, an extension of glTF 2.0. */
 BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
                                        const bvx_write_options *options, int32_t format, bvx_buffer *file);
 
@@ -2740,7 +2752,7 @@ typedef struct bvx_write_report {
     bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
     uint64_t merged;      /**< positions that differ in the mesh and equal another in the file */
     uint64_t spoilt;      /**< triangles that lose their area by rounding, or are turned over */
-    double largest_move;  /**< of a coordinate, by rounding to 32-bit floats; 0 without [Units: world] */
+    double largest_move;  /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
     double mean_edge;     /**< mean length of edges, where there is rounding [Units: world] */
     int32_t fits;         /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
     int32_t reserved;
@@ -2749,31 +2761,34 @@ typedef struct bvx_write_report {
 /** What readers will get of meshes in a format, without writing them: certificates with the positions as the
  *  file rounds them.
  *  levels   [Size: level_count] what one file is to hold, as for bvx_write_levels; 1: one mesh
+ *  options  those of the writer, or NULL
  *  format   STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of others are files of their own
  *  reports  [Size: level_count] out; unspecified after a failure
  *  Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0
  *  then.
  *  [Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and
- *  10 a vertex while equal ones are counted]
+ *  10 a vertex while equal ones are counted; turn: positions and normals of all levels once more]
  *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                     int32_t format, bvx_write_report *reports);
+                                     const bvx_write_options *options, int32_t format,
+                                     bvx_write_report *reports);
 
-/** Write levels of detail as one file: nodes "level_0", "level_1", ... with a mesh each, as bvx_write_mesh
- *  writes it, all about one centre. Only level_0 is in the scene; MSFT_lod, an extension that few readers
- *  know, attaches the others, and all other viewers show level_0. When a level gives way to the next:
- *  docs/formats.md.
+/** Write levels of detail as one file: nodes "level_0", "level_1", ... with a mesh each, as
+ *  bvx_write_mesh_with writes it, all about one centre, with materials, textures and images once. Only
+ *  level_0 is in the scene; MSFT_lod, an extension that few readers know, attaches the others, and all other
+ *  viewers show level_0. When a level gives way to the next: docs/formats.md.
  *  levels       [Size: level_count] the finest first, each with triangles
- *  level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh
+ *  level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh_with
+ *  options      NULL: all defaults
  *  format       BVX_FORMAT_GLB; the others hold one mesh a file
  *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds: 2^32 - 1
  *  bytes, f32 positions about the centre), BVX_ERR_UNSUPPORTED (another format). Messages name the level.
- *  [Memory: the file; 24 bytes a vertex of all levels; with uv_triangles 12 bytes a triangle and 8 a vertex
- *  as written, and 72 a triangle of one level at a time; about 450 bytes a level]
+ *  [Memory: the file; for all levels what bvx_write_mesh_with takes for one, but the 72 bytes a triangle that
+ *  splitting texture coordinates takes for a while; about 700 bytes a level]
  *  [Cost: O(vertices + triangles)]
  *  Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0. */
 BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                    int32_t format, bvx_buffer *file);
+                                    const bvx_write_options *options, int32_t format, bvx_buffer *file);
 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice

@@ -437,6 +437,8 @@ export interface LodReport {
 export interface WriteOptions extends CallOptions {
     normals?: boolean | undefined;
     rounding?: 'refuse' | 'allow' | undefined;
+    turn?: 'none' | 'z-to-y' | 'y-to-z' | undefined;
+    quantize?: boolean | undefined;
 }
 
 export type Status =
@@ -513,7 +515,7 @@ export interface Bitvox {
     /** [bvx_write_mesh_with] */
     writeMesh(mesh: AnyMesh, format: MeshFormat, options?: WriteOptions): Uint8Array<ArrayBuffer>;
     /** All levels in one file. [bvx_write_levels] */
-    writeLevels(meshes: readonly AnyMesh[], format: 'glb', options?: CallOptions): Uint8Array<ArrayBuffer>;
+    writeLevels(meshes: readonly AnyMesh[], format: 'glb', options?: WriteOptions): Uint8Array<ArrayBuffer>;
 
     /** [bvx_mesh_check]; weld takes vertices at equal positions for one. */
     check(mesh: AnyMesh, options?: CallOptions & { weld?: boolean | undefined }): Certificate;

@@ -125,8 +125,9 @@ struct cli_options {
     int64_t samples;  /* -1: not given */
 
     /* meshes in files */
-    int32_t carry, normals;
+    int32_t carry, normals, quantize;
     cli_triple output_origin; /* taken from the positions */
+    int32_t up, input_up;     /* CLI_UP_..., 0: by the format */
 
     /* volumes, .raw files, parts of voxels */
     double level;
@@ -151,6 +152,9 @@ struct cli_options {
 
     double close_gap; /* between the ends of a contour */
 };
+
+/* The axis that is up in a mesh's file. */
+enum { CLI_UP_NONE = 0, CLI_UP_Y = 1, CLI_UP_Z = 2 };
 
 /* The method of lod that is neither of BVX_LOD_... */
 enum { CLI_METHOD_COLLAPSE = 3 };

@@ -56,9 +56,18 @@ static int take_list(const cli_argument *a, const char *text, const char *stops,
     return list->count >= a->least;
 }
 
-static int take_triple(const char *text, cli_triple *t)
+static int take_triple(const cli_argument *a, const char *text, cli_triple *t)
 {
     const char *p = text;
+
+    /* An axis in place of its numbers. */
+    for (int k = 0; a->choice != NULL && k < 3; k++) {
+        if (strcmp(text, a->choice[k]) != 0) continue;
+        t->value[k] = 1.0;
+        t->value[(k + 1) % 3] = t->value[(k + 2) % 3] = 0.0;
+        t->given = 1;
+        return 1;
+    }
     for (int k = 0; k < 3; k++) {
         if (!take_real(p, k < 2 ? "," : "", &t->value[k], &p)) return 0;
         if (k < 2 && *p++ != ',') return 0;
@@ -205,7 +214,7 @@ int cli_take_value(cli_run *run, const cli_argument *a, const char *text)
         good = take_real(text, "", field, &rest);
         if (a->least == 1) return good && *(double *)field >= a->low && *(double *)field <= a->high;
         return good && *(double *)field > a->low && *(double *)field < a->high;
-    case CLI_TRIPLE: return take_triple(text, field);
+    case CLI_TRIPLE: return take_triple(a, text, field);
     case CLI_PAIR: return take_pair(text, field);
     /* One number for all axes or one for each: two would leave an axis open. */
     case CLI_LIST:
@@ -233,7 +242,9 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         if (a->least == 1) snprintf(text, room, "a number from %g to %g", a->low, a->high);
         else snprintf(text, room, "a number above %g and below %g", a->low, a->high);
         break;
-    case CLI_TRIPLE: snprintf(text, room, "three numbers like 3,-4,2"); break;
+    case CLI_TRIPLE:
+        snprintf(text, room, "three numbers like 3,-4,2%s", a->choice != NULL ? ", or x, y or z" : "");
+        break;
     case CLI_PAIR: snprintf(text, room, "two numbers like 2.5,7 or one of them like 2.5,"); break;
     case CLI_LIST:
         if (a->most == 1) snprintf(text, room, "a whole number from %.0f to %.0f", a->low, a->high);

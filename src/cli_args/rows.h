@@ -38,6 +38,8 @@
 #define FROM_TO(n, v, at, lo, hi, h)         {ROW(n, v, REAL, h), LOW_HIGH(lo, hi), .least = 1, at}
 #define NUMBER(n, v, at, h)                  {ROW(n, v, NUMBER, h), at}
 #define TRIPLE(n, v, at, h)                  {ROW(n, v, TRIPLE, h), at}
+/* or the name of an axis */
+#define DIRECTION(n, v, at, h)               {ROW(n, v, TRIPLE, h), NAMES(cli_axis_names, 0), at}
 #define PAIR(n, v, at, h)                    {ROW(n, v, PAIR, h), at}
 #define LIST(n, v, at, lo, hi, few, many, h) \
     {ROW(n, v, LIST, h), LOW_HIGH(lo, hi), .least = few, .most = many, at}
@@ -78,6 +80,8 @@ extern const cli_argument cli_takes_output[], /* -o */
     cli_takes_shells[],                       /* --shell, --least-part, --least-cavity */
     cli_takes_normals[],                      /* --normals */
     cli_takes_output_origin[],                /* --output-origin */
+    cli_takes_quantize[],                     /* --quantize */
+    cli_takes_file_of_a_mesh[],               /* both, --up, --input-up */
     cli_takes_carry[],                        /* --carry of levels */
     cli_takes_samples[],                      /* --samples */
     cli_takes_connectivity[],                 /* --connectivity */

@@ -17,6 +17,7 @@ static const char *const edge_names[] = {BVX_EDGE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_axis_names[] = {"x", "y", "z", NULL};
 static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};
+static const char *const up_names[] = {"y", "z", NULL};
 static const char *const state_names[] = {BVX_STATE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_connectivity_names[] = {"6", "18", "26", NULL};
 static const char *const progress_names[] = {"auto", "bar", "json", "none", NULL};
@@ -197,14 +198,30 @@ const cli_argument cli_takes_shells[] = {
 
 const cli_argument cli_takes_normals[] = {
     FLAG("--normals", SHARED(normals),
-         "of a mesh: also write smooth normals of its vertices to .ply and .obj,\n"
-         "averaged by area over sharp edges too; .glb always has them"),
+         "of a mesh: also write normals of its vertices to .ply and .obj, where the\n"
+         "mesh has none smooth ones, averaged by area over sharp edges too; .glb\n"
+         "always has them"),
     {0}};
 
 const cli_argument cli_takes_output_origin[] = {
     TRIPLE("--output-origin", "X,Y,Z", SHARED(output_origin),
-           "of a mesh: taken from the positions in the file, as .stl and other\n"
-           "32-bit floats need it far from the origin [0,0,0]"),
+           "of a mesh: taken from the positions in the file, before they are turned, as\n"
+           ".stl and other 32-bit floats need it far from the origin [0,0,0]"),
+    {0}};
+
+const cli_argument cli_takes_quantize[] = {
+    FLAG("--quantize", SHARED(quantize),
+         "of a .glb: positions of 16 bits, normals of 8, by KHR_mesh_quantization"),
+    {0}};
+
+const cli_argument cli_takes_file_of_a_mesh[] = {
+    {.also = cli_takes_output_origin},
+    {.also = cli_takes_quantize},
+    CHOICE("--up", "AXIS", SHARED(up), up_names, CLI_UP_Y,
+           "of a mesh: the axis that is up in the file, y or z; it is turned where the\n"
+           "input has the other one up [.glb, .obj: y; .stl: z; others: as they come]"),
+    CHOICE("--input-up", "AXIS", SHARED(input_up), up_names, CLI_UP_Y,
+           "the axis that is up in the input, y or z [as for --up]"),
     {0}};
 
 const cli_argument cli_takes_carry[] = {

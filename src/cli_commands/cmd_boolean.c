@@ -52,7 +52,7 @@ static const cli_argument boolean_rows[] = {
            "as they are; drop: lost where no centre lies in them, with a warning [keep]"),
     {.also = cli_takes_least_part},
     {.also = cli_takes_keep_largest},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_all},
     {0}};
 

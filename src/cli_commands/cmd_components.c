@@ -24,7 +24,7 @@ typedef struct components_options {
 static const cli_argument components_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_reduction},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     LIST("--seed", "X,Y,Z", OWN(seeds), 0, LARGEST_SIDE, 3, 63,
          "keep parts that hold one of these voxels, counted from the grid's\n"
          "first one, three numbers each [all]"),

@@ -16,7 +16,7 @@ static const cli_argument convert_rows[] = {
     {.also = cli_takes_volumes},
     {.also = cli_takes_trees},
     {.also = cli_takes_normals},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_kept_parts},
     {.also = cli_takes_all},
     {0}};
@@ -128,7 +128,6 @@ static void tell_convert(const cli_run *run, const void *work, cli_made *made)
         cli_tell_tree_output(run, &job->tree, made);
     }
     if (mesh == NULL) return;
-    cli_tell_lost(run->options->output, mesh, made);
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices\n", mesh->triangle_count,
              mesh->vertex_count);
 }

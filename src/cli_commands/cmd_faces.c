@@ -22,7 +22,7 @@ static const cli_argument faces_rows[] = {
     {.also = cli_takes_fill_of_solids},
     {.also = cli_takes_volumes},
     FLAG("--merge", OWN(merged), "faces of one plane become few rectangles"),
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_kept_parts},
     {.also = cli_takes_all},
     {0}};

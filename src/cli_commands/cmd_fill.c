@@ -20,7 +20,7 @@ static const cli_argument fill_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_add_shell},
     {.also = cli_takes_reduction},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     LIST("--seed", "X,Y,Z", OWN(seeds), 0, LARGEST_SIDE, 3, 63,
          "empty voxels to fill from, counted from the grid's first one, three\n"
          "numbers each [one in every pocket]"),

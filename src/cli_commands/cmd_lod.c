@@ -68,7 +68,7 @@ static const cli_argument lod_rows[] = {
     {.also = cli_takes_sign},
     {.also = cli_takes_shells},
     {.also = cli_takes_normals},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_carry},
     {.also = cli_takes_samples},
     {.also = cli_takes_keep_largest},
@@ -331,6 +331,7 @@ static int write_chain(cli_run *run, void *work)
 {
     const cli_chain *const c = work;
 
+    run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
 
@@ -360,7 +361,6 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     /* Warnings are collected here and said after all lines. */
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
     /* All levels have one format, so one warning is enough. */
-    if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     tell_chain_head(run, c, made);
     tell_chain_levels(run, c, made);
     cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",

@@ -44,7 +44,7 @@ static const cli_argument morph_rows[] = {
     {.also = cli_takes_fill_of_solids},
     {.also = cli_takes_reduction},
     {.also = cli_takes_sharp},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     CHOICE("--neighbourhood", "N", OWN(neighbourhood), cli_connectivity_names, 0,
            "6: voxels across faces; 18: and edges; 26: and corners [6]"),
     WHOLE("--steps", "N", OWN(change.steps), 1, 65536, "how many times the neighbourhood is applied [1]"),

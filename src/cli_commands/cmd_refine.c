@@ -45,7 +45,7 @@ static const cli_argument refine_rows[] = {
     FLAG("--leaves", SHARED(leaves), "a mesh of boxes, one a leaf, in colours of their levels"),
     PLANES("--cut", "AXIS=VALUE", SHARED(cut), "with --leaves: only those below a plane, once for each axis"),
     {.also = cli_takes_expand},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_all},
     {0}};
 

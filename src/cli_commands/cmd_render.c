@@ -27,7 +27,7 @@ static const cli_argument render_rows[] = {
     SIZE("--size", "WxH", OWN(size), 16384,
          "pixels of a picture [1024x768; 640x480 each for several meshes]"),
     TRIPLE("--from", "X,Y,Z", OWN(from), "direction from the model to the eye [3,-4,2]"),
-    TRIPLE("--up", "X,Y,Z", OWN(up), "what is up in the picture [0,0,1]"),
+    DIRECTION("--up", "X,Y,Z", OWN(up), "what is up in the picture, also x, y or z [0,0,1]"),
     WHOLE("--voxels", "N", OWN(voxels), 1, LARGEST_SIDE,
           "draw the voxels of a mesh's solid, N along its longest axis\n"
           "[256 with --compare]"),

@@ -38,7 +38,7 @@ static const cli_argument repair_rows[] = {
     FLAG("--if-needed", OWN(if_needed), "copy a mesh that needs nothing, its positions as they are"),
     FLAG("--measure", OWN(measure), "report distances between input and result, and overlaps"),
     {.also = cli_takes_normals},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     FLAG("--carry", SHARED(carry),
          "give the result the colours and texture coordinates of the nearest\n"
          "points on the input"),
@@ -364,8 +364,10 @@ typedef struct repair_job {
 static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
-    int const result = cli_write_mesh(run, &job->repaired);
+    int result;
 
+    run->source = &job->source;
+    result = cli_write_mesh(run, &job->repaired);
     job->report.after = run->report.mesh[0].certificate;
     return result;
 }

@@ -93,7 +93,7 @@ static const cli_argument sections_rows[] = {
               "also write blocks: centre, sides and the share that is inside"),
     TRIPLE("--block", "X,Y,Z", OWN(block), "sides of a block, with --block-model"),
     {.also = cli_takes_reduction},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     CHOICE("--format", "NAME", SHARED(format), cli_format_names + BVX_FORMAT_CSL, BVX_FORMAT_CSL,
            "format of standard input, with - as input: csl or csv"),
     {.also = cli_takes_common},

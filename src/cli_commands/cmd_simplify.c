@@ -18,7 +18,7 @@ static const cli_argument simplify_rows[] = {
           "levels of 1/2, 1/4, 1/8 ... of the triangles [1]"),
     {.also = cli_takes_collapse},
     {.also = cli_takes_normals},
-    {.also = cli_takes_output_origin},
+    {.also = cli_takes_file_of_a_mesh},
     {.also = cli_takes_carry},
     {.also = cli_takes_samples},
     {.also = cli_takes_all},

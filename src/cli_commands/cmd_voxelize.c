@@ -72,6 +72,7 @@ static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_reduction},
     {.also = cli_takes_sharp},
     {.also = cli_takes_output_origin},
+    {.also = cli_takes_quantize},
     {.also = cli_takes_kept_parts},
     {.also = cli_takes_all},
     {0}};

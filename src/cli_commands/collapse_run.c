@@ -346,12 +346,12 @@ int cli_write_collapse(cli_run *run, void *work)
 {
     cli_collapse_run *const c = work; /* the first member of the job */
 
+    run->source = &c->input;
     return cli_write_levels(run, c->mesh, c->count, c->path);
 }
 
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
-    if (run->options->carry) cli_tell_lost(c->path[0], &c->mesh[0], made);
     if (c->solid) warn_of_surface(made, c);
     warn_of_levels(made, c);
 

@@ -7,7 +7,23 @@ static const cli_rule line_rules[] = {
     {.given = "--output-origin",
      .lacking = "-o --output-dir",
      .message = "%o needs -o, with the name of a mesh"},
+    {.given = "--quantize", .lacking = "-o --output-dir", .message = "%o needs -o, with the name of a .glb"},
     {.unless = CLI_TO_MESH, .given = "--output-origin", .message = "%o is for meshes; %f is not a mesh"},
+    {.unless = CLI_TO_GLB, .given = "--quantize", .message = "%f: %o is for .glb"},
+    {0}};
+
+/* Of commands that write meshes; others have an --up of their own. */
+static const cli_rule up_rules[] = {
+    {.given = "--up --input-up",
+     .lacking = "-o --output-dir",
+     .message = "%o needs -o, with the name of a mesh"},
+    {.unless = CLI_TO_MESH, .given = "--up --input-up", .message = "%o is for meshes; %f is not a mesh"},
+    {.unless = CLI_HAS_UP,
+     .given = "--up",
+     .message = "%i: no axis is known to be up in the input; give it with --input-up beside %o"},
+    {.unless = CLI_TO_UP,
+     .given = "--input-up",
+     .message = "%f: no axis is known to be up in this format; give it with --up beside %o"},
     {0}};
 
 static int check_batch(cli_run *run)
@@ -65,6 +81,7 @@ int cli_check_options(cli_run *run)
     /* The output has its name by now, -o - included; with --output-dir this is done for each input. */
     cli_find_facts(run);
     CLI_TRY(cli_check_rules(run, line_rules, 0, NULL));
+    if (cli_takes(run, "--input-up")) CLI_TRY(cli_check_rules(run, up_rules, 0, NULL));
     CLI_TRY(cli_check_volume_options(run));
     CLI_TRY(cli_check_parts(run));
     if (g->quiet && g->progress == CLI_BAR_DRAW)

@@ -24,7 +24,7 @@
 #include <zlib.h>
 #endif
 
-enum { FILES_CHUNK = 1 << 20 };
+enum { FILES_CHUNK = 1 << 20, FILES_MATERIALS = 4096 };
 
 #define FILES_MACHINE \
     (UINT64_C(4) << 30) /* bytes for files, twice, where the system does not report its memory */
@@ -433,6 +433,27 @@ static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
     if (n > 0) cli_warn(run, "%s: not read: %s", cli_input_name(path), text);
 }
 
+uint32_t cli_attributes_of(const bvx_mesh *mesh)
+{
+    return (mesh->colours != NULL ? CLI_HAS_COLOURS : 0u) | (mesh->uvs != NULL ? CLI_HAS_UVS : 0u) |
+           (mesh->uvs2 != NULL ? CLI_HAS_SECOND_UVS : 0u) |
+           (mesh->materials != NULL ? CLI_HAS_MATERIALS : 0u);
+}
+
+/* Materials in use; those beyond the first of a great many count as one. */
+static int count_materials(const bvx_mesh *mesh)
+{
+    unsigned char used[FILES_MATERIALS] = {0};
+    int count = 0;
+
+    for (uint64_t t = 0; mesh->materials != NULL && t < mesh->triangle_count; t++) {
+        uint32_t const m = mesh->materials[t] < FILES_MATERIALS ? mesh->materials[t] : FILES_MATERIALS - 1;
+        count += !used[m];
+        used[m] = 1;
+    }
+    return count;
+}
+
 static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_mesh *mesh, int *cloud)
 {
     files_beside beside = {.run = run, .path = path};
@@ -452,6 +473,8 @@ static int read_mesh_file(cli_run *run, const char *path, int32_t format, bvx_me
         run->report.nonfinite += beside.report.dropped;
         warn_of_nonfinite(run, path, beside.report.dropped);
         warn_of_losses(run, path, beside.report.lost);
+        run->report.had |= cli_attributes_of(mesh);
+        run->report.materials += count_materials(mesh);
     }
     free(b.bytes);
     return status;

@@ -15,6 +15,13 @@ int cli_kind_of_input(int32_t format);
 const char *cli_format_name(int32_t format);
 int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
 char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
+/* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
+int32_t cli_up_of_format(int32_t format);
+/* The axis of all inputs, of the output: by options, else by formats. */
+int32_t cli_input_up(const cli_run *run);
+int32_t cli_output_up(const cli_run *run);
+/* How the mesh is turned on its way out, BVX_TURN_... */
+int32_t cli_turn_of(const cli_run *run);
 /* The format of an input by --format or its name, BVX_FORMAT_... */
 int32_t cli_input_format(const cli_run *run, const char *path);
 /* What an input would be by its name; refuses what is not read. */
@@ -51,6 +58,8 @@ int cli_open_input(cli_run *run, const char *path, cli_bytes *bytes);
 int cli_open_samples(cli_run *run, const char *path, cli_bytes *bytes);
 /* The stage of parsing so many bytes of files ends. */
 void cli_end_parse(cli_run *run, uint64_t bytes);
+/* CLI_HAS_... of a mesh. */
+uint32_t cli_attributes_of(const bvx_mesh *mesh);
 /* Read a mesh from a file; creates run->context when there is none. */
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* The same, or a cloud of points: .xyz, or .ply without faces. */

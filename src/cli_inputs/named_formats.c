@@ -62,6 +62,43 @@ int32_t cli_input_format(const cli_run *run, const char *path)
     return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);
 }
 
+/* ---- the axis that is up ---- */
+
+int32_t cli_up_of_format(int32_t format)
+{
+    return format == BVX_FORMAT_GLB || format == BVX_FORMAT_OBJ ? CLI_UP_Y
+           : format == BVX_FORMAT_STL                           ? CLI_UP_Z
+                                                                : CLI_UP_NONE;
+}
+
+int32_t cli_input_up(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+    int32_t up = o->input_up;
+
+    /* Inputs that do not agree are taken as they come. */
+    for (int i = 0; i < o->inputs && o->input_up == CLI_UP_NONE; i++) {
+        int32_t const one = cli_up_of_format(cli_input_format(run, o->input[i]));
+        if (i > 0 && one != up) return CLI_UP_NONE;
+        up = one;
+    }
+    return up;
+}
+
+int32_t cli_output_up(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+    return o->up != CLI_UP_NONE ? o->up : cli_up_of_format(bvx_format_of_name(o->output));
+}
+
+int32_t cli_turn_of(const cli_run *run)
+{
+    int32_t const from = cli_input_up(run), to = cli_output_up(run);
+
+    if (from == CLI_UP_Z && to == CLI_UP_Y) return BVX_TURN_Z_TO_Y;
+    return from == CLI_UP_Y && to == CLI_UP_Z ? BVX_TURN_Y_TO_Z : BVX_TURN_NONE;
+}
+
 int cli_input_kind(cli_run *run, const char *path, int *kind)
 {
     int32_t const format = cli_input_format(run, path);

@@ -89,7 +89,9 @@ static uint32_t facts_of_options(const cli_run *run)
     return fact_if(o->fill == BVX_FILL_FLOOD, CLI_FILLS_FLOOD) |
            fact_if(o->fill == BVX_FILL_REGIONS, CLI_FILLS_REGIONS) |
            fact_if(o->fill == BVX_FILL_BELOW, CLI_FILLS_BELOW) | fact_if(o->padding != 0, CLI_PADS) |
-           fact_if(cli_keep_largest(run) != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS);
+           fact_if(cli_keep_largest(run) != 0 || cli_least_part(run) != 0, CLI_KEEPS_PARTS) |
+           fact_if(cli_input_up(run) != CLI_UP_NONE, CLI_HAS_UP) |
+           fact_if(o->output != NULL && cli_output_up(run) != CLI_UP_NONE, CLI_TO_UP);
 }
 
 static uint32_t facts_of_output(const char *path)
@@ -99,7 +101,7 @@ static uint32_t facts_of_output(const char *path)
     uint32_t const bit = format >= 0 && format < 32 ? 1u << format : 0;
 
     return fact_if(kind == CLI_MESH, CLI_TO_MESH) | fact_if(kind == CLI_GRID, CLI_TO_GRID) |
-           fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) |
+           fact_if(format == BVX_FORMAT_STL, CLI_TO_STL) | fact_if(format == BVX_FORMAT_GLB, CLI_TO_GLB) |
            fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
            fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
 }

@@ -21,7 +21,10 @@ enum {
     CLI_TO_STL = 1 << 11,       /* .stl */
     CLI_TO_NORMALS = 1 << 12,   /* a format with normals of vertices */
     CLI_TO_DISTANCES = 1 << 13, /* a format that holds numbers on voxels */
-    CLI_FIRST_FACT = 14         /* the command's own begin at this bit */
+    CLI_TO_GLB = 1 << 14,       /* .glb */
+    CLI_HAS_UP = 1 << 15,       /* an axis is up in the inputs */
+    CLI_TO_UP = 1 << 16,        /* and in the output */
+    CLI_FIRST_FACT = 17         /* the command's own begin at this bit */
 };
 
 /* A row refuses the line when all of its conditions hold. In the message %o is the option that was given,

@@ -39,6 +39,8 @@ static void tell_made(cli_run *run, cli_made *made)
     /* The command speaks first: what several commands tell alike follows its lines. */
     if (run->job->tell != NULL) run->job->tell(run, run->work, made);
     if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
+    cli_tell_turn(run, made);
+    cli_tell_lost(run, made);
 
     if (grid != NULL) cli_tell_grid(run, &made->head, grid, made->set, made->placed);
     /* An interrupt reports without these, so they need no lock. */
@@ -78,4 +80,5 @@ void cli_release(cli_run *run)
     if (run->work != NULL && run->job->free != NULL) run->job->free(run, run->work);
     free(run->work);
     run->work = NULL;
+    run->source = NULL;
 }

@@ -108,15 +108,65 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
-void cli_tell_lost(const char *path, const bvx_mesh *mesh, cli_made *made)
+/* What files of a format hold of CLI_HAS_... */
+static uint32_t attributes_of_format(int32_t format)
 {
-    int32_t const format = bvx_format_of_name(path);
-    int const colours = mesh->colours != NULL && format == BVX_FORMAT_STL;
-    int const uvs = mesh->uvs != NULL && (format == BVX_FORMAT_STL || format == BVX_FORMAT_OFF);
+    return format == BVX_FORMAT_GLB   ? CLI_HAS_COLOURS | CLI_HAS_UVS | CLI_HAS_SECOND_UVS | CLI_HAS_MATERIALS
+           : format == BVX_FORMAT_STL ? 0
+           : format == BVX_FORMAT_OFF ? CLI_HAS_COLOURS
+                                      : CLI_HAS_COLOURS | CLI_HAS_UVS;
+}
 
-    if (!colours && !uvs) return;
-    cli_advise(made, "%s: .%s cannot hold %s%s%s, which are lost", path, cli_format_name(format),
-               colours ? "colours" : "", colours && uvs ? " and " : "", uvs ? "texture coordinates" : "");
+/* The attributes by name, as in "colours, texture coordinates and 3 materials". */
+static void name_attributes(uint32_t which, int materials, cli_text *text)
+{
+    static const char *const names[] = {"colours", "texture coordinates", "second texture coordinates"};
+
+    for (uint32_t i = 0; i < 4; i++) {
+        uint32_t const bit = 1u << i;
+        if ((which & bit) == 0) continue;
+        if ((which & (bit - 1)) != 0) cli_text_add(text, which >> (i + 1) != 0 ? ", " : " and ");
+        if (bit == CLI_HAS_MATERIALS)
+            cli_text_add(text, "%d material%s", materials, materials == 1 ? "" : "s");
+        else cli_text_add(text, "%s", names[i]);
+    }
+}
+
+/* What would have kept the attributes; "" where nothing does. */
+static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
+{
+    int const held = (lost & ~attributes_of_format(bvx_format_of_name(run->options->output))) == 0;
+    uint32_t const carried = lost & (CLI_HAS_COLOURS | CLI_HAS_UVS);
+
+    if (run->command->bit == CLI_CONVERT || run->options->carry)
+        return held || (run->options->carry && carried != lost) ? "" : "; .glb keeps them";
+    if (!cli_takes(run, "--carry") || carried == 0) return "";
+    if (carried != lost) return held ? "; --carry keeps colours and texture coordinates" : "";
+    return held ? "; --carry keeps them" : "; .glb with --carry keeps them";
+}
+
+void cli_tell_lost(const cli_run *run, cli_made *made)
+{
+    uint32_t const lost = run->report.had & ~run->report.kept;
+    cli_text names = {NULL, 0, 0, 0};
+
+    if (lost == 0 || !CLI_HOLDS(run, CLI_TO_MESH)) return;
+    name_attributes(lost, run->report.materials, &names);
+    cli_advise(made, "%s: %s %s not kept%s", run->options->output, names.bytes,
+               lost == CLI_HAS_MATERIALS && run->report.materials == 1 ? "is" : "are",
+               remedy_of_loss(run, lost));
+    cli_text_free(&names);
+}
+
+void cli_tell_turn(const cli_run *run, cli_made *made)
+{
+    int32_t const turn = CLI_HOLDS(run, CLI_TO_MESH) ? cli_turn_of(run) : BVX_TURN_NONE;
+    int const to_y = turn == BVX_TURN_Z_TO_Y;
+
+    if (turn == BVX_TURN_NONE) return;
+    cli_tell(made, "  turned      from %s up to %s up, x,y,z became %s; --up %s leaves them\n",
+             to_y ? "z" : "y", to_y ? "y" : "z", to_y ? "x,z,-y" : "x,-z,y", to_y ? "z" : "y");
+    cli_text_add(&made->members, ", \"turned\": \"%s\"", to_y ? "z to y" : "y to z");
 }
 
 /* ---- --triangles and --error of the commands that make one mesh ---- */
@@ -193,12 +243,12 @@ static bvx_mesh placed_mesh(const cli_run *run, const bvx_mesh *mesh)
 }
 
 /* 1 when readers of the file do not simply get the mesh: STL has no indices, STL and GLB hold floats. */
-static int file_differs(const bvx_mesh *placed, int32_t format)
+static int file_differs(const cli_run *run, const bvx_mesh *placed, int32_t format)
 {
     int const framed = placed->frame[0] != 0.0 || placed->frame[1] != 0.0 || placed->frame[2] != 0.0;
 
-    return format == BVX_FORMAT_STL || framed ||
-           (format == BVX_FORMAT_GLB && placed->position_type == BVX_F64);
+    return format == BVX_FORMAT_STL || framed || cli_turn_of(run) != BVX_TURN_NONE ||
+           (format == BVX_FORMAT_GLB && (placed->position_type == BVX_F64 || run->options->quantize));
 }
 
 /* A round origin that brings a box near to 0: whole multiples of a power of
@@ -230,16 +280,21 @@ static int refuse_rounding(cli_run *run, const bvx_mesh *placed, const char *pat
 
     bvx_mesh_view_of(placed, &view);
     /* The advice is worth a check: it names an origin that can be copied. */
-    if (bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK && near_origin(&box, origin))
+    if (!run->options->quantize && bvx_mesh_check(run->context, &view, 0, &box) == BVX_OK &&
+        near_origin(&box, origin))
         snprintf(advice, sizeof advice, ", or --output-origin %.15g,%.15g,%.15g to bring it near", origin[0],
                  origin[1], origin[2]);
     return cli_fail(
         run,
-        "%s: .%s holds 32-bit floats: they would move vertices by up to %.2g, where edges have a mean "
+        "%s: .%s holds %s: they would move vertices by up to %.2g, where edges have a mean "
         "length of "
         "%.2g, and %" PRIu64 " of %" PRIu64 " triangles would lose their area or be turned over; take %s%s",
-        path, cli_format_name(format), r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
-        format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb" : ".ply, .obj or .off", advice);
+        path, cli_format_name(format), run->options->quantize ? "quantized positions" : "32-bit floats",
+        r->largest_move, r->mean_edge, r->spoilt, placed->triangle_count,
+        run->options->quantize     ? "it without --quantize"
+        : format == BVX_FORMAT_STL ? ".ply, .obj, .off or .glb"
+                                   : ".ply, .obj or .off",
+        advice);
 }
 
 /* What a file that is written all the same makes worse. */
@@ -247,21 +302,21 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
                              const bvx_write_report *r)
 {
     const char *const format = cli_format_name(bvx_format_of_name(path));
+    int const quantized = run->options->quantize;
+    const char *const what = quantized ? "quantized positions" : "32-bit floats";
     bvx_certificate own;
     bvx_mesh_view view;
 
     if (r->spoilt != 0)
         cli_warn(run,
-                 "%s: the 32-bit floats of .%s leave %" PRIu64 " of %" PRIu64
-                 " triangles without area or turned over",
-                 path, format, r->spoilt, placed->triangle_count);
+                 "%s: the %s of .%s leave %" PRIu64 " of %" PRIu64 " triangles without area or turned over",
+                 path, what, format, r->spoilt, placed->triangle_count);
     else if (r->largest_move * WARNED_SHARE > r->mean_edge)
-        cli_warn(
-            run,
-            "%s: the 32-bit floats of .%s move vertices by up to %.2g, where edges have a mean length of "
-            "%.2g; "
-            "--output-origin brings the mesh near 0",
-            path, format, r->largest_move, r->mean_edge);
+        cli_warn(run,
+                 "%s: the %s of .%s move vertices by up to %.2g, where edges have a mean length of "
+                 "%.2g%s",
+                 path, what, format, r->largest_move, r->mean_edge,
+                 quantized ? "" : "; --output-origin brings the mesh near 0");
     if (cli_is_sound(&r->file)) return;
 
     /* Only a mesh that was sound can lose that by its file. */
@@ -275,17 +330,34 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
         path, format, r->file.nonmanifold_edges, r->file.nonmanifold_vertices);
 }
 
+static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshes, int count)
+{
+    bvx_write_options o;
+
+    bvx_write_options_init(&o, sizeof o);
+    o.normals = run->options->normals;
+    o.quantize = run->options->quantize;
+    o.turn = cli_turn_of(run);
+    /* what rounding spoils was refused or warned of before */
+    o.rounding = BVX_ROUNDING_ALLOW;
+    /* Triangles that keep the materials of another mesh need them in the file. */
+    for (int i = 0; i < count; i++)
+        if (meshes[i].materials != NULL && meshes[i].assets == NULL) o.source = run->source;
+    return o;
+}
+
 /* Certify meshes as one file holds them; number: the report's entry of the first, if it has one. */
 static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int number, const char *path)
 {
     bvx_write_report *const report = calloc((size_t)count, sizeof *report);
+    bvx_write_options const o = write_options(run, placed, count);
     bvx_status status;
     int result = CLI_DONE;
 
     /* One a mesh: a file may hold several. */
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
-    status = bvx_check_written(run->context, placed, (uint64_t)count, bvx_format_of_name(path), report);
+    status = bvx_check_written(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), report);
     cli_stage_end(run);
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 
@@ -322,21 +394,24 @@ static int judge_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
 
-    return file_differs(&placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path)
-                                                           : CLI_DONE;
+    return file_differs(run, &placed, bvx_format_of_name(path)) ? certify_file(run, &placed, 1, number, path)
+                                                                : CLI_DONE;
+}
+
+/* What of its inputs the run's files have. */
+static void note_kept(cli_run *run, const bvx_mesh *mesh, const char *path)
+{
+    run->report.kept |= cli_attributes_of(mesh) & attributes_of_format(bvx_format_of_name(path));
 }
 
 /* The mesh is judged. */
 static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
-    bvx_write_options o;
+    bvx_write_options const o = write_options(run, mesh, 1);
     bvx_buffer file = {0};
 
-    bvx_write_options_init(&o, sizeof o);
-    o.normals = run->options->normals;
-    /* what rounding spoils was refused or warned of before */
-    o.rounding = BVX_ROUNDING_ALLOW;
+    note_kept(run, mesh, path);
     return cli_write_buffer(run, number,
                             bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file),
                             &file, path);
@@ -384,11 +459,15 @@ int cli_open_levels(cli_run *run, int count, char **path)
 static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
 {
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
+    bvx_write_options const o = write_options(run, levels, count);
     bvx_buffer file = {0};
     int result;
 
     if (placed == NULL) return cli_fail(run, "no memory for %d levels", count);
-    for (int i = 0; i < count; i++) placed[i] = placed_mesh(run, &levels[i]);
+    for (int i = 0; i < count; i++) {
+        placed[i] = placed_mesh(run, &levels[i]);
+        note_kept(run, &levels[i], path);
+    }
 
     /* All levels at once, since a reader gets all of them or none. */
     result = certify_file(run, placed, count, 0, path);
@@ -396,7 +475,8 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
     cli_stage_calls(run, 2);
     if (result == CLI_DONE)
         result = cli_write_buffer(
-            run, 0, bvx_write_levels(run->context, placed, (uint64_t)count, bvx_format_of_name(path), &file),
+            run, 0,
+            bvx_write_levels(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), &file),
             &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);

@@ -110,8 +110,10 @@ int cli_check_pattern(cli_run *run);
 int cli_check_level_names(cli_run *run, int count);
 /* Refuse --carry of a mesh that has nothing to carry. */
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
-/* What of a mesh a format cannot hold, as a warning. */
-void cli_tell_lost(const char *path, const bvx_mesh *mesh, cli_made *made);
+/* What the meshes in files lack of the inputs' attributes, as a warning. */
+void cli_tell_lost(const cli_run *run, cli_made *made);
+/* Which axis was turned to which, where one was. */
+void cli_tell_turn(const cli_run *run, cli_made *made);
 /* Certify the mesh as the entry of this number in the report, of this file; the stage may name the number. */
 int cli_check_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path, const char *stage);
 /* Write the mesh as the output of this number, which is open, but do not keep it: less --output-origin;

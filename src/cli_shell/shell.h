@@ -78,6 +78,9 @@ typedef struct cli_mesh_entry {
     const bvx_distance_report *distance; /* to the input, or NULL */
 } cli_mesh_entry;
 
+/* What vertices and triangles of a mesh have beside their positions; normals follow from these. */
+enum { CLI_HAS_COLOURS = 1, CLI_HAS_UVS = 2, CLI_HAS_SECOND_UVS = 4, CLI_HAS_MATERIALS = 8 };
+
 /* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
 typedef struct cli_report {
     bvx_lattice lattice;
@@ -86,6 +89,8 @@ typedef struct cli_report {
     bvx_keep_report parts; /* of voxels, where some were to be dropped */
     int has_parts;
     uint64_t nonfinite; /* triangles of the inputs that were left out */
+    uint32_t had, kept; /* CLI_HAS_...: attributes of the inputs, of the meshes in files */
+    int materials;      /* of the inputs */
     struct {
         char name[32];
         double seconds;
@@ -266,6 +271,7 @@ struct cli_run {
     const cli_command *command;         /* not looked at in this room */
     const cli_job *job;                 /* of the command, likewise */
     void *work;                         /* the job's own */
+    const bvx_mesh *source;             /* of the job, whose materials files of levels get; NULL: none */
     cli_options *options;               /* likewise */
     void *own;                          /* the options of the command alone */
     const cli_command *const *commands; /* all of them, NULL after the last */

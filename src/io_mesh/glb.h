@@ -1,5 +1,5 @@
 /* glb.h - what the files that write a GLB share: vertices repeated along seams of textures, arrays of a
- * mesh, colours as linear light, which glTF wants. Not installed. */
+ * mesh, triangles by material, colours as linear light, which glTF wants. Not installed. */
 #ifndef BVXI_GLB_H
 #define BVXI_GLB_H
 
@@ -22,19 +22,41 @@ typedef struct bvxi_seams {
 bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams);
 void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams);
 
-enum { BVXI_GLB_POSITION, BVXI_GLB_NORMAL, BVXI_GLB_COLOUR, BVXI_GLB_UV, BVXI_GLB_INDEX, BVXI_GLB_ARRAYS };
+/* Indices come last: all before them are multiples of four bytes. */
+enum {
+    BVXI_GLB_POSITION,
+    BVXI_GLB_NORMAL,
+    BVXI_GLB_COLOUR,
+    BVXI_GLB_UV,
+    BVXI_GLB_UV2,
+    BVXI_GLB_INDEX,
+    BVXI_GLB_ARRAYS
+};
+
+enum { BVXI_GLB_I8 = 5120, BVXI_GLB_U16 = 5123, BVXI_GLB_U32 = 5125, BVXI_GLB_FLOAT = 5126 };
+
+/* What the elements of an array are. */
+typedef struct bvxi_glb_kind {
+    const char *attribute; /* NULL: indices */
+    const char *type;
+    int32_t component, normalized;
+    uint64_t size; /* bytes of an element, with padding */
+    int32_t padded;
+} bvxi_glb_kind;
 
 /* One mesh of a file and where its arrays lie. */
 typedef struct bvxi_glb {
     const bvx_mesh *mesh;
-    double *normal;   /* sums of bvxi_add_normals */
-    bvxi_seams seams; /* zero: vertices are those of the mesh */
-    /* of the bounds of all levels in the world: positions are relative to it */
-    double centre[3];
-    float low[3], high[3];           /* of the positions */
-    uint64_t vertices;               /* as written */
+    const bvxi_file_frame *frame; /* that positions are relative to */
+    double *normal;               /* sums of bvxi_add_normals, where the mesh has no normals */
+    bvxi_seams seams;             /* zero: vertices are those of the mesh */
+    uint32_t *order;              /* triangles by material; NULL: as they are */
+    uint64_t *group; /* where those of each material begin in it and all of them end [Size: materials + 2] */
+    int uv_unit, uv2_unit; /* 1: all texture coordinates are in 0..1 */
+    float low[3], high[3]; /* of the positions as written */
+    uint64_t vertices;     /* as written */
+    bvxi_glb_kind kind[BVXI_GLB_ARRAYS];
     uint64_t count[BVXI_GLB_ARRAYS]; /* elements of each array, 0 where the mesh has none */
-    uint64_t size[BVXI_GLB_ARRAYS];  /* bytes of an element */
     uint64_t at[BVXI_GLB_ARRAYS];    /* place in the binary chunk */
     uint64_t end;                    /* of the last array */
 } bvxi_glb;
@@ -43,6 +65,11 @@ typedef struct bvxi_glb {
 typedef struct bvxi_glb_file {
     bvxi_glb *level;
     uint64_t levels;
+    bvxi_file_frame frame;
+    const bvx_assets *assets; /* NULL: none */
+    uint64_t materials;       /* of the assets; triangles of others have the default */
+    int matte;                /* colours alone: the default would be a metal, so one is written */
+    uint64_t end;             /* of the binary chunk, without padding */
 } bvxi_glb_file;
 
 /* Chunks and levels begin at multiples of four bytes. */
@@ -51,7 +78,12 @@ static inline uint64_t bvxi_glb_padded(uint64_t size)
     return (size + 3) / 4 * 4;
 }
 
-/* Fill count, size, at and end from mesh and vertices; the arrays begin at a place of the binary chunk. */
+static inline uint64_t bvxi_glb_images(const bvxi_glb_file *file)
+{
+    return file->assets != NULL ? file->assets->image_count : 0;
+}
+
+/* Fill kind, count, at and end from all else; the arrays begin at a place of the binary chunk. */
 void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin);
 /* BVX_ERR_RANGE when a file of that many bytes would be larger than the format allows. */
 bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels);

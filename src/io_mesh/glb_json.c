@@ -1,49 +1,65 @@
 /* glb_json.c - the description of a GLB file: where its arrays lie, what they are, how meshes stand in the
- * world.
+ * world, and the materials that a file had.
  *
- * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Microsoft. MSFT_lod, a vendor extension of
- * it. A node turns z up into glTF's y up, (x, y, z) to (x, z, -y), as a matrix of zeros and ones: a
- * quaternion would have rounded roots in it. For one mesh a second node below it carries the centre, in the
- * world's own axes. Levels of detail have one node each, which holds the mesh itself, and all have the same
- * matrix: some readers of the extension swap nodes, others only their meshes. Bounds are given as the doubles
- * that the floats are, so that they hold whether a reader rounds them or not. */
+ * Sources: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022). Khronos. KHR_mesh_quantization. Microsoft.
+ * MSFT_lod, a vendor extension. Each level has a node, which holds its mesh; all have the same translation and
+ * scale: some readers of MSFT_lod swap nodes, others only their meshes. Bounds are given as the doubles that
+ * the floats are, so that they hold whether a reader rounds them or not. Texts of materials, textures,
+ * samplers and images are those of the file that they came from. */
 #include "io_mesh/glb.h"
 
-typedef struct glb_kind {
-    const char *attribute; /* NULL: indices */
-    const char *type;
-    int32_t component, normalized;
-} glb_kind;
+#define LOD_EXTENSION      "MSFT_lod"
+#define QUANTIZE_EXTENSION "KHR_mesh_quantization"
 
-enum {
-    GLB_FLOAT = 5126,
-    GLB_U16 = 5123,
-    GLB_U32 = 5125,
-    GLB_VERTEX_TARGET = 34962,
-    GLB_INDEX_TARGET = 34963
+enum { GLB_VERTEX_TARGET = 34962, GLB_INDEX_TARGET = 34963 };
+
+/* ---- where arrays lie ---- */
+
+static const bvxi_glb_kind glb_floats[BVXI_GLB_ARRAYS] = {
+    {"POSITION", "VEC3", BVXI_GLB_FLOAT, 0, 12, 0},  {"NORMAL", "VEC3", BVXI_GLB_FLOAT, 0, 12, 0},
+    {"COLOR_0", "VEC4", BVXI_GLB_U16, 1, 8, 0},      {"TEXCOORD_0", "VEC2", BVXI_GLB_FLOAT, 0, 8, 0},
+    {"TEXCOORD_1", "VEC2", BVXI_GLB_FLOAT, 0, 8, 0}, {NULL, "SCALAR", BVXI_GLB_U32, 0, 4, 0},
 };
 
-static const glb_kind glb_kinds[BVXI_GLB_ARRAYS] = {
-    {"POSITION", "VEC3", GLB_FLOAT, 0},   {"NORMAL", "VEC3", GLB_FLOAT, 0}, {"COLOR_0", "VEC4", GLB_U16, 1},
-    {"TEXCOORD_0", "VEC2", GLB_FLOAT, 0}, {NULL, "SCALAR", 0, 0},
+/* Elements begin at multiples of four bytes. */
+static const bvxi_glb_kind glb_quantized[BVXI_GLB_UV] = {
+    {"POSITION", "VEC3", BVXI_GLB_U16, 0, 8, 1},
+    {"NORMAL", "VEC3", BVXI_GLB_I8, 1, 4, 1},
+    {"COLOR_0", "VEC4", BVXI_GLB_U16, 1, 8, 0},
 };
+
+static void glb_quantize_uv(bvxi_glb_kind *kind)
+{
+    kind->component = BVXI_GLB_U16;
+    kind->normalized = 1;
+    kind->size = 4;
+}
 
 void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin)
 {
-    static const uint64_t size[BVXI_GLB_ARRAYS] = {12, 12, 8, 8, 0};
+    const bvx_mesh *const mesh = glb->mesh;
     uint64_t at = begin;
 
+    memcpy(glb->kind, glb_floats, sizeof glb_floats);
+    if (glb->frame->step > 0.0) {
+        memcpy(glb->kind, glb_quantized, sizeof glb_quantized);
+        if (glb->uv_unit) glb_quantize_uv(&glb->kind[BVXI_GLB_UV]);
+        if (glb->uv2_unit) glb_quantize_uv(&glb->kind[BVXI_GLB_UV2]);
+    }
+    if (glb->vertices <= UINT16_MAX) { /* 65535 itself is no index in glTF */
+        glb->kind[BVXI_GLB_INDEX].component = BVXI_GLB_U16;
+        glb->kind[BVXI_GLB_INDEX].size = 2;
+    }
+
     /* Arrays lie one after the other; those that the mesh lacks have a count of 0 and take no byte. */
-    memcpy(glb->size, size, sizeof glb->size);
-    glb->size[BVXI_GLB_INDEX] = glb->vertices <= UINT16_MAX ? 2 : 4; /* 65535 itself is no index in glTF */
     glb->count[BVXI_GLB_POSITION] = glb->count[BVXI_GLB_NORMAL] = glb->vertices;
-    glb->count[BVXI_GLB_COLOUR] = glb->mesh->colours != NULL ? glb->vertices : 0;
-    glb->count[BVXI_GLB_UV] = glb->mesh->uvs != NULL ? glb->vertices : 0;
-    /* last: all before it are multiples of 4 bytes */
-    glb->count[BVXI_GLB_INDEX] = glb->mesh->triangle_count * 3;
+    glb->count[BVXI_GLB_COLOUR] = mesh->colours != NULL ? glb->vertices : 0;
+    glb->count[BVXI_GLB_UV] = mesh->uvs != NULL ? glb->vertices : 0;
+    glb->count[BVXI_GLB_UV2] = mesh->uvs2 != NULL ? glb->vertices : 0;
+    glb->count[BVXI_GLB_INDEX] = mesh->triangle_count * 3;
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
         glb->at[i] = at;
-        at += glb->count[i] * glb->size[i];
+        at += glb->count[i] * glb->kind[i].size;
     }
     glb->end = at;
 }
@@ -87,20 +103,84 @@ static void json_three(bvxi_output *out, const char *name, const double value[3]
     bvxi_output_text(out, "]");
 }
 
-/* ---- parts of the description ---- */
+/* ---- texts of other files ---- */
 
-/* Only the first node is in the scene: a viewer that does not know the extension shows the finest level. */
-static void glb_put_scene(bvxi_output *out)
+/* An array without its brackets; 0: it is empty, or there is none. */
+static size_t json_inner(const char *array, const char **inner)
 {
-    bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[");
+    size_t n = array != NULL ? bvxi_text_length(array) : 0, first = 0;
+
+    while (first < n && array[first] != '[') first++;
+    while (n > first && array[n - 1] != ']') n--;
+    for (first++; first < n && (array[first] == ' ' || (array[first] >= '\t' && array[first] <= '\r'));)
+        first++;
+    if (first + 1 >= n) return 0;
+    *inner = array + first;
+    return n - 1 - first;
 }
 
-static void glb_put_nodes(const bvxi_glb *glb, bvxi_output *out)
+/* 1 when an array of names has this one. */
+static int json_names(const char *array, const char *name)
 {
-    glb_put_scene(out);
-    bvxi_output_text(out, "{\"children\":[1],\"matrix\":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1]},{\"mesh\":0,");
-    json_three(out, "translation", glb->centre);
-    bvxi_output_text(out, "}],");
+    size_t const n = array != NULL ? bvxi_text_length(array) : 0, length = bvxi_text_length(name);
+
+    for (size_t i = 0; i + length + 2 <= n; i++)
+        if (array[i] == '"' && array[i + 1 + length] == '"' && memcmp(array + i + 1, name, length) == 0)
+            return 1;
+    return 0;
+}
+
+/* A member of the file, as it was. */
+static void json_copy(bvxi_output *out, const char *name, const char *array)
+{
+    const char *inner;
+
+    if (json_inner(array, &inner) == 0) return; /* glTF has no empty arrays */
+    json_name(out, name);
+    bvxi_output_text(out, array);
+    bvxi_output_text(out, ",");
+}
+
+/* ---- parts of the description ---- */
+
+static void glb_put_extensions(const bvxi_glb_file *file, bvxi_output *out)
+{
+    const char *const others = file->assets != NULL ? file->assets->extensions_used : NULL;
+    const char *own[2] = {NULL, NULL}, *inner;
+    size_t const inner_size = json_inner(others, &inner);
+    int put = 0;
+
+    /* MSFT_lod is used, not required: a reader that does not know it shows the finest level. */
+    if (file->levels > 1 && !json_names(others, LOD_EXTENSION)) own[0] = LOD_EXTENSION;
+    if (file->frame.step > 0.0 && !json_names(others, QUANTIZE_EXTENSION)) own[1] = QUANTIZE_EXTENSION;
+    if (own[0] == NULL && own[1] == NULL && inner_size == 0) return;
+
+    bvxi_output_text(out, "\"extensionsUsed\":[");
+    for (int i = 0; i < 2; i++) {
+        if (own[i] == NULL) continue;
+        bvxi_output_text(out, put++ != 0 ? ",\"" : "\"");
+        bvxi_output_text(out, own[i]);
+        bvxi_output_text(out, "\"");
+    }
+    if (inner_size != 0 && put != 0) bvxi_output_text(out, ",");
+    if (inner_size != 0) bvxi_output_add(out, inner, inner_size);
+    bvxi_output_text(out, "],");
+    if (file->frame.step > 0.0) bvxi_output_text(out, "\"extensionsRequired\":[\"" QUANTIZE_EXTENSION "\"],");
+}
+
+/* Where the positions of all levels stand in the world. */
+static void glb_put_frame(const bvxi_file_frame *frame, bvxi_output *out)
+{
+    double const scale[3] = {frame->step, frame->step, frame->step};
+
+    if (frame->origin[0] != 0.0 || frame->origin[1] != 0.0 || frame->origin[2] != 0.0) {
+        bvxi_output_text(out, ",");
+        json_three(out, "translation", frame->origin);
+    }
+    if (frame->step > 0.0) {
+        bvxi_output_text(out, ",");
+        json_three(out, "scale", scale);
+    }
 }
 
 /* Hints for the part of the screen below which each level gives way to the next: there the next one has as
@@ -121,41 +201,77 @@ static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
     bvxi_output_text(out, "0]}");
 }
 
-static void glb_put_level_nodes(const bvxi_glb_file *file, bvxi_output *out)
+static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
 {
-    const double *const centre = file->level[0].centre;
-    /* A matrix holds its translation in the axes of the parent: the centre is turned like everything else. */
-    double const turned[3] = {centre[0], centre[2], 0.0 - centre[1]};
-
-    /* The extension is used, not required: a reader that does not know it shows the finest level. */
-    bvxi_output_text(out, "\"extensionsUsed\":[\"MSFT_lod\"],");
-    glb_put_scene(out);
+    /* Only the first node is in the scene: a viewer that does not know MSFT_lod shows the finest level. */
+    bvxi_output_text(out, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[");
     for (uint64_t i = 0; i < file->levels; i++) {
-        bvxi_output_text(out, i > 0 ? "},{\"name\":\"level_" : "{\"name\":\"level_");
-        bvxi_output_number(out, i);
-        bvxi_output_text(out, "\",");
-        json_whole(out, "mesh", i);
-        bvxi_output_text(out, ",\"matrix\":[1,0,0,0,0,0,-1,0,0,1,0,0");
-        for (int a = 0; a < 3; a++) {
-            bvxi_output_text(out, ",");
-            json_double(out, turned[a]);
+        bvxi_output_text(out, i > 0 ? ",{" : "{");
+        if (file->levels > 1) {
+            bvxi_output_text(out, "\"name\":\"level_");
+            bvxi_output_number(out, i);
+            bvxi_output_text(out, "\",");
         }
-        bvxi_output_text(out, ",1]");
-        if (i > 0) continue;
+        json_whole(out, "mesh", i);
+        glb_put_frame(&file->frame, out);
 
         /* The finest level names the others. */
-        bvxi_output_text(out, ",\"extensions\":{\"MSFT_lod\":{\"ids\":[");
-        for (uint64_t k = 1; k < file->levels; k++) {
-            if (k > 1) bvxi_output_text(out, ",");
+        for (uint64_t k = 1; i == 0 && k < file->levels; k++) {
+            bvxi_output_text(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[" : ",");
             bvxi_output_number(out, k);
         }
-        bvxi_output_text(out, "]}}");
-        glb_put_coverage(file, out);
+        if (i == 0 && file->levels > 1) {
+            bvxi_output_text(out, "]}}");
+            glb_put_coverage(file, out);
+        }
+        bvxi_output_text(out, "}");
     }
-    bvxi_output_text(out, "}],");
+    bvxi_output_text(out, "],");
 }
 
-/* Arrays that a mesh lacks have no number. */
+/* Groups of triangles with a material; the last one is that of the default. */
+static int glb_has_group(const bvxi_glb *glb, uint64_t group)
+{
+    return glb->group[group + 1] > glb->group[group];
+}
+
+static void glb_put_attributes(const bvxi_glb *glb, uint64_t first, bvxi_output *out)
+{
+    for (int i = 0; i < BVXI_GLB_INDEX; i++) {
+        if (glb->count[i] == 0) continue;
+        if (i > 0) bvxi_output_text(out, ",");
+        /* glTF has no second texture coordinates without first ones: they stand for both. */
+        if (i == BVXI_GLB_UV2 && glb->count[BVXI_GLB_UV] == 0) {
+            json_whole(out, glb->kind[BVXI_GLB_UV].attribute, first);
+            bvxi_output_text(out, ",");
+        }
+        json_whole(out, glb->kind[i].attribute, first++);
+    }
+}
+
+/* One primitive a material; all share the level's vertices. */
+static void glb_put_mesh(const bvxi_glb_file *file, const bvxi_glb *glb, uint64_t *number, bvxi_output *out)
+{
+    uint64_t const first = *number;
+    int put = 0;
+
+    for (int i = 0; i < BVXI_GLB_INDEX; i++) *number += glb->count[i] != 0;
+    bvxi_output_text(out, "{\"primitives\":[");
+    for (uint64_t g = 0; g <= file->materials; g++) {
+        if (!glb_has_group(glb, g)) continue;
+        bvxi_output_text(out, put++ != 0 ? ",{\"attributes\":{" : "{\"attributes\":{");
+        glb_put_attributes(glb, first, out);
+        bvxi_output_text(out, "},");
+        json_whole(out, "indices", (*number)++);
+        if (g < file->materials || file->matte) {
+            bvxi_output_text(out, ",");
+            json_whole(out, "material", g);
+        }
+        bvxi_output_text(out, ",\"mode\":4}");
+    }
+    bvxi_output_text(out, "]}");
+}
+
 static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
 {
     uint64_t number = 0;
@@ -163,32 +279,77 @@ static void glb_put_meshes(const bvxi_glb_file *file, bvxi_output *out)
     bvxi_output_text(out, "\"meshes\":[");
     for (uint64_t level = 0; level < file->levels; level++) {
         if (level > 0) bvxi_output_text(out, ",");
-        bvxi_output_text(out, "{\"primitives\":[{\"attributes\":{");
-        for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
-            if (file->level[level].count[i] == 0) continue;
-            if (i == BVXI_GLB_INDEX) bvxi_output_text(out, "},");
-            else if (i > 0) bvxi_output_text(out, ",");
-            json_whole(out, i == BVXI_GLB_INDEX ? "indices" : glb_kinds[i].attribute, number++);
-        }
-        bvxi_output_text(out, ",\"material\":0,\"mode\":4}]}");
+        glb_put_mesh(file, &file->level[level], &number, out);
     }
-    bvxi_output_text(out, "],\"materials\":[{\"pbrMetallicRoughness\":"
-                          "{\"metallicFactor\":0,\"roughnessFactor\":1},\"doubleSided\":true}],");
+    bvxi_output_text(out, "],");
 }
 
-static void glb_put_views(const bvxi_glb *glb, bvxi_output *out)
+/* What the file's materials need. Views of images follow those of all levels. */
+static void glb_put_assets(const bvxi_glb_file *file, uint64_t view, bvxi_output *out)
+{
+    const bvx_assets *const assets = file->assets;
+
+    if (file->matte)
+        bvxi_output_text(out, "\"materials\":[{\"pbrMetallicRoughness\":"
+                              "{\"metallicFactor\":0,\"roughnessFactor\":1}}],");
+    if (assets == NULL) return;
+    json_copy(out, "materials", assets->materials);
+    json_copy(out, "textures", assets->textures);
+    json_copy(out, "samplers", assets->samplers);
+    if (assets->image_count == 0) return;
+
+    bvxi_output_text(out, "\"images\":[");
+    for (uint64_t i = 0; i < assets->image_count; i++) {
+        const char *const members = assets->images[i].members;
+        int const named = members != NULL && *members != 0, held = assets->images[i].size > 0;
+        bvxi_output_text(out, i > 0 ? ",{" : "{");
+        if (named) bvxi_output_text(out, members);
+        if (named && held) bvxi_output_text(out, ",");
+        /* One whose bytes were not found stays what it was, a name. */
+        if (held) json_whole(out, "bufferView", view++);
+        bvxi_output_text(out, "}");
+    }
+    bvxi_output_text(out, "],");
+}
+
+static void glb_put_view(uint64_t at, uint64_t size, bvxi_output *out)
+{
+    bvxi_output_text(out, at > 0 ? ",{\"buffer\":0," : "{\"buffer\":0,");
+    json_whole(out, "byteOffset", at);
+    bvxi_output_text(out, ",");
+    json_whole(out, "byteLength", size);
+}
+
+/* Arrays that a level lacks have no view. */
+static void glb_put_level_views(const bvxi_glb *glb, bvxi_output *out)
 {
     for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
-        /* Views and accessors are numbered alike, so both leave out the arrays that are not there. */
         if (glb->count[i] == 0) continue;
-        bvxi_output_text(out, glb->at[i] > 0 ? ",{\"buffer\":0," : "{\"buffer\":0,");
-        json_whole(out, "byteOffset", glb->at[i]);
+        glb_put_view(glb->at[i], glb->count[i] * glb->kind[i].size, out);
         bvxi_output_text(out, ",");
-        json_whole(out, "byteLength", glb->count[i] * glb->size[i]);
-        bvxi_output_text(out, ",");
+        if (glb->kind[i].padded) {
+            json_whole(out, "byteStride", glb->kind[i].size);
+            bvxi_output_text(out, ",");
+        }
         json_whole(out, "target", i == BVXI_GLB_INDEX ? GLB_INDEX_TARGET : GLB_VERTEX_TARGET);
         bvxi_output_text(out, "}");
     }
+}
+
+static void glb_put_views(const bvxi_glb_file *file, bvxi_output *out)
+{
+    uint64_t at = bvxi_glb_padded(file->level[file->levels - 1].end);
+
+    bvxi_output_text(out, "\"bufferViews\":[");
+    for (uint64_t l = 0; l < file->levels; l++) glb_put_level_views(&file->level[l], out);
+    for (uint64_t i = 0; i < bvxi_glb_images(file); i++) {
+        uint64_t const size = file->assets->images[i].size;
+        if (size == 0) continue;
+        glb_put_view(at, size, out);
+        bvxi_output_text(out, "}");
+        at = bvxi_glb_padded(at + size);
+    }
+    bvxi_output_text(out, "],");
 }
 
 static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
@@ -205,47 +366,71 @@ static void glb_put_bounds(const bvxi_glb *glb, bvxi_output *out)
     json_three(out, "max", high);
 }
 
-/* number: of the next accessor in the file, and of its view */
-static void glb_put_accessors(const bvxi_glb *glb, uint64_t *number, bvxi_output *out)
+/* The members of an accessor; a part of an array begins at a byte of its view. */
+static void glb_put_accessor(const bvxi_glb_kind *kind, uint64_t view, uint64_t offset, uint64_t count,
+                             bvxi_output *out)
 {
-    for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
-        const glb_kind *const kind = &glb_kinds[i];
+    json_whole(out, "bufferView", view);
+    bvxi_output_text(out, ",");
+    if (offset > 0) {
+        json_whole(out, "byteOffset", offset);
+        bvxi_output_text(out, ",");
+    }
+    json_whole(out, "componentType", (uint64_t)kind->component);
+    if (kind->normalized) bvxi_output_text(out, ",\"normalized\":true");
+    bvxi_output_text(out, ",");
+    json_whole(out, "count", count);
+    bvxi_output_text(out, ",\"type\":\"");
+    bvxi_output_text(out, kind->type);
+    bvxi_output_text(out, "\"");
+}
 
-        /* Indices have the one type that depends on the mesh. */
-        int32_t const index = glb->size[BVXI_GLB_INDEX] == 2 ? GLB_U16 : GLB_U32;
+/* view: the next one of the file */
+static void glb_put_accessors(const bvxi_glb_file *file, const bvxi_glb *glb, uint64_t *view,
+                              bvxi_output *out)
+{
+    const bvxi_glb_kind *const index = &glb->kind[BVXI_GLB_INDEX];
+
+    for (int i = 0; i < BVXI_GLB_INDEX; i++) {
         if (glb->count[i] == 0) continue;
-        bvxi_output_text(out, *number > 0 ? ",{" : "{");
-        json_whole(out, "bufferView", (*number)++);
-        bvxi_output_text(out, ",");
-        json_whole(out, "componentType", (uint64_t)(i == BVXI_GLB_INDEX ? index : kind->component));
-        if (kind->normalized) bvxi_output_text(out, ",\"normalized\":true");
-        bvxi_output_text(out, ",");
-        json_whole(out, "count", glb->count[i]);
-        bvxi_output_text(out, ",\"type\":\"");
-        bvxi_output_text(out, kind->type);
-        bvxi_output_text(out, "\"");
+        bvxi_output_text(out, *view > 0 ? ",{" : "{");
+        glb_put_accessor(&glb->kind[i], (*view)++, 0, glb->count[i], out);
         if (i == BVXI_GLB_POSITION) glb_put_bounds(glb, out);
         bvxi_output_text(out, "}");
     }
+
+    /* The indices of all groups are one view. */
+    for (uint64_t g = 0; g <= file->materials; g++) {
+        uint64_t const begin = glb->group[g] * 3, end = glb->group[g + 1] * 3;
+        if (!glb_has_group(glb, g)) continue;
+        bvxi_output_text(out, ",{");
+        glb_put_accessor(index, *view, begin * index->size, end - begin, out);
+        bvxi_output_text(out, "}");
+    }
+    (*view)++;
 }
 
 void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out)
 {
-    uint64_t number = 0;
+    uint64_t views = 0, view = 0;
+
+    for (uint64_t l = 0; l < file->levels; l++)
+        for (int i = 0; i < BVXI_GLB_ARRAYS; i++) views += file->level[l].count[i] != 0;
 
     bvxi_output_text(out, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"bitvox\"},");
-    if (file->levels > 1) glb_put_level_nodes(file, out);
-    else glb_put_nodes(&file->level[0], out);
+    glb_put_extensions(file, out);
+    glb_put_nodes(file, out);
     glb_put_meshes(file, out);
+    glb_put_assets(file, views, out);
 
-    /* All levels share one buffer, which ends where the last one does. */
+    /* All levels and images share one buffer, which ends where the last one does. */
     bvxi_output_text(out, "\"buffers\":[{");
-    json_whole(out, "byteLength", file->level[file->levels - 1].end);
-    bvxi_output_text(out, "}],\"bufferViews\":[");
-    for (uint64_t i = 0; i < file->levels; i++) glb_put_views(&file->level[i], out);
+    json_whole(out, "byteLength", file->end);
+    bvxi_output_text(out, "}],");
+    glb_put_views(file, out);
 
-    bvxi_output_text(out, "],\"accessors\":[");
-    for (uint64_t i = 0; i < file->levels; i++) glb_put_accessors(&file->level[i], &number, out);
+    bvxi_output_text(out, "\"accessors\":[");
+    for (uint64_t l = 0; l < file->levels; l++) glb_put_accessors(file, &file->level[l], &view, out);
     bvxi_output_text(out, "]}");
 }
 

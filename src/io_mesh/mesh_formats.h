@@ -6,6 +6,8 @@
 #include "io/formats.h"
 #include "mesh/mesh.h"
 
+#include <math.h>
+
 /* ---- The readers and writers behind bvx_read_mesh and bvx_write_mesh, and what they share ---- */
 
 /* ---- readers: arguments are checked, mesh is all zero and freed by the caller on failure ---- */
@@ -45,18 +47,27 @@ static inline uint8_t bvxi_colour_byte(double share)
 
 /* ---- writers: arguments are checked, positions with frame and uvs are finite, indices are in range ---- */
 
-/* What is written of one mesh; normal: the sums of bvxi_sum_normals, or NULL for a file without normals. */
+/* What is written of one mesh. */
 typedef struct bvxi_written {
     const bvx_mesh *mesh;
-    const double *normal;
+    int normals;       /* 1: with normals */
+    const double *sum; /* of bvxi_sum_normals, where the mesh has no normals */
 } bvxi_written;
+
+/* The normal of a vertex: the mesh's own at length 1, or by these sums. */
+void bvxi_written_normal(const bvx_mesh *mesh, const double *sum, uint64_t vertex, float normal[3]);
+/* The meshes with turned axes, BVX_TURN_...: scratch, which bvxi_drop_turned frees; NULL when nothing turns. */
+bvx_status bvxi_turn_meshes(bvx_context *ctx, const bvx_mesh *meshes, uint64_t count, int32_t turn,
+                            bvx_mesh **turned);
+void bvxi_drop_turned(bvx_context *ctx, bvx_mesh *turned, uint64_t count);
 
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
 bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);
 bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 /* The meshes as levels of detail of one file, the finest first. */
-bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file);
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                          const bvx_write_options *options, bvx_buffer *file);
 
 #define BVXI_NORMALS_SHARE 0.3 /* the part of a file's work that is done when its writer has them */
 
@@ -119,27 +130,44 @@ typedef struct bvxi_rounding {
     int finite;          /* 0: a coordinate is beyond the range of floats; the other members are not set */
 } bvxi_rounding;
 
-/* 1 when the format's numbers are not exactly those of the mesh. */
-int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format);
+/* What a file's positions are relative to. */
+typedef struct bvxi_file_frame {
+    double origin[3];
+    double step; /* positions are 0..65535 steps from it; 0: they are floats */
+} bvxi_file_frame;
 
-/* The middle of the bounds of all levels: GLB writes positions relative to it. */
-bvx_status bvxi_common_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
-                              double centre[3]);
+enum { BVXI_STEPS = 65535 };
 
-/* A position as readers of 32-bit floats relative to a centre get it. */
-static inline void bvxi_round_position(const double centre[3], const double p[3], double rounded[3])
+/* The frame of one file with these levels. */
+bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
+                           int32_t quantize, bvxi_file_frame *frame);
+
+/* 1 when the file's numbers are not exactly those of the mesh. */
+int bvxi_is_rounded(const bvx_mesh *mesh, int32_t format, const bvxi_file_frame *frame);
+
+/* Steps from the frame's origin along an axis, to the nearest; vertices without triangles may lie outside. */
+static inline double bvxi_frame_steps(const bvxi_file_frame *frame, int axis, double p)
 {
-    for (int a = 0; a < 3; a++) rounded[a] = bvxi_nearest_float(p[a] - centre[a]) + centre[a];
+    double const steps = floor((p - frame->origin[axis]) / frame->step + 0.5);
+    return steps > 0.0 ? steps < BVXI_STEPS ? steps : BVXI_STEPS : 0.0;
 }
 
-/* The mesh is checked and not empty; centre is zero for STL. */
-void bvxi_measure_rounding(const bvx_mesh *mesh, const double centre[3], bvxi_rounding *r);
+/* A position as readers of the file get it. */
+static inline void bvxi_round_position(const bvxi_file_frame *frame, const double p[3], double rounded[3])
+{
+    for (int a = 0; a < 3; a++)
+        rounded[a] = frame->step > 0.0 ? bvxi_frame_steps(frame, a, p[a]) * frame->step + frame->origin[a]
+                                       : bvxi_nearest_float(p[a] - frame->origin[a]) + frame->origin[a];
+}
+
+/* The mesh is checked and not empty. */
+void bvxi_measure_rounding(const bvx_mesh *mesh, const bvxi_file_frame *frame, bvxi_rounding *r);
 
 /* 1 when the file is still the mesh: nothing moves far beside its edges, and few triangles are spoilt. */
 int bvxi_rounding_fits(const bvxi_rounding *r, uint64_t triangles);
 
 /* Measure, and refuse what does not fit. name: what messages begin with. */
 bvx_status bvxi_refuse_rounding(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
-                                const double centre[3]);
+                                const bvxi_file_frame *frame);
 
 #endif

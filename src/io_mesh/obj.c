@@ -6,7 +6,6 @@
 #include "io_mesh/obj_text.h"
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
-#include "mesh/facet.h"
 
 /* ---- The first pass over a file: pieces of whole lines, and how much of everything stands in each ---- */
 
@@ -565,7 +564,7 @@ static uint8_t *obj_put_normals(const void *user, uint64_t begin, uint64_t end, 
     for (uint64_t v = begin; v < end; v++) {
         *at++ = 'v';
         *at++ = 'n';
-        bvxi_unit_normal(what->normal + (size_t)v * 3, n);
+        bvxi_written_normal(what->mesh, what->sum, v, n);
         for (int a = 0; a < 3; a++) at = bvxi_put_float(bvxi_put_char(at, ' '), n[a]);
         *at++ = '\n';
     }
@@ -584,7 +583,7 @@ static uint8_t *obj_put_faces(const void *user, uint64_t begin, uint64_t end, ui
         for (size_t i = (size_t)t * 3; i < (size_t)t * 3 + 3; i++) {
             at = bvxi_put_number(bvxi_put_char(at, ' '), (uint64_t)mesh->triangles[i] + 1);
             if (mesh->uvs != NULL) at = bvxi_put_number(bvxi_put_char(at, '/'), (uint64_t)uv[i] + 1);
-            if (what->normal == NULL) continue;
+            if (!what->normals) continue;
             if (mesh->uvs == NULL) *at++ = '/';
             at = bvxi_put_number(bvxi_put_char(at, '/'), (uint64_t)mesh->triangles[i] + 1);
         }
@@ -599,7 +598,7 @@ bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     const bvx_mesh *const mesh = what->mesh;
     uint64_t const number = bvxi_writes_f32(mesh) ? BVXI_FLOAT_MOST : BVXI_DOUBLE_MOST;
     uint64_t const vertex_digits = bvxi_digits(mesh->vertex_count);
-    double const from = what->normal != NULL ? BVXI_NORMALS_SHARE : 0.0;
+    double const from = what->normals ? BVXI_NORMALS_SHARE : 0.0;
     bvxi_file_part part[4] = {{.put = obj_put_vertices, .user = what},
                               {.put = obj_put_uvs, .user = what},
                               {.put = obj_put_normals, .user = what},
@@ -609,12 +608,12 @@ bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     part[0].most = 2 + 3 * (1 + number) + (mesh->colours != NULL ? 3 * 6 : 0);
     part[1].count = bvxi_written_uvs(mesh);
     part[1].most = 3 + 2 * (1 + BVXI_FLOAT_MOST);
-    part[2].count = what->normal != NULL ? mesh->vertex_count : 0;
+    part[2].count = what->normals ? mesh->vertex_count : 0;
     part[2].most = 3 + 3 * (1 + BVXI_FLOAT_MOST);
     part[3].count = mesh->triangle_count;
     part[3].most = 2 + 3 * (1 + vertex_digits);
     if (mesh->uvs != NULL) part[3].most += 3 * (1 + bvxi_digits(part[1].count));
-    if (what->normal != NULL) part[3].most += 3 * (2 + vertex_digits); /* two slashes without a texture */
+    if (what->normals) part[3].most += 3 * (2 + vertex_digits); /* two slashes without a texture */
 
     BVXI_TRY(bvxi_make_file(ctx, "the OBJ file", from, sizeof title - 1, part, 4, file));
     memcpy(file->bytes, title, sizeof title - 1);

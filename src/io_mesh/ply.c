@@ -5,7 +5,6 @@
 #include "io_mesh/ply_file.h"
 #include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
-#include "mesh/facet.h"
 
 /* ---- Read ---- */
 
@@ -198,7 +197,7 @@ static void ply_put_header(const bvxi_written *what, bvxi_output *out)
     bvxi_output_number(out, mesh->vertex_count);
     bvxi_output_text(out, "\n");
     ply_put_property(bvxi_writes_f32(mesh) ? "float" : "double", axes, 3, out);
-    if (what->normal != NULL) ply_put_property("float", normal, 3, out);
+    if (what->normals) ply_put_property("float", normal, 3, out);
     if (mesh->colours != NULL) ply_put_property("uchar", colours, 4, out);
     if (mesh->uvs != NULL && mesh->uv_triangles == NULL) ply_put_property("float", uvs, 2, out);
     bvxi_output_text(out, "element face ");
@@ -227,8 +226,8 @@ static uint8_t *ply_put_vertices(const void *user, uint64_t begin, uint64_t end,
         }
 
         /* The sum becomes a unit vector here, so no array of floats is kept beside it. */
-        if (what->normal != NULL) {
-            bvxi_unit_normal(what->normal + (size_t)v * 3, normal);
+        if (what->normals) {
+            bvxi_written_normal(mesh, what->sum, v, normal);
             for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, normal[a]);
         }
         if (mesh->colours != NULL) {
@@ -266,7 +265,7 @@ static uint8_t *ply_put_faces(const void *user, uint64_t begin, uint64_t end, ui
 bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file)
 {
     const bvx_mesh *const mesh = what->mesh;
-    double const from = what->normal != NULL ? BVXI_NORMALS_SHARE : 0.0;
+    double const from = what->normals ? BVXI_NORMALS_SHARE : 0.0;
     bvxi_file_part part[2] = {{.put = ply_put_vertices, .user = what}, {.put = ply_put_faces, .user = what}};
     bvxi_output head = {0};
 
@@ -274,7 +273,7 @@ bvx_status bvxi_write_ply(bvx_context *ctx, const bvxi_written *what, bvx_buffer
     /* All rows have one size, so nothing has to be pushed together afterwards. */
     part[0].count = mesh->vertex_count;
     part[0].most = bvxi_writes_f32(mesh) ? 12 : 24;
-    if (what->normal != NULL) part[0].most += 12;
+    if (what->normals) part[0].most += 12;
     if (mesh->colours != NULL) part[0].most += 4;
     if (mesh->uvs != NULL && mesh->uv_triangles == NULL) part[0].most += 8;
     part[1].count = mesh->triangle_count;

@@ -1,8 +1,8 @@
-/* write_glb.c - a mesh, or several levels of detail, to binary glTF 2.0; first vertices are repeated where
- * their corners have several texture coordinates.
+/* write_glb.c - a mesh, or several levels of detail, to binary glTF 2.0 with the materials that a file had;
+ * first vertices are repeated where their corners have several texture coordinates.
  *
- * Source: Khronos Group. glTF 2.0 Specification. 2017; for levels Microsoft. MSFT_lod. Guarantee: repeated
- * vertices stand in the order of their first use. */
+ * Sources: Khronos Group. glTF 2.0 Specification. 2017. Khronos Group. KHR_mesh_quantization. Microsoft.
+ * MSFT_lod. Guarantee: repeated vertices stand in the order of their first use. */
 #include "io_mesh/glb.h"
 #include "io_mesh/mesh_formats.h"
 #include "mesh/mesh.h"
@@ -96,14 +96,16 @@ void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams)
 /* ---- A mesh to binary glTF 2.0, or several levels of detail to one such file ---- */
 
 /* Source: Khronos. glTF 2.0 Specification (ISO/IEC 12113:2022).
- * Positions are floats relative to the centre of the bounds, which a node carries as doubles: so a mesh far
- * from the origin keeps its shape. Levels share one centre, since some readers swap meshes below one node;
- * the arrays of a level follow those of the one before it. World axes are kept; a node turns z up into y up
- * (glb_json.c). Normals are smooth, over seams of the texture too. Colours become linear light with 16 bits;
- * the texture's v runs down in glTF, so it is turned over. Indices have 16 bits where they suffice: half the
- * size, and all that older graphics interfaces draw. */
+ * Attributes are those of the mesh; where it has no normals they are smooth, over seams of the texture too.
+ * Positions in 32-bit floats go out as they are, others as floats relative to the centre of the bounds, which
+ * nodes carry as doubles: so a mesh far from the origin keeps its shape. Levels share one centre, since some
+ * readers swap meshes below one node; the arrays of a level follow those of the one before it. Colours become
+ * linear light with 16 bits; the texture's v runs down in glTF, so it is turned over. Indices have 16 bits
+ * where they suffice: half the size, and all that older graphics interfaces draw. Materials, textures and
+ * images are copied as they are. */
 
-#define GLB_PREPARED 0.5 /* share of the work before the first byte is written */
+#define GLB_PREPARED   0.5   /* share of the work before the first byte is written */
+#define GLB_NORMAL_ONE 127.0 /* a component of 1 in a signed byte */
 
 enum { GLB_PARTS = BVXI_GLB_ARRAYS + 1 }; /* of a level: its arrays and the padding after them */
 /* the file's head with that of its first chunk; the head of the second */
@@ -116,18 +118,32 @@ static size_t glb_source(const bvxi_glb *glb, uint64_t vertex)
     return glb->seams.vertex != NULL ? glb->seams.vertex[vertex] : (size_t)vertex;
 }
 
+/* Relative to the frame, in its steps where it has some. */
 static void glb_position(const bvxi_glb *glb, uint64_t vertex, double p[3])
 {
+    const bvxi_file_frame *const frame = glb->frame;
+
     bvxi_world_position(glb->mesh, glb_source(glb, vertex), p);
-    for (int a = 0; a < 3; a++) p[a] -= glb->centre[a];
+    for (int a = 0; a < 3; a++) {
+        if (frame->step > 0.0) p[a] = bvxi_frame_steps(frame, a, p[a]);
+        else if (frame->origin[a] != 0.0)
+            p[a] -= frame->origin[a]; /* to take 0 would change nothing but -0 */
+    }
 }
 
 static uint8_t *glb_put_positions(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
+    const bvxi_glb *const glb = user;
     double p[3];
+
     for (uint64_t v = begin; v < end; v++) {
-        glb_position(user, v, p);
-        for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, (float)p[a]);
+        glb_position(glb, v, p);
+        if (glb->frame->step > 0.0) {
+            for (int a = 0; a < 3; a++) bvxi_store_u16(at + 2 * a, (uint16_t)p[a]);
+            bvxi_store_u16(at + 6, 0); /* arrays are read in fours of bytes */
+            at += 8;
+        } else
+            for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, (float)p[a]);
     }
     return at;
 }
@@ -136,10 +152,17 @@ static uint8_t *glb_put_normals(const void *user, uint64_t begin, uint64_t end, 
 {
     const bvxi_glb *const glb = user;
     float n[3];
+
     /* One sum for each vertex of the mesh, not of the file: seams of the texture do not show in the light. */
     for (uint64_t v = begin; v < end; v++) {
-        bvxi_unit_normal(glb->normal + glb_source(glb, v) * 3, n);
-        for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, n[a]);
+        bvxi_written_normal(glb->mesh, glb->normal, glb_source(glb, v), n);
+        if (glb->frame->step > 0.0) {
+            for (int a = 0; a < 3; a++)
+                at[a] = (uint8_t)((int32_t)floor((double)n[a] * GLB_NORMAL_ONE + 0.5) & 255);
+            at[3] = 0;
+            at += 4;
+        } else
+            for (int a = 0; a < 3; a++, at += 4) bvxi_store_f32(at, n[a]);
     }
     return at;
 }
@@ -155,15 +178,33 @@ static uint8_t *glb_put_colours(const void *user, uint64_t begin, uint64_t end, 
     return at;
 }
 
+/* One pair. v runs down in glTF; the difference is taken in doubles, so it is rounded once. */
+static uint8_t *glb_put_uv(const float uv[2], int32_t component, uint8_t *at)
+{
+    double const pair[2] = {(double)uv[0], 1.0 - (double)uv[1]};
+
+    for (int a = 0; a < 2; a++) {
+        if (component == BVXI_GLB_U16) bvxi_store_u16(at + 2 * a, (uint16_t)(pair[a] * UINT16_MAX + 0.5));
+        else bvxi_store_f32(at + 4 * a, (float)pair[a]);
+    }
+    return at + (component == BVXI_GLB_U16 ? 4 : 8);
+}
+
 static uint8_t *glb_put_uvs(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvxi_glb *const glb = user;
-    for (uint64_t v = begin; v < end; v++, at += 8) {
-        /* v runs down in glTF; the difference is taken in doubles, so it is rounded once. */
+    for (uint64_t v = begin; v < end; v++) {
         size_t const i = glb->seams.uv != NULL ? glb->seams.uv[v] : (size_t)v;
-        bvxi_store_f32(at, glb->mesh->uvs[2 * i]);
-        bvxi_store_f32(at + 4, (float)(1.0 - (double)glb->mesh->uvs[2 * i + 1]));
+        at = glb_put_uv(glb->mesh->uvs + 2 * i, glb->kind[BVXI_GLB_UV].component, at);
     }
+    return at;
+}
+
+static uint8_t *glb_put_second_uvs(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    const bvxi_glb *const glb = user;
+    for (uint64_t v = begin; v < end; v++)
+        at = glb_put_uv(glb->mesh->uvs2 + 2 * glb_source(glb, v), glb->kind[BVXI_GLB_UV2].component, at);
     return at;
 }
 
@@ -171,11 +212,20 @@ static uint8_t *glb_put_indices(const void *user, uint64_t begin, uint64_t end, 
 {
     const bvxi_glb *const glb = user;
     const uint32_t *const index = glb->seams.triangles != NULL ? glb->seams.triangles : glb->mesh->triangles;
-    if (glb->size[BVXI_GLB_INDEX] == 2)
-        for (size_t i = (size_t)begin; i < end; i++, at += 2) bvxi_store_u16(at, (uint16_t)index[i]);
-    else
-        for (size_t i = (size_t)begin; i < end; i++, at += 4) bvxi_store_u32(at, index[i]);
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint64_t const from = glb->order != NULL ? (uint64_t)glb->order[i / 3] * 3 + i % 3 : i;
+        if (glb->kind[BVXI_GLB_INDEX].size == 2) bvxi_store_u16(at, (uint16_t)index[from]);
+        else bvxi_store_u32(at, index[from]);
+        at += glb->kind[BVXI_GLB_INDEX].size;
+    }
     return at;
+}
+
+static uint8_t *glb_put_image(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
+{
+    memcpy(at, ((const bvxi_asset_image *)user)->bytes + begin, (size_t)(end - begin));
+    return at + (end - begin);
 }
 
 static uint8_t *glb_put_padding(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
@@ -186,11 +236,6 @@ static uint8_t *glb_put_padding(const void *user, uint64_t begin, uint64_t end, 
 }
 
 /* ---- the file ---- */
-
-static uint64_t glb_binary(const bvxi_glb_file *glb)
-{
-    return bvxi_glb_padded(glb->level[glb->levels - 1].end);
-}
 
 static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *file)
 {
@@ -210,16 +255,16 @@ static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *fi
     bvxi_glb_put_json(glb, &out);
     memset(p + GLB_HEAD + json, ' ', (size_t)(padded - json));
 
-    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)glb_binary(glb));
+    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)bvxi_glb_padded(glb->end));
     memcpy(p + GLB_HEAD + padded + 4, "BIN", 4); /* with its zero */
 }
 
-/* part [Size: levels * GLB_PARTS] */
+/* part [Size: levels * GLB_PARTS + images * 2] */
 static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
 {
-    static const bvxi_file_part parts[GLB_PARTS] = {{.put = glb_put_positions}, {.put = glb_put_normals},
-                                                    {.put = glb_put_colours},   {.put = glb_put_uvs},
-                                                    {.put = glb_put_indices},   {.put = glb_put_padding}};
+    static const bvxi_file_part parts[GLB_PARTS] = {
+        {.put = glb_put_positions},  {.put = glb_put_normals}, {.put = glb_put_colours}, {.put = glb_put_uvs},
+        {.put = glb_put_second_uvs}, {.put = glb_put_indices}, {.put = glb_put_padding}};
 
     for (uint64_t l = 0; l < glb->levels; l++, part += GLB_PARTS) {
         const bvxi_glb *const level = &glb->level[l];
@@ -227,17 +272,26 @@ static void glb_list_parts(const bvxi_glb_file *glb, bvxi_file_part *part)
         memcpy(part, parts, sizeof parts);
         for (int i = 0; i < BVXI_GLB_ARRAYS; i++) {
             part[i].count = level->count[i];
-            part[i].most = level->size[i];
+            part[i].most = level->kind[i].size;
             part[i].user = level;
         }
         part[BVXI_GLB_ARRAYS].count = bvxi_glb_padded(level->end) - level->end;
         part[BVXI_GLB_ARRAYS].most = 1;
     }
+
+    /* Each image is followed by its padding, as a level is. */
+    for (uint64_t i = 0; i < bvxi_glb_images(glb); i++, part += 2) {
+        const bvxi_asset_image *const image = &glb->assets->images[i];
+        bvxi_file_part const two[2] = {
+            {.count = image->size, .most = 1, .put = glb_put_image, .user = image},
+            {.count = bvxi_glb_padded(image->size) - image->size, .most = 1, .put = glb_put_padding}};
+        memcpy(part, two, sizeof two);
+    }
 }
 
 static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_buffer *file)
 {
-    uint64_t const parts = glb->levels * GLB_PARTS;
+    uint64_t const parts = glb->levels * GLB_PARTS + bvxi_glb_images(glb) * 2;
     bvxi_output json = {0};
     bvxi_file_part *part;
     uint64_t head;
@@ -245,7 +299,7 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     /* Counted first, as the length of the description decides where the arrays begin. */
     bvxi_glb_put_json(glb, &json);
     head = GLB_HEAD + bvxi_glb_padded(json.size) + GLB_CHUNK;
-    BVXI_TRY(bvxi_glb_check_size(ctx, head + glb_binary(glb), glb->levels));
+    BVXI_TRY(bvxi_glb_check_size(ctx, head + bvxi_glb_padded(glb->end), glb->levels));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, parts * sizeof *part, "the list of arrays", &part));
     glb_list_parts(glb, part);
     /* Arrays are written before the head: the head needs the size that the file has in the end. */
@@ -262,6 +316,10 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
 {
     double p[3];
 
+    /* Steps of an extent that is no double would all be 0. */
+    if (!(glb->frame->step * BVXI_STEPS < BVXI_FLOAT_LIMIT))
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                             "%s: the mesh is too large for steps of 32-bit floats; take PLY or OBJ", name);
     for (uint64_t v = 0; v < glb->vertices; v++) {
         glb_position(glb, v, p);
         for (int a = 0; a < 3; a++) {
@@ -280,12 +338,36 @@ static bvx_status glb_find_bounds(bvx_context *ctx, const char *name, bvxi_glb *
     return BVX_OK;
 }
 
-static bvx_status glb_find_centre(bvx_context *ctx, const bvx_mesh *levels, const bvxi_glb_file *glb)
+/* 1 when all texture coordinates are in 0..1, where 16 bits hold them. */
+static int glb_in_unit(const float *uvs, uint64_t count)
 {
-    double centre[3];
-    BVXI_TRY(bvxi_common_centre(ctx, levels, glb->levels, centre));
-    /* One centre for all: a level with bounds of its own would jump when a reader swaps it in. */
-    for (uint64_t l = 0; l < glb->levels; l++) memcpy(glb->level[l].centre, centre, sizeof centre);
+    for (uint64_t i = 0; i < count * 2; i++)
+        if (!(uvs[i] >= 0.0f && uvs[i] <= 1.0f)) return 0;
+    return 1;
+}
+
+/* Sort triangles by material: counts, which become where each group begins; order keeps that of the mesh. */
+static bvx_status glb_group_triangles(bvx_context *ctx, uint64_t materials, bvxi_glb *level)
+{
+    const uint32_t *const of = materials != 0 ? level->mesh->materials : NULL;
+    uint64_t const triangles = level->mesh->triangle_count;
+    uint64_t *next;
+
+    /* Group g is counted at g + 2 and its triangles are placed from g + 1 on, which is then where it ends. */
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (materials + 3) * sizeof *level->group,
+                             "the triangles of each material", &level->group));
+    next = level->group + 1;
+    if (of == NULL) {
+        next[materials] = triangles;
+        return BVX_OK;
+    }
+    for (uint64_t t = 0; t < triangles; t++) next[(of[t] < materials ? of[t] : materials) + 1]++;
+    for (uint64_t g = 0; g < materials; g++) next[g + 1] += next[g];
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, triangles * sizeof *level->order, "the triangles by material",
+                        &level->order));
+    for (uint64_t t = 0; t < triangles; t++)
+        level->order[next[of[t] < materials ? of[t] : materials]++] = (uint32_t)t;
     return BVX_OK;
 }
 
@@ -303,31 +385,64 @@ static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uin
     BVXI_TRY(bvxi_glb_check_size(ctx, begin + mesh->triangle_count * 6, glb->levels));
     if (mesh->uv_triangles != NULL) BVXI_TRY(bvxi_split_seams(ctx, mesh, &level->seams));
     level->vertices = mesh->uv_triangles != NULL ? level->seams.count : mesh->vertex_count;
+    if (mesh->uvs != NULL) level->uv_unit = glb_in_unit(mesh->uvs, bvxi_written_uvs(mesh));
+    if (mesh->uvs2 != NULL) level->uv2_unit = glb_in_unit(mesh->uvs2, mesh->vertex_count);
     bvxi_glb_layout(level, begin);
     BVXI_TRY(bvxi_glb_check_size(ctx, level->end, glb->levels));
     BVXI_TRY(bvxi_progress(ctx, "write", ((double)l + 0.6) / (double)glb->levels * GLB_PREPARED));
     BVXI_TRY(glb_find_bounds(ctx, name, level));
+    BVXI_TRY(glb_group_triangles(ctx, glb->materials, level));
 
     /* Normals come last: they need memory, which a mesh that does not fit should not cost. */
+    if (mesh->normals != NULL) return BVX_OK;
     bvx_mesh_view_of(mesh, &view);
     return bvxi_sum_normals(ctx, &view, 1.0, &level->normal);
 }
 
-bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, bvx_buffer *file)
+/* The file's materials are those of the source, or of the first level that has some. */
+static void glb_find_assets(const bvx_mesh *source, bvxi_glb_file *glb)
 {
-    bvxi_glb_file glb = {NULL, level_count};
+    int colours = 0;
+
+    if (source != NULL) glb->assets = source->assets;
+    for (uint64_t l = 0; l < glb->levels; l++) {
+        const bvx_mesh *const mesh = glb->level[l].mesh;
+        if (source == NULL && glb->assets == NULL) glb->assets = mesh->assets;
+        colours |= mesh->colours != NULL;
+    }
+    if (glb->assets != NULL && glb->assets->materials != NULL) glb->materials = glb->assets->material_count;
+    glb->matte = colours && glb->materials == 0;
+}
+
+bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
+                          const bvx_write_options *options, bvx_buffer *file)
+{
+    bvxi_glb_file glb = {.levels = level_count};
     uint64_t const bytes = level_count * sizeof *glb.level;
+
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the list of levels", &glb.level));
-    for (uint64_t l = 0; l < level_count; l++) glb.level[l].mesh = &levels[l];
+    /* One frame for all: a level with one of its own would jump when a reader swaps it in. */
+    BVXI_TRY(bvxi_find_frame(ctx, levels, level_count, BVX_FORMAT_GLB, options->quantize, &glb.frame));
+    for (uint64_t l = 0; l < level_count; l++) {
+        glb.level[l].mesh = &levels[l];
+        glb.level[l].frame = &glb.frame;
+    }
+    glb_find_assets(options->source, &glb);
 
-    BVXI_TRY(glb_find_centre(ctx, levels, &glb));
     for (uint64_t l = 0; l < level_count; l++) BVXI_TRY(glb_plan_level(ctx, &glb, l));
+    glb.end = glb.level[level_count - 1].end;
+    for (uint64_t i = 0; i < bvxi_glb_images(&glb); i++) {
+        glb.end = bvxi_glb_padded(glb.end) + glb.assets->images[i].size;
+        BVXI_TRY(bvxi_glb_check_size(ctx, glb.end, level_count));
+    }
     BVXI_TRY(glb_make_file(ctx, &glb, file));
 
     /* Freed in the reverse order of making; what was not made is NULL. */
     for (uint64_t l = level_count; l-- > 0;) {
         bvxi_drop(ctx, glb.level[l].normal);
+        bvxi_drop(ctx, glb.level[l].order);
+        bvxi_drop(ctx, glb.level[l].group);
         bvxi_free_seams(ctx, &glb.level[l].seams);
     }
     bvxi_drop(ctx, glb.level);

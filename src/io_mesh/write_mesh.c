@@ -11,6 +11,18 @@
 
 enum { WRITTEN_LEVELS = 65536 }; /* more is an error of the caller's */
 
+/* Texture coordinates that are written are finite; unused ones may hold anything. */
+static bvx_status check_finite_uvs(bvx_context *ctx, const char *function, const char *which,
+                                   const float *uvs, uint64_t count)
+{
+    for (size_t i = 0; i < (size_t)count * 2; i++)
+        if (!(uvs[i] - uvs[i] == 0.0f))
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: %stexture coordinate %i is not finite", function, which,
+                                 (uint64_t)(i / 2));
+    return BVX_OK;
+}
+
 /* All positions are finite; they must be so with the frame added. */
 static bvx_status check_written_positions(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
 {
@@ -55,12 +67,7 @@ static bvx_status check_written_uvs(bvx_context *ctx, const char *function, cons
                                      function, (uint64_t)(i / 3), (uint64_t)mesh->uv_triangles[i],
                                      mesh->uv_count);
 
-    /* Only those that are written are looked at; unused ones may hold anything. */
-    for (size_t i = 0; i < (size_t)bvxi_written_uvs(mesh) * 2; i++)
-        if (!(mesh->uvs[i] - mesh->uvs[i] == 0.0f))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: texture coordinate %i is not finite", function, (uint64_t)(i / 2));
-    return BVX_OK;
+    return check_finite_uvs(ctx, function, "", mesh->uvs, bvxi_written_uvs(mesh));
 }
 
 static bvx_status check_written_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh)
@@ -80,7 +87,9 @@ static bvx_status check_written_mesh(bvx_context *ctx, const char *function, con
     BVXI_TRY(bvxi_view_check(ctx, function, &view));
     BVXI_TRY(bvxi_view_bounds(ctx, function, &view, low, high));
     BVXI_TRY(check_written_positions(ctx, function, mesh));
-    return check_written_uvs(ctx, function, mesh);
+    BVXI_TRY(check_written_uvs(ctx, function, mesh));
+    if (mesh->uvs2 == NULL) return BVX_OK;
+    return check_finite_uvs(ctx, function, "second ", mesh->uvs2, mesh->vertex_count);
 }
 
 /* ---- normals ---- */
@@ -91,98 +100,88 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
                                      bvx_buffer *file)
 {
     bvx_mesh_view view;
-    double low[3], high[3], *sum;
-    bvxi_written what = {mesh, NULL};
+    double low[3], high[3], *sum = NULL;
+    bvxi_written what = {mesh, 1, NULL};
 
-    /* Text and doubles hold coordinates whose products leave the range of doubles. */
-    bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh_with", &view, low, high));
     BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
-    BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
+    if (mesh->normals == NULL) {
+        /* Text and doubles hold coordinates whose products leave the range of doubles. */
+        bvx_mesh_view_of(mesh, &view);
+        BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh_with", &view, low, high));
+        BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
+    }
 
-    what.normal = sum;
+    what.sum = sum;
     BVXI_TRY(write(ctx, &what, file));
     bvxi_drop(ctx, sum);
     return BVX_OK;
 }
 
-/* ---- rounding ---- */
-
-/* What positions are relative to in a file of the format. */
-static bvx_status file_centre(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count, int32_t format,
-                              double centre[3])
-{
-    memset(centre, 0, 3 * sizeof *centre);
-    return format == BVX_FORMAT_GLB ? bvxi_common_centre(ctx, levels, level_count, centre) : BVX_OK;
-}
-
-static bvx_status check_rounding(bvx_context *ctx, const char *function, const bvx_mesh *mesh, int32_t format)
-{
-    double centre[3];
-    BVXI_TRY(file_centre(ctx, mesh, 1, format, centre));
-    return bvxi_refuse_rounding(ctx, function, mesh, format, centre);
-}
-
 /* ---- one mesh ---- */
 
-static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int32_t format, int32_t normals)
+/* What messages about one of several meshes begin with. */
+static const char *level_name(const char *function, uint64_t level, uint64_t level_count,
+                              char text[BVXI_LEVEL_NAME])
+{
+    if (level_count == 1) return function;
+    bvxi_level_name(function, level, text);
+    return text;
+}
+
+static bvx_status check_mesh_format(bvx_context *ctx, const char *function, int32_t format,
+                                    const bvx_write_options *o)
 {
     switch (format) {
-    case BVX_FORMAT_OBJ:
-    case BVX_FORMAT_PLY:
-    case BVX_FORMAT_GLB: return BVX_OK;
     case BVX_FORMAT_STL:
     case BVX_FORMAT_OFF:
-        if (!normals) return BVX_OK;
+        if (!o->normals) break;
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: %s; take PLY, OBJ or GLB", function,
                          format == BVX_FORMAT_STL ? "STL holds normals of triangles only, and always has them"
                                                   : "OFF is written without normals");
+    case BVX_FORMAT_OBJ:
+    case BVX_FORMAT_PLY:
+    case BVX_FORMAT_GLB: break;
     default: return bvxi_fail_format(ctx, BVX_ERR_UNSUPPORTED, function, "mesh", format, BVX_MESHES_WRITTEN);
     }
+    if (!o->quantize || format == BVX_FORMAT_GLB) return BVX_OK;
+    return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: options.quantize is for GLB; format is %d", function,
+                     (int64_t)format);
 }
 
-/* The format is one of those that hold a mesh. GLB always has normals. */
-static bvx_status write_format(bvx_context *ctx, const bvx_mesh *mesh, int32_t format, int32_t normals,
-                               bvx_buffer *file)
+/* The format is one of those that hold a mesh; only GLB holds several. GLB always has normals. */
+static bvx_status write_format(bvx_context *ctx, const bvx_mesh *meshes, uint64_t count,
+                               const bvx_write_options *o, int32_t format, bvx_buffer *file)
 {
     normals_writer *const write = format == BVX_FORMAT_OBJ ? bvxi_write_obj : bvxi_write_ply;
-    bvxi_written const plain = {mesh, NULL};
+    bvxi_written const plain = {meshes, 0, NULL};
 
     switch (format) {
-    case BVX_FORMAT_STL: return bvxi_write_stl(ctx, mesh, file);
-    case BVX_FORMAT_OFF: return bvxi_write_off(ctx, mesh, file);
-    case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, mesh, 1, file);
-    default: return normals ? write_with_normals(ctx, mesh, write, file) : write(ctx, &plain, file);
+    case BVX_FORMAT_STL: return bvxi_write_stl(ctx, meshes, file);
+    case BVX_FORMAT_OFF: return bvxi_write_off(ctx, meshes, file);
+    case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, meshes, count, o, file);
+    default: return o->normals ? write_with_normals(ctx, meshes, write, file) : write(ctx, &plain, file);
     }
 }
 
-static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
-                             const bvx_write_options *o, int32_t format, bvx_buffer *file)
+/* The meshes of one file are checked; rounding is looked at before anything is made. */
+static bvx_status write_checked(bvx_context *ctx, const char *function, const bvx_mesh *meshes,
+                                uint64_t count, const bvx_write_options *o, int32_t format, bvx_buffer *file)
 {
+    char name[BVXI_LEVEL_NAME];
     bvx_buffer made = {0};
+    bvx_mesh *turned;
+    bvxi_file_frame frame;
 
-    if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
-    BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
-    BVXI_TRY(check_mesh_format(ctx, function, format, o->normals));
-    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
-    BVXI_TRY(check_written_mesh(ctx, function, mesh));
-    /* Rounding is looked at only after the mesh is known to be sound, and before anything is made. */
-    if (o->rounding == BVX_ROUNDING_REFUSE) BVXI_TRY(check_rounding(ctx, function, mesh, format));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0, write_format(ctx, mesh, format, o->normals, &made)));
+    BVXI_TRY(bvxi_find_frame(ctx, meshes, count, format, o->quantize, &frame));
+    for (uint64_t l = 0; o->rounding == BVX_ROUNDING_REFUSE && l < count; l++)
+        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, count, name), &meshes[l], format, &frame));
+
+    BVXI_TRY(bvxi_turn_meshes(ctx, meshes, count, o->turn, &turned));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0,
+                        write_format(ctx, turned != NULL ? turned : meshes, count, o, format, &made)));
+    bvxi_drop_turned(ctx, turned, count);
     *file = made;
     return BVX_OK;
-}
-
-static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
-{
-    bvx_write_options const defaults = {.struct_size = sizeof defaults};
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    return write_mesh(context, "bvx_write_mesh", mesh, &defaults, format, file);
-}
-
-bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
-{
-    return BVXI_CALL(context, run_write_mesh(context, mesh, format, file));
 }
 
 void bvx_write_options_init(bvx_write_options *options, size_t size)
@@ -191,38 +190,57 @@ void bvx_write_options_init(bvx_write_options *options, size_t size)
     bvxi_give_options(options, size, &defaults, sizeof defaults);
 }
 
-static const bvxi_option write_rows[] = {
-    BVXI_SWITCH(bvx_write_options, normals),
-    BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
-};
-
-static bvx_status run_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
-                                      const bvx_write_options *options, int32_t format, bvx_buffer *file)
+static bvx_status take_write_options(bvx_context *context, const char *function,
+                                     const bvx_write_options *options, bvx_write_options *o)
 {
-    static const char *const function = "bvx_write_mesh_with";
-    bvx_write_options o = {.struct_size = sizeof o};
+    static const bvxi_option rows[] = {
+        BVXI_SWITCH(bvx_write_options, normals),
+        BVXI_CHOICE(bvx_write_options, rounding, BVX_ROUNDING_REFUSE, BVX_ROUNDING_ALLOW),
+        BVXI_CHOICE(bvx_write_options, turn, BVX_TURN_NONE, BVX_TURN_Y_TO_Z),
+        BVXI_SWITCH(bvx_write_options, quantize),
+    };
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
-    BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(write_rows)));
-    return write_mesh(context, function, mesh, &o, format, file);
+    memset(o, 0, sizeof *o);
+    BVXI_TRY(bvxi_take_options(context, function, options, o, sizeof *o));
+    return bvxi_check_options(context, function, o, BVXI_OPTIONS(rows));
+}
+
+static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
+                             const bvx_write_options *options, int32_t format, bvx_buffer *file)
+{
+    bvx_write_options o;
+
+    if (ctx == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(take_write_options(ctx, function, options, &o));
+    if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
+    BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
+    BVXI_TRY(check_mesh_format(ctx, function, format, &o));
+    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
+    BVXI_TRY(check_written_mesh(ctx, function, mesh));
+    return write_checked(ctx, function, mesh, 1, &o, format, file);
+}
+
+bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
+{
+    return BVXI_CALL(context, write_mesh(context, "bvx_write_mesh", mesh, NULL, format, file));
 }
 
 bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
                                int32_t format, bvx_buffer *file)
 {
-    return BVXI_CALL(context, run_write_mesh_with(context, mesh, options, format, file));
+    return BVXI_CALL(context, write_mesh(context, "bvx_write_mesh_with", mesh, options, format, file));
 }
 
 /* ---- what a file holds ---- */
 
 /* The positions that readers get, where they are not simply those of the mesh. */
-static void put_file_positions(const bvx_mesh *mesh, int rounded, const double centre[3], double *positions)
+static void put_file_positions(const bvx_mesh *mesh, int rounded, const bvxi_file_frame *frame,
+                               double *positions)
 {
     double p[3];
     for (uint64_t v = 0; v < mesh->vertex_count; v++, positions += 3) {
         bvxi_world_position(mesh, v, p);
-        if (rounded) bvxi_round_position(centre, p, positions);
+        if (rounded) bvxi_round_position(frame, p, positions);
         else memcpy(positions, p, sizeof p);
     }
 }
@@ -259,9 +277,9 @@ static bvx_status check_file_view(bvx_context *ctx, const bvx_mesh_view *mesh, c
 }
 
 static bvx_status check_written_file(bvx_context *ctx, const char *name, const bvx_mesh *mesh, int32_t format,
-                                     const double centre[3], bvx_write_report *report)
+                                     const bvxi_file_frame *frame, bvx_write_report *report)
 {
-    int const rounded = bvxi_is_rounded(mesh, format);
+    int const rounded = bvxi_is_rounded(mesh, format, frame);
     uint64_t const bytes = mesh->vertex_count * 3 * sizeof(double);
     bvxi_rounding rounding = {0};
     bvx_mesh_view view, file;
@@ -274,7 +292,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
 
     /* What rounding does is measured against the mesh as it is, before the positions are replaced. */
     if (rounded) {
-        bvxi_measure_rounding(mesh, centre, &rounding);
+        bvxi_measure_rounding(mesh, frame, &rounding);
         if (!rounding.finite)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                                  "%s: the mesh has coordinates too large for the format's 32-bit floats; "
@@ -289,7 +307,7 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     /* The view of the file differs from that of the mesh in its positions only. */
     if (rounded || mesh->frame[0] != 0.0 || mesh->frame[1] != 0.0 || mesh->frame[2] != 0.0) {
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the file's positions", &positions));
-        put_file_positions(mesh, rounded, centre, positions);
+        put_file_positions(mesh, rounded, frame, positions);
         file.positions = positions;
         file.position_type = BVX_F64;
         file.position_stride = 0;
@@ -297,15 +315,6 @@ static bvx_status check_written_file(bvx_context *ctx, const char *name, const b
     BVXI_TRY(check_file_view(ctx, &view, &file, format, rounded, report));
     bvxi_drop(ctx, positions);
     return BVX_OK;
-}
-
-/* What messages about one of several meshes begin with. */
-static const char *level_name(const char *function, uint64_t level, uint64_t level_count,
-                              char text[BVXI_LEVEL_NAME])
-{
-    if (level_count == 1) return function;
-    bvxi_level_name(function, level, text);
-    return text;
 }
 
 static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx_mesh *levels,
@@ -327,58 +336,52 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
 }
 
 static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                    int32_t format, bvx_write_report *reports)
+                                    const bvx_write_options *options, int32_t format,
+                                    bvx_write_report *reports)
 {
     static const char *const function = "bvx_check_written";
     char name[BVXI_LEVEL_NAME];
-    double centre[3];
+    bvx_write_options o;
+    bvxi_file_frame frame;
+    bvx_mesh *turned;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(take_write_options(context, function, options, &o));
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     if (reports == NULL) return bvxi_fail_null(context, function, "reports");
-    BVXI_TRY(check_mesh_format(context, function, format, 0));
+    BVXI_TRY(check_mesh_format(context, function, format, &o));
     BVXI_TRY(check_levels(context, function, levels, level_count));
-    BVXI_TRY(file_centre(context, levels, level_count, format, centre));
+    BVXI_TRY(bvxi_turn_meshes(context, levels, level_count, o.turn, &turned));
+    if (turned != NULL) levels = turned;
+    BVXI_TRY(bvxi_find_frame(context, levels, level_count, format, o.quantize, &frame));
 
     /* Levels share the progress evenly: how long one takes is not known before. */
     for (uint64_t l = 0; l < level_count; l++) {
         memset(&reports[l], 0, sizeof reports[l]);
         BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
                             check_written_file(context, level_name(function, l, level_count, name),
-                                               &levels[l], format, centre, &reports[l])));
+                                               &levels[l], format, &frame, &reports[l])));
     }
+    bvxi_drop_turned(context, turned, level_count);
     return BVX_OK;
 }
 
 bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                             int32_t format, bvx_write_report *reports)
+                             const bvx_write_options *options, int32_t format, bvx_write_report *reports)
 {
-    return BVXI_CALL(context, run_check_written(context, levels, level_count, format, reports));
+    return BVXI_CALL(context, run_check_written(context, levels, level_count, options, format, reports));
 }
 
 /* ---- levels of detail ---- */
 
-static bvx_status check_level_rounding(bvx_context *ctx, const char *function, const bvx_mesh *levels,
-                                       uint64_t level_count, int32_t format)
-{
-    char name[BVXI_LEVEL_NAME];
-    double centre[3];
-
-    /* Against the centre that all levels share, as their writer rounds them. */
-    BVXI_TRY(file_centre(ctx, levels, level_count, format, centre));
-    for (uint64_t l = 0; l < level_count; l++)
-        BVXI_TRY(bvxi_refuse_rounding(ctx, level_name(function, l, level_count, name), &levels[l], format,
-                                      centre));
-    return BVX_OK;
-}
-
 static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                   int32_t format, bvx_buffer *file)
+                                   const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_levels";
-    bvx_buffer made = {0};
+    bvx_write_options o;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
+    BVXI_TRY(take_write_options(context, function, options, &o));
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     if (format != BVX_FORMAT_GLB)
@@ -387,14 +390,11 @@ static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels,
                          (int64_t)format);
 
     BVXI_TRY(check_levels(context, function, levels, level_count));
-    BVXI_TRY(check_level_rounding(context, function, levels, level_count, format));
-    BVXI_TRY(BVXI_SHARE(context, 0.4, 1.0, bvxi_write_glb(context, levels, level_count, &made)));
-    *file = made;
-    return BVX_OK;
+    return write_checked(context, function, levels, level_count, &o, format, file);
 }
 
 bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                            int32_t format, bvx_buffer *file)
+                            const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
-    return BVXI_CALL(context, run_write_levels(context, levels, level_count, format, file));
+    return BVXI_CALL(context, run_write_levels(context, levels, level_count, options, format, file));
 }

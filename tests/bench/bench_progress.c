@@ -188,12 +188,12 @@ JOB(job_write_glb)
 }
 JOB(job_write_levels)
 {
-    return bvx_write_levels(ctx, &input, 1, BVX_FORMAT_GLB, &buffer_out);
+    return bvx_write_levels(ctx, &input, 1, NULL, BVX_FORMAT_GLB, &buffer_out);
 }
 JOB(job_check_written)
 {
     bvx_write_report r;
-    return bvx_check_written(ctx, &input, 1, BVX_FORMAT_STL, &r);
+    return bvx_check_written(ctx, &input, 1, NULL, BVX_FORMAT_STL, &r);
 }
 
 static bvx_status solid_by(bvx_context *ctx, int32_t fill, int32_t more)

@@ -4,13 +4,25 @@
  * work. */
 #include "fault/context.h"
 
+#include "mesh/mesh.h"
+
 enum { SIDE = 70, VERTICES = SIDE * SIDE, TRIANGLES = (SIDE - 1) * (SIDE - 1) * 2 };
 
 static double xyz[VERTICES * 3];
 static uint32_t triangles[TRIANGLES * 3], uv_triangles[TRIANGLES * 3];
 static uint8_t colours[VERTICES * 4];
-static float uvs[VERTICES * 2];
+static float uvs[VERTICES * 2], normals[VERTICES * 3];
+static uint32_t materials[TRIANGLES];
 static bvx_mesh sheet;
+
+/* What a glTF file had beside meshes. */
+static bvxi_asset_image const image = {"\"mimeType\":\"image/png\"", colours, 1001};
+static struct bvx_assets const assets = {.block_bytes = sizeof assets,
+                                         .materials = "[{},{}]",
+                                         .textures = "[{\"source\":0}]",
+                                         .material_count = 2,
+                                         .image_count = 1,
+                                         .images = &image};
 
 /* A sheet in doubles, large enough for several pieces a file, with a seam along its diagonal. */
 static int make_sheet(void **state)
@@ -25,6 +37,7 @@ static int make_sheet(void **state)
         xyz[3 * v + 2] = 1.0 / (i + j + 1);
         uvs[2 * v] = (float)i / SIDE;
         uvs[2 * v + 1] = (float)j / SIDE;
+        normals[3 * v + 2] = 1.0f;
         for (uint32_t c = 0; c < 4; c++) colours[4 * v + c] = (uint8_t)(v * (c + 3) & 255);
         if (i + 1 == SIDE || j + 1 == SIDE) continue;
         uint32_t const corners[6] = {v, v + 1, v + SIDE, v + SIDE, v + 1, v + SIDE + 1};
@@ -33,6 +46,7 @@ static int make_sheet(void **state)
             uv_triangles[n] = i == j && k < 3 ? VERTICES - 1 - corners[k] : corners[k];
         }
     }
+    for (uint32_t t = 0; t < TRIANGLES; t++) materials[t] = t % 3;
     sheet.positions = xyz;
     sheet.triangles = triangles;
     sheet.colours = colours;
@@ -52,18 +66,23 @@ typedef struct writer {
     int32_t normals;
     uint64_t levels; /* 0: one mesh */
     int check;       /* what the file would hold, in doubles far from the origin */
+    int asset;       /* normals, second texture coordinates, materials; quantized and turned */
 } writer;
 
 static const writer writers[] = {
-    {"STL", BVX_FORMAT_STL, 1, 0, 0, 0},
-    {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0, 0},
-    {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0},
-    {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0},
-    {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0},
-    {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0},
-    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0},
-    {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0},
-    {"a check of STL", BVX_FORMAT_STL, 10, 0, 0, 1},
+    {"STL", BVX_FORMAT_STL, 1, 0, 0, 0, 0},
+    {"OBJ", BVX_FORMAT_OBJ, 1, 0, 0, 0, 0},
+    {"PLY", BVX_FORMAT_PLY, 1, 0, 0, 0, 0},
+    {"OFF", BVX_FORMAT_OFF, 1, 0, 0, 0, 0},
+    {"GLB", BVX_FORMAT_GLB, 11, 0, 0, 0, 0},
+    {"OBJ with normals", BVX_FORMAT_OBJ, 2, 1, 0, 0, 0},
+    {"PLY with normals", BVX_FORMAT_PLY, 2, 1, 0, 0, 0},
+    {"levels", BVX_FORMAT_GLB, 19, 0, 2, 0, 0},
+    {"a check of STL", BVX_FORMAT_STL, 10, 0, 0, 1, 0},
+    {"an asset", BVX_FORMAT_GLB, 12, 0, 1, 0, 1},
+    {"levels of an asset", BVX_FORMAT_GLB, 20, 0, 2, 0, 1},
+    {"a turned OBJ", BVX_FORMAT_OBJ, 3, 1, 0, 0, 1},
+    {"a check of an asset", BVX_FORMAT_GLB, 6, 0, 0, 1, 1},
 };
 enum { WRITERS = sizeof writers / sizeof writers[0] };
 
@@ -74,6 +93,9 @@ typedef struct writing {
     int left_behind, other;
 } writing;
 
+static bvx_write_options const asset_options = {
+    .struct_size = sizeof asset_options, .turn = BVX_TURN_Y_TO_Z, .quantize = 1};
+
 /* The report's bytes stand for a file. */
 static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 {
@@ -81,22 +103,30 @@ static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
     bvx_write_report report;
     bvx_status status;
     far.frame[0] = 1e6;
-    status = bvx_check_written(ctx, &far, 1, w->format, &report);
+    status = bvx_check_written(ctx, &far, 1, w->asset ? &asset_options : NULL, w->format, &report);
     if (status != BVX_OK) return status;
     return bvx_write_mesh(ctx, &sheet, report.fits ? BVX_FORMAT_PLY : w->format, file);
 }
 
 static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 {
-    bvx_mesh const levels[2] = {sheet, sheet};
+    bvx_mesh levels[2] = {sheet, sheet};
     bvx_write_options o;
 
     if (w->check) return check_as(w, ctx, file);
-    if (w->levels != 0) return bvx_write_levels(ctx, levels, w->levels, w->format, file);
+    for (int l = 0; l < 2 && w->asset; l++) {
+        if (l == 0) levels[l].normals = normals;
+        levels[l].uvs2 = uvs;
+        levels[l].materials = materials;
+        levels[l].assets = (bvx_assets *)&assets;
+    }
+    if (w->levels != 0)
+        return bvx_write_levels(ctx, levels, w->levels, w->asset ? &asset_options : NULL, w->format, file);
     if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
     bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
-    return bvx_write_mesh_with(ctx, &sheet, &o, w->format, file);
+    if (w->asset) o.turn = BVX_TURN_Z_TO_Y;
+    return bvx_write_mesh_with(ctx, levels, &o, w->format, file);
 }
 
 static bvx_status run_writing(void *user, bvx_context *ctx)

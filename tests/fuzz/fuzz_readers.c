@@ -107,11 +107,11 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_mesh_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 
-    status = bvx_write_levels(ctx, levels, 2, BVX_FORMAT_GLB, &b);
+    status = bvx_write_levels(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &b);
     fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "levels that cannot be written");
     if (status != BVX_OK) return; /* wider than floats reach */
-    fuzz_require(bvx_write_levels(ctx, levels, 2, BVX_FORMAT_GLB, &twin) == BVX_OK && twin.size == b.size &&
-                     memcmp(twin.bytes, b.bytes, (size_t)b.size) == 0,
+    fuzz_require(bvx_write_levels(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &twin) == BVX_OK &&
+                     twin.size == b.size && memcmp(twin.bytes, b.bytes, (size_t)b.size) == 0,
                  "levels that changed from call to call");
     fuzz_require(b.size % 4 == 0 && b.size > m->triangle_count * 12, "a file of levels that is too small");
     bvx_buffer_free(ctx, &b);
@@ -130,7 +130,7 @@ static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
     bvx_status status;
 
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
-    status = bvx_check_written(ctx, m, 1, BVX_FORMAT_STL, &r);
+    status = bvx_check_written(ctx, m, 1, NULL, BVX_FORMAT_STL, &r);
     fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "a mesh whose file cannot be judged");
     if (status != BVX_OK) return; /* wider than floats reach */
     status = bvx_write_mesh(ctx, m, BVX_FORMAT_STL, &b);

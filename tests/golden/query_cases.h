@@ -322,7 +322,7 @@ static void written_value(golden *g, const bvx_mesh *mesh)
 
     far.frame[0] = 600000.0;
     far.frame[1] = 5000000.0;
-    if (golden_good(g, bvx_check_written(g->context, &far, 1, BVX_FORMAT_STL, &r)))
+    if (golden_good(g, bvx_check_written(g->context, &far, 1, NULL, BVX_FORMAT_STL, &r)))
         golden_hex(g, "written", r.merged << 40 ^ r.spoilt << 20 ^ r.file.vertices << 1 ^ (uint64_t)r.fits);
 }
 
@@ -340,8 +340,11 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
     file_value(g, "ply_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_PLY, &file), &file);
     levels[0] = *finer;
     levels[1] = *mesh;
-    file_value(g, "levels", bvx_write_levels(g->context, levels, 2, BVX_FORMAT_GLB, &file), &file);
+    file_value(g, "levels", bvx_write_levels(g->context, levels, 2, NULL, BVX_FORMAT_GLB, &file), &file);
     written_value(g, mesh);
+    o.quantize = 1;
+    o.turn = BVX_TURN_Z_TO_Y;
+    file_value(g, "quantized", bvx_write_levels(g->context, levels, 2, &o, BVX_FORMAT_GLB, &file), &file);
     golden_end(g);
 }
 

@@ -174,14 +174,55 @@ refuses 2 'has the normals of triangles only' convert "$knot" -o x.stl --normals
 refuses 2 'no normals are written' convert "$knot" -o x.off --normals
 refuses 2 'is for meshes' convert knot.npy -o x.bvx --normals
 rm -f with_normals.* without.*
+
+# y is up in .obj and .glb, z in .stl; other formats come as they are.
+works 'y up' convert knot.ply -o y.obj
+does_not_turn() { # FILE, COMMAND...: as the knot is
+    file=$1
+    shift
+    run convert "$@" -o "$file"
+    holds "not turned: $*" sh -c "test $status = 0 && ! grep -q turned out"
+}
+turns() { # FROM, COMMAND...
+    from=$1
+    shift
+    run convert "$@"
+    holds "turned: $*" sh -c "test $status = 0 && grep -q '^  turned  *from $from up' out"
+}
+does_not_turn x.glb y.obj
+does_not_turn x.stl knot.ply
+does_not_turn x.ply x.stl
+does_not_turn x.stl y.obj --up y
+does_not_turn x.glb x.stl --input-up y
+turns y y.obj -o turned.stl
+turns z turned.stl -o back.glb
+turns y knot.ply -o turned.ply --input-up y --up z
+works 'and back' convert turned.ply -o back.ply --input-up z --up y
+works 'once more without a turn' convert back.ply -o back_as_it_is.ply
+holds 'and back: the mesh itself' cmp back.ply knot.ply
+run compare knot.ply turned.ply --samples 500
+holds 'a turned mesh is elsewhere' sh -c '! grep -q -E "both ways +[0-9.e-]+ +0\.0000%" out'
+reports 'a turn in --json' 'r["turned"] == "y to z"' convert y.obj -o turned.stl
+refuses 2 'give it with --input-up beside --up' convert knot.ply -o x.glb --up z
+refuses 2 'give it with --up beside --input-up' convert y.obj -o x.ply --input-up z
+refuses 2 'is for meshes' convert knot.npy -o x.bvx --up y
+refuses 2 'one of: y, z' convert knot.ply -o x.glb --up x
+works 'quantized' convert knot.ply -o small.glb --quantize
+holds 'quantized: a smaller file with the extension' sh -c 'grep -a -q KHR_mesh_quantization small.glb && test "$(wc -c <small.glb)" -lt "$(wc -c <knot.glb)"'
+refuses 2 'x.ply: --quantize is for .glb' convert knot.ply -o x.ply --quantize
+refuses 2 'x.stl: --quantize is for .glb' repair knot.ply -o x.stl --quantize
+rm -f y.obj x.* turned.* back.* back_as_it_is.ply small.glb
 works 'colours go to ply' convert red_blue.obj -o rb.ply
 works 'and to off' convert rb.ply -o rb.off
 works 'and to obj' convert rb.off -o rb.obj
 run info rb.obj
 holds 'colours survive three formats' says 'colours +of vertices'
-warns 'cannot hold colours' convert red_blue.obj -o x.stl
-warns 'cannot hold texture coordinates' convert uv.obj -o x.off
-warns 'cannot hold texture coordinates' convert uv.obj -o x.stl
+warns 'x.stl: colours are not kept; .glb keeps them' convert red_blue.obj -o x.stl
+warns 'x.off: texture coordinates are not kept; .glb keeps them' convert uv.obj -o x.off
+warns 'x.stl: texture coordinates are not kept; .glb keeps them' convert uv.obj -o x.stl
+warns 'x.off: texture coordinates are not kept; .glb with --carry keeps them' repair uv.obj -o x.off --resolution 16
+warns 'x.obj: texture coordinates are not kept; --carry keeps them' repair uv.obj -o x.obj --resolution 16
+warns 'x.obj: texture coordinates are not kept' boolean union uv.obj uv.obj -o x.obj --resolution 16
 works 'texture coordinates go to ply' convert uv.obj -o uv.ply
 run info uv.ply
 holds 'texture coordinates survive' says 'texture +coordinates'

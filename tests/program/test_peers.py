@@ -116,11 +116,10 @@ def volume_of(corners):
 
 
 def check_glb(name, path, wanted):
-    """f32 about the centre, and a node that turns z up to y up."""
+    """f32, of doubles about the centre, which a node carries."""
     scene = trimesh.load(path, process=False)
     mesh = scene.to_geometry() if hasattr(scene, 'to_geometry') else scene.dump(concatenate=True)
     got = np.asarray(mesh.vertices, np.float64)[np.asarray(mesh.faces)]
-    got = np.stack([got[..., 0], -got[..., 2], got[..., 1]], axis=-1)
     size = np.ptp(wanted.reshape(-1, 3), axis=0).max()
     low, high = wanted.min(axis=(0, 1)), wanted.max(axis=(0, 1))
     off = max(abs(got.min(axis=(0, 1)) - low).max(), abs(got.max(axis=(0, 1)) - high).max())
@@ -157,7 +156,8 @@ def check_mesh(path, work):
         if target in ('obj', 'off') and len(wanted) > TEXT_MOST:
             continue
         out = os.path.join(work, f'mesh.{target}')
-        bitvox('convert', path, '-o', out)
+        as_it_comes = ['--input-up', 'y'] if kind == 'stl' and target in ('obj', 'glb') else []  # .stl has z up, these y
+        bitvox('convert', path, '-o', out, *as_it_comes)
         if target == 'glb':
             check_glb(name, out, wanted)
             continue

@@ -29,6 +29,11 @@ OWN = {
     ("info", "--crossings"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_render_options.direction",
     ("render", "--slices"): "another call", ("render", "--turntable"): "how many pictures", ("render", "--voxels"): "the resolution of a solid",
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
+    ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
+    ("components", "--up"): "bvx_write_options.turn", ("convert", "--up"): "bvx_write_options.turn", ("lod", "--up"): "bvx_write_options.turn",
+    ("sections", "--up"): "bvx_write_options.turn", ("boolean", "--up"): "bvx_write_options.turn", ("morph", "--up"): "bvx_write_options.turn",
+    ("simplify", "--up"): "bvx_write_options.turn", ("refine", "--up"): "bvx_write_options.turn", ("fill", "--up"): "bvx_write_options.turn",
+    ("faces", "--up"): "bvx_write_options.turn", ("repair", "--up"): "bvx_write_options.turn",
 }
 
 # Defaults that the program sets where the library leaves a choice open.

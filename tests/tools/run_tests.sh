@@ -339,6 +339,7 @@ list_here() {
     list_golden native '' --threads 8
     list_examples
     list_program
+    list_command gltf sh tests/tools/test_gltf.sh "$native"
     list_command checks sh tests/tools/check_house.sh "$native"
 }
 
@@ -351,6 +352,7 @@ tests_here() {
     count_log_of 'native/golden --threads 8'
     count_examples
     count_program
+    count_script gltf
 }
 
 count_checks() {

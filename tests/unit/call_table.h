@@ -529,11 +529,11 @@ static bvx_status write_mesh_with(const world *w)
 }
 static bvx_status check_written(const world *w)
 {
-    return bvx_check_written(w->ctx, w->body, 1, BVX_FORMAT_STL, (bvx_write_report *)w->out);
+    return bvx_check_written(w->ctx, w->body, 1, NULL, BVX_FORMAT_STL, (bvx_write_report *)w->out);
 }
 static bvx_status write_levels(const world *w)
 {
-    return bvx_write_levels(w->ctx, w->body, 1, BVX_FORMAT_GLB, (bvx_buffer *)w->out);
+    return bvx_write_levels(w->ctx, w->body, 1, NULL, BVX_FORMAT_GLB, (bvx_buffer *)w->out);
 }
 static bvx_status write_grid(const world *w)
 {

@@ -66,6 +66,8 @@ typedef struct glb_file {
 typedef struct glb_array {
     const uint8_t *at;
     uint32_t count, component, components;
+    uint32_t stride; /* bytes from element to element */
+    int normalized;
     const char *min, *max;
 } glb_array;
 
@@ -121,17 +123,47 @@ static inline glb_file write_glb(const bvx_mesh *m)
     return take_file(write_file(m, BVX_FORMAT_GLB));
 }
 
-/* Accessor of an attribute of a mesh, or of its indices (name NULL),
- * checked against its buffer view and the chunk. count 0: none. */
-static inline glb_array take_array_of(const glb_file *f, int mesh, const char *name)
+static inline glb_file write_glb_with(const bvx_mesh *m, const bvx_write_options *o)
 {
-    const char *const primitive = json_item(
-        json_member(json_item(json_member(f->json, "meshes"), mesh), "primitives"), 0);
+    bvx_buffer b = {0};
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, o, BVX_FORMAT_GLB, &b),
+                                    bvx_last_message(ctx));
+    return take_file(b);
+}
+
+/* Where node i stands; 0, 0, 0 without a translation. */
+static inline void node_translation(const glb_file *f, int i, double centre[3])
+{
+    const char *const node = json_item(json_member(f->json, "nodes"), i);
+    const char *const at = json_member(node, "translation");
+
+    TEST_ASSERT_EQUAL_INT(i, atoi(json_member(node, "mesh")));
+    TEST_ASSERT_NULL(json_member(node, "matrix"));
+    TEST_ASSERT_NULL(json_member(node, "rotation"));
+    for (int a = 0; a < 3; a++) centre[a] = at != NULL ? json_number_in(at, a) : 0.0;
+}
+
+static inline const char *primitive_of(const glb_file *f, int mesh, int primitive)
+{
+    return json_item(json_member(json_item(json_member(f->json, "meshes"), mesh), "primitives"), primitive);
+}
+
+static inline uint32_t json_count(const char *object, const char *name)
+{
+    const char *const number = json_member(object, name);
+    return number != NULL ? (uint32_t)strtoul(number, NULL, 10) : 0;
+}
+
+/* Accessor of an attribute of a mesh, or of a primitive's indices (name NULL),
+ * checked against its buffer view and the chunk. count 0: none. */
+static inline glb_array take_array_in(const glb_file *f, int mesh, int number_of_primitive, const char *name)
+{
+    const char *const primitive = primitive_of(f, mesh, number_of_primitive);
     const char *const number = name == NULL ? json_member(primitive, "indices")
                                             : json_member(json_member(primitive, "attributes"), name);
     const char *accessor, *view, *type;
     glb_array a = {0};
-    uint32_t offset, length, component_size;
+    uint32_t offset, length, component_size, begin;
 
     if (number == NULL) return a;
     accessor = json_item(json_member(f->json, "accessors"), atoi(number));
@@ -142,16 +174,28 @@ static inline glb_array take_array_of(const glb_file *f, int mesh, const char *n
     a.max = json_member(accessor, "max");
     type = json_member(accessor, "type");
     a.components = strncmp(type, "\"SCALAR\"", 8) == 0 ? 1 : (uint32_t)atoi(type + 4);
-    component_size = a.component == 5123 ? 2 : 4;
+    a.normalized = json_member(accessor, "normalized") != NULL;
+    component_size = a.component == 5120 ? 1 : a.component == 5123 ? 2 : 4;
+    a.stride = json_count(view, "byteStride");
+    if (a.stride == 0) a.stride = a.components * component_size;
+    else TEST_ASSERT_TRUE(a.stride % 4 == 0 && a.stride >= a.components * component_size);
+    begin = json_count(accessor, "byteOffset");
     offset = (uint32_t)strtoul(json_member(view, "byteOffset"), NULL, 10);
     length = (uint32_t)strtoul(json_member(view, "byteLength"), NULL, 10);
     TEST_ASSERT_EQUAL_INT(0, atoi(json_member(view, "buffer")));
     TEST_ASSERT_EQUAL_INT(name == NULL ? 34963 : 34962, atoi(json_member(view, "target")));
     TEST_ASSERT_EQUAL_UINT32(0, offset % 4);
-    TEST_ASSERT_EQUAL_UINT32(a.count * a.components * component_size, length);
+    TEST_ASSERT_EQUAL_UINT32(0, begin % component_size);
+    TEST_ASSERT_TRUE(begin + a.count * a.stride <= length);
+    if (name != NULL) TEST_ASSERT_TRUE(begin == 0 && a.count * a.stride == length);
     TEST_ASSERT_TRUE(offset + length <= f->binary_size);
-    a.at = f->binary + offset;
+    a.at = f->binary + offset + begin;
     return a;
+}
+
+static inline glb_array take_array_of(const glb_file *f, int mesh, const char *name)
+{
+    return take_array_in(f, mesh, 0, name);
 }
 
 static inline glb_array take_array(const glb_file *f, const char *name)

@@ -68,7 +68,8 @@ static bvx_certificate certificate_of(const bvx_mesh *m, int32_t weld)
 static bvx_write_report report_of(const bvx_mesh *m, int32_t format)
 {
     bvx_write_report r;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_check_written(ctx, m, 1, format, &r), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_check_written(ctx, m, 1, NULL, format, &r),
+                                    bvx_last_message(ctx));
     return r;
 }
 
@@ -162,10 +163,10 @@ static void test_levels_far_apart_are_refused(void)
     memcpy(far_positions, ball_positions, sizeof far_positions);
     level[1] = ball_at(-1e8, 0, 0);
     level[0].positions = far_positions;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_levels(ctx, level, 2, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_levels(ctx, level, 2, NULL, BVX_FORMAT_GLB, &b));
     TEST_ASSERT_NOT_NULL(
         strstr(bvx_last_message(ctx), "bvx_write_levels: level 0: the format's 32-bit floats move"));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, level, 2, BVX_FORMAT_GLB, r));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, level, 2, NULL, BVX_FORMAT_GLB, r));
     TEST_ASSERT_FALSE(r[0].fits || r[1].fits);
     TEST_ASSERT_TRUE(report_of(&level[0], BVX_FORMAT_GLB).fits); /* alone it lies about its own middle */
 }
@@ -225,15 +226,15 @@ static void test_wrong_calls(void)
     bvx_mesh m = ball_at(0, 0, 0);
     bvx_write_report r;
 
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(NULL, &m, 1, BVX_FORMAT_STL, &r));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, NULL, 1, BVX_FORMAT_STL, &r));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, &m, 1, BVX_FORMAT_STL, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, &m, 0, BVX_FORMAT_STL, &r));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_check_written(ctx, &m, 1, BVX_FORMAT_NPY, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(NULL, &m, 1, NULL, BVX_FORMAT_STL, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, NULL, 1, NULL, BVX_FORMAT_STL, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_STL, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_check_written(ctx, &m, 0, NULL, BVX_FORMAT_STL, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_NPY, &r));
     ball_positions[4] = 1e300;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_check_written(ctx, &m, 1, BVX_FORMAT_STL, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_STL, &r));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "too large for the format's 32-bit floats"));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, &m, 1, BVX_FORMAT_OBJ, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_OBJ, &r));
     bvx_write_options o;
     bvx_buffer b = {0};
     bvx_write_options_init(&o, sizeof o);

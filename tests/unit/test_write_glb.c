@@ -6,38 +6,18 @@
 
 #include <math.h>
 
-/* Node 1 is child of node 0: its translation, and the matrix above it turned z up into y up. */
-static void check_nodes(const glb_file *f, double centre[3])
-{
-    static const int want[16] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
-    const char *const nodes = json_member(f->json, "nodes");
-    const char *const matrix = json_member(json_item(nodes, 0), "matrix");
-    const char *const scene = json_item(json_member(f->json, "scenes"), 0);
-    double const v[4] = {2, 3, 5, 1}, turned[3] = {2, 5, -3};
-
-    TEST_ASSERT_EQUAL_INT(0, (int)json_number_in(json_member(scene, "nodes"), 0));
-    TEST_ASSERT_EQUAL_INT(1, (int)json_number_in(json_member(json_item(nodes, 0), "children"), 0));
-    TEST_ASSERT_EQUAL_INT('0', *json_member(json_item(nodes, 1), "mesh"));
-    for (int i = 0; i < 16; i++) TEST_ASSERT_TRUE(json_number_in(matrix, i) == want[i]);
-    for (int row = 0; row < 3; row++) { /* column by column in the file */
-        double sum = 0;
-        for (int c = 0; c < 4; c++) sum += json_number_in(matrix, 4 * c + row) * v[c];
-        TEST_ASSERT_TRUE(sum == turned[row]);
-    }
-    for (int a = 0; a < 3; a++)
-        centre[a] = json_number_in(json_member(json_item(nodes, 1), "translation"), a);
-}
-
 /* ---- tests ---- */
 
 static void check_positions(const bvx_mesh *m)
 {
     glb_file f = write_glb(m);
     glb_array const positions = take_array(&f, "POSITION"), index = take_array(&f, NULL);
+    int const plain = m->position_type == BVX_F32 && m->frame[0] == 0.0;
     double centre[3], low[3], high[3], p[3];
     float least[3], most[3];
 
-    check_nodes(&f, centre);
+    node_translation(&f, 0, centre);
+    TEST_ASSERT_NULL(json_item(json_member(f.json, "nodes"), 1));
     world_of(m, m->triangles[0], low);
     world_of(m, m->triangles[0], high);
     for (size_t i = 0; i < m->triangle_count * 3; i++) {
@@ -47,7 +27,8 @@ static void check_positions(const bvx_mesh *m)
             if (p[a] > high[a]) high[a] = p[a];
         }
     }
-    for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(centre[a] == low[a] * 0.5 + high[a] * 0.5);
+    /* 32-bit floats in the world are written as they are. */
+    for (int a = 0; a < 3; a++) TEST_ASSERT_TRUE(centre[a] == (plain ? 0.0 : low[a] * 0.5 + high[a] * 0.5));
     TEST_ASSERT_EQUAL_UINT64(m->vertex_count, positions.count);
     TEST_ASSERT_EQUAL_UINT32(5126, positions.component);
     TEST_ASSERT_EQUAL_UINT32(3, positions.components);
@@ -87,25 +68,39 @@ static void test_write_glb_description(void)
 {
     bvx_mesh m = octahedron(BVX_F32);
     glb_file f = write_glb(&m);
-    const char *const material = json_item(json_member(f.json, "materials"), 0);
-    const char *const surface = json_member(material, "pbrMetallicRoughness");
-    const char *const primitive = json_item(
-        json_member(json_item(json_member(f.json, "meshes"), 0), "primitives"), 0);
+    const char *const primitive = primitive_of(&f, 0, 0);
 
     TEST_ASSERT_EQUAL_INT(
         0, strncmp("{\"version\":\"2.0\",\"generator\":\"bitvox\"}", json_member(f.json, "asset"), 38));
     TEST_ASSERT_EQUAL_INT('0', *json_member(f.json, "scene"));
-    TEST_ASSERT_EQUAL_INT(0, strncmp("true", json_member(material, "doubleSided"), 4));
-    TEST_ASSERT_EQUAL_INT('0', *json_member(surface, "metallicFactor"));
-    TEST_ASSERT_EQUAL_INT('1', *json_member(surface, "roughnessFactor"));
+    TEST_ASSERT_NULL(json_member(f.json, "materials"));
+    TEST_ASSERT_NULL(json_member(f.json, "extensionsUsed"));
     TEST_ASSERT_EQUAL_INT('4', *json_member(primitive, "mode"));
-    TEST_ASSERT_EQUAL_INT('0', *json_member(primitive, "material"));
+    TEST_ASSERT_NULL(json_member(primitive, "material"));
     TEST_ASSERT_TRUE(strtoul(json_member(json_item(json_member(f.json, "buffers"), 0), "byteLength"), NULL,
                              10) == 6 * 24 + 48);
     TEST_ASSERT_NULL(json_item(json_member(f.json, "buffers"), 1));
     TEST_ASSERT_NULL(json_item(json_member(f.json, "accessors"), 3));
     TEST_ASSERT_EQUAL_UINT32(0, take_array(&f, "COLOR_0").count);
     TEST_ASSERT_EQUAL_UINT32(0, take_array(&f, "TEXCOORD_0").count);
+    free_file(&f);
+}
+
+/* The default is a metal: colours need a material that shows them. */
+static void test_write_glb_material_of_colours(void)
+{
+    static uint8_t six[24];
+    bvx_mesh m = octahedron(BVX_F32);
+    m.colours = six;
+    glb_file f = write_glb(&m);
+    const char *const material = json_item(json_member(f.json, "materials"), 0);
+    const char *const surface = json_member(material, "pbrMetallicRoughness");
+
+    TEST_ASSERT_NULL(json_member(material, "doubleSided"));
+    TEST_ASSERT_EQUAL_INT('0', *json_member(surface, "metallicFactor"));
+    TEST_ASSERT_EQUAL_INT('1', *json_member(surface, "roughnessFactor"));
+    TEST_ASSERT_EQUAL_INT('0', *json_member(primitive_of(&f, 0, 0), "material"));
+    TEST_ASSERT_NULL(json_item(json_member(f.json, "materials"), 1));
     free_file(&f);
 }
 
@@ -351,7 +346,7 @@ static void test_write_glb_golden(void)
 {
     bvx_mesh m = make_strip(1000);
     bvx_buffer b = write_file(&m, BVX_FORMAT_GLB);
-    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x828F145F51EACC3C), bvx_hash(b.bytes, (size_t)b.size, 0));
+    TEST_ASSERT_EQUAL_HEX64(UINT64_C(0x188F645711105CF5), bvx_hash(b.bytes, (size_t)b.size, 0));
     bvx_buffer_free(ctx, &b);
     free_strip(&m);
 }
@@ -384,9 +379,11 @@ static void test_write_glb_refuses_files_beyond_the_format(void)
     static uint8_t some_colours[4];
     static float some_uvs[2];
     bvx_mesh m = {0};
+    bvxi_file_frame const frame = {{0.0, 0.0, 0.0}, 0.0};
     bvxi_glb glb = {0};
 
     glb.mesh = &m;
+    glb.frame = &frame;
     m.triangle_count = 200000000;
     glb.vertices = 78000000;
     bvxi_glb_layout(&glb, 0);
@@ -418,6 +415,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(test_write_glb_positions);
     RUN_TEST(test_write_glb_description);
+    RUN_TEST(test_write_glb_material_of_colours);
     RUN_TEST(test_write_glb_padding);
     RUN_TEST(test_write_glb_normals);
     RUN_TEST(test_write_glb_normals_of_any_size);

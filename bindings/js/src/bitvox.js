@@ -104,6 +104,7 @@ class Bitvox {
                 'bvx_write_levels',
                 levels,
                 BigInt(meshes.length),
+                call.options('write_options', options),
                 choiceOf('writeLevels', 'format', 'format_', format),
                 file,
             );

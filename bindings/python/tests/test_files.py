@@ -1,6 +1,7 @@
 """Files: round trips, and what goes wrong."""
 
 import gzip
+import io
 import json
 import os
 import warnings
@@ -48,6 +49,41 @@ def test_gltf_with_files_beside_it(tmp_path):
 def test_glb_is_written(ball, tmp_path):
     ball.save(tmp_path / "ball.glb")
     assert (tmp_path / "ball.glb").read_bytes()[:4] == b"glTF"
+
+
+def of_trimesh(data):
+    trimesh = pytest.importorskip("trimesh")
+    scene = trimesh.load(io.BytesIO(data), file_type="glb")
+    return scene.to_mesh() if hasattr(scene, "to_mesh") else scene.dump(concatenate=True)
+
+
+def test_glb_keeps_its_axes_unless_asked(ball):
+    """As another reader gets them; vertices are in the order of the mesh, which trimesh may change."""
+    assert sorted(map(tuple, of_trimesh(bitvox.dumps(ball, "glb")).vertices)) == sorted(map(tuple, np.asarray(ball.vertices, float)))
+    x, y, z = np.asarray(ball.vertices, float).T
+    for up, want in (("y", (x, z, -y)), ("z", (x, -z, y))):
+        turned = of_trimesh(bitvox.dumps(ball, "glb", up=up))
+        assert np.allclose(sorted(map(tuple, turned.vertices)), sorted(zip(*want)), atol=0) and turned.volume == pytest.approx(ball.volume)
+        assert bitvox.loads(bitvox.dumps(ball, "ply", up=up), "ply").volume == pytest.approx(ball.volume)
+    with pytest.raises(bitvox.ArgumentError, match="'y', 'z' or None"):
+        bitvox.dumps(ball, "glb", up="x")
+    with pytest.raises(bitvox.ArgumentError, match="up is for meshes"):
+        bitvox.dumps(bitvox.Grid.from_numpy(ball_grid(8)), "npy", up="y")
+
+
+def test_quantized_glb(ball, tmp_path):
+    data = bitvox.dumps(ball, "glb", quantize=True)
+    low, high = ball.bounds
+    step = max(h - l for l, h in zip(low, high)) / 65535
+    back = of_trimesh(data)
+    assert len(data) < len(bitvox.dumps(ball, "glb")) and b"KHR_mesh_quantization" in data
+    assert np.allclose(back.bounds, ball.bounds, atol=step) and back.volume == pytest.approx(ball.volume, rel=1e-4)
+    assert ball.check_written("glb", quantize=True).largest_move <= step
+    bitvox.write_levels(tmp_path / "levels.glb", [ball, ball], quantize=True, up="y")
+    assert b"KHR_mesh_quantization" in (tmp_path / "levels.glb").read_bytes()
+    for ending in ("ply", "stl", "obj", "off"):
+        with pytest.raises(bitvox.UnsupportedError, match="quantize"):
+            bitvox.dumps(ball, ending, quantize=True)
 
 
 @pytest.mark.parametrize("ending", ["ply", "obj", "ply.gz"])

@@ -227,8 +227,8 @@ def _loads(data: Any, kind: str, window: WindowLike, lattice: bytes | None, clos
 
 @entered
 def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False, normals: bool = False,
-          origin: Any = None, allow_rounding: bool = False, threads: int | None = None, memory_limit: int | None = None,
-          progress: Progress = None) -> bytes:
+          origin: Any = None, allow_rounding: bool = False, up: str | None = None, quantize: bool = False,
+          threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> bytes:
     """The bytes of a file.
 
     Parameters
@@ -243,12 +243,17 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     vectors
         of a field: vectors in place of signed distances.
     normals
-        of a mesh's ply or obj: also smooth normals of the vertices, averaged by area over sharp edges too; glb has them
+        of a mesh's ply or obj: also normals of the vertices, smooth ones averaged by area over sharp edges too; glb has them
         always, stl and off are refused.
     origin
         of a mesh: (x, y, z) that is taken from all positions, for formats of 32-bit floats far from the origin.
     allow_rounding
         of a mesh: write stl or glb even where rounding to 32-bit floats spoils it; see `Mesh.check_written`.
+    up
+        of a mesh: "y", where z is up in it and y in the file: x, y, z become x, z, -y; "z", where y is up in it and z in the file:
+        x, y, z become x, -z, y. By default coordinates stay as they are, in every format.
+    quantize
+        of a mesh's glb: positions of 16 bits and normals of 8, by KHR_mesh_quantization.
 
     Raises
     ------
@@ -269,14 +274,15 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
     if vectors and not isinstance(thing, Field):
         raise ArgumentError("vectors are for fields")
     if isinstance(thing, (Grid, Octree, Field, Image, Sections, Volume)):
-        for name, given in (("normals are", normals), ("origin is", origin is not None), ("allow_rounding is", allow_rounding)):
+        for name, given in (("normals are", normals), ("origin is", origin is not None), ("allow_rounding is", allow_rounding),
+                            ("up is", up is not None), ("quantize is", quantize)):
             if given:
                 raise ArgumentError(f"{name} for meshes")
     if isinstance(thing, Volume) or (isinstance(thing, Grid) and kind in ("nii", "mha")):
         return bytes(call("volume_bytes", thing, kind) if isinstance(thing, Volume) else call("volume_bytes", volume_of_bits(thing), kind, True))
     if kind in MESHES_BY_LIBRARIES and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
-        if normals or origin is not None or allow_rounding:
-            raise ArgumentError(f"normals, origin and allow_rounding are for {', '.join(MESH_OUTPUTS)}")
+        if normals or origin is not None or allow_rounding or up is not None or quantize:
+            raise ArgumentError(f"normals, origin, allow_rounding, up and quantize are for {', '.join(MESH_OUTPUTS)}")
         return bytes(call("mesh_bytes", Mesh.of(thing), kind))
     with Run(threads, memory_limit, progress) as run:
         if isinstance(thing, Image) and kind == "png":
@@ -293,13 +299,24 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
         elif kind in MESH_OUTPUTS and not isinstance(thing, (Grid, Octree, Field, Image, Sections)):
             mesh = Mesh.of(thing)._struct(run)
             subtract(mesh, origin)
-            options = options_of("write_options")
-            options.normals = int(bool(normals))
-            options.rounding = int(bool(allow_rounding))
+            options = _write_options(normals=normals, allow_rounding=allow_rounding, up=up, quantize=quantize)
             run.check(lib.bvx_write_mesh_with(run.context, mesh, options, number_of(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     return bytes(ffi.buffer(out.bytes, out.size))
+
+
+def _write_options(*, normals: bool = False, allow_rounding: bool = False, up: str | None = None, quantize: bool = False) -> Any:
+    """What `dumps` and `write_levels` say of meshes."""
+    turns = {None: lib.BVX_TURN_NONE, "y": lib.BVX_TURN_Z_TO_Y, "z": lib.BVX_TURN_Y_TO_Z}
+    if up not in turns:
+        raise ArgumentError(f"up is {up!r}; it must be 'y', 'z' or None")
+    options = options_of("write_options")
+    options.normals = int(bool(normals))
+    options.rounding = int(bool(allow_rounding))
+    options.turn = turns[up]
+    options.quantize = int(bool(quantize))
+    return options
 
 
 def _outputs(thing: Any) -> str:
@@ -310,8 +327,8 @@ def _outputs(thing: Any) -> str:
     return f"take one of {endings}{other}"
 
 
-def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads: int | None = None, memory_limit: int | None = None,
-                 progress: Progress = None) -> None:
+def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str | None = None, quantize: bool = False,
+                 threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write levels of detail to one .glb file, whole or not at all::
 
         bitvox.write_levels("dragon.glb", bitvox.lod("dragon.ply", levels=(64, 32, 16)))
@@ -325,6 +342,8 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
         a name that ends in .glb, or .glb.gz, which packs it.
     levels
         meshes, the finest first; with colors and uvs or without, as each is.
+    up, quantize
+        as for `dumps`.
 
     Raises
     ------
@@ -352,14 +371,15 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, threads
         array = ffi.new("bvx_mesh[]", max(len(borrowed), 1))
         for i, one in enumerate(borrowed):
             array[i] = one[0]
-        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), number_of(kind), out))
+        options = _write_options(up=up, quantize=quantize)
+        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), options, number_of(kind), out))
     write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
 
 
 @entered
 def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None, states: Any = None, vectors: bool = False,
-          normals: bool = False, origin: Any = None, allow_rounding: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> None:
+          normals: bool = False, origin: Any = None, allow_rounding: bool = False, up: str | None = None, quantize: bool = False,
+          threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> None:
     """Write a mesh, grid, octree, field, volume or image to a file, whole or not at all.
 
     Parameters
@@ -374,7 +394,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
         of an octree: which leaves, by default ("surface", "inside").
     vectors
         of a field: vectors in place of signed distances.
-    normals, origin, allow_rounding
+    normals, origin, allow_rounding, up, quantize
         of a mesh: as for `dumps`.
 
     Examples
@@ -385,8 +405,8 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
     """
     path = os.fspath(path)
     kind = format_of(path, format)
-    data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, threads=threads,
-                 memory_limit=memory_limit, progress=progress)
+    data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, up=up,
+                 quantize=quantize, threads=threads, memory_limit=memory_limit, progress=progress)
     placed = thing.band if hasattr(thing, "band") else thing
     beside = lattice_json(placed) if isinstance(placed, Grid) and kind in _BESIDE else None
     write_bytes(path, data)

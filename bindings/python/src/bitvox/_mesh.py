@@ -11,7 +11,7 @@ from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
-from ._run import Progress, Run, ffi, lib, number_of, quiet
+from ._run import Progress, Run, ffi, lib, number_of, options_of, quiet
 from ._words import Array, ErrorKind, OpenInput
 
 if TYPE_CHECKING:
@@ -440,7 +440,7 @@ class Mesh:
             run.check(lib.bvx_mesh_check(run.context, self._view(run), int(bool(weld)), out))
         return record(out)
 
-    def check_written(self, format: str, *, origin: Any = None, threads: int | None = None, memory_limit: int | None = None,
+    def check_written(self, format: str, *, origin: Any = None, quantize: bool = False, threads: int | None = None, memory_limit: int | None = None,
                       progress: Progress = None) -> WriteReport:
         """What readers of a file in a format get, without writing it: stl and glb hold 32-bit floats.
 
@@ -448,8 +448,8 @@ class Mesh:
         ----------
         format
             stl, obj, ply, off or glb.
-        origin
-            as `bitvox.write` takes it.
+        origin, quantize
+            as `bitvox.write` takes them.
 
         Returns
         -------
@@ -466,7 +466,9 @@ class Mesh:
         with Run(threads, memory_limit, progress) as run:
             mesh = self._struct(run)
             subtract(mesh, origin)
-            run.check(lib.bvx_check_written(run.context, mesh, 1, number_of(format.lower().lstrip(".")), out))
+            options = options_of("write_options")
+            options.quantize = int(bool(quantize))
+            run.check(lib.bvx_check_written(run.context, mesh, 1, options, number_of(format.lower().lstrip(".")), out))
         return record(out)
 
     def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -708,16 +710,17 @@ class Mesh:
         return call("render", self, size=(480, 360)).packed_png() if self.n_faces else None
 
     def save(self, path: str | os.PathLike[str], format: str | None = None, *, normals: bool = False, origin: Any = None,
-             allow_rounding: bool = False) -> None:
+             allow_rounding: bool = False, up: str | None = None, quantize: bool = False) -> None:
         """Write it to the file ``path``, in the format of its ending or in ``format``: .stl, .obj, .ply, .off, .glb, with
-        ``bitvox[formats]`` .3mf, with ``bitvox[view]`` .vtp; with smooth ``normals`` of the vertices too
-        in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils. See `bitvox.write`.
+        ``bitvox[formats]`` .3mf, with ``bitvox[view]`` .vtp; with ``normals`` of the vertices too
+        in .ply and .obj, less by an ``origin``; ``allow_rounding`` writes what it spoils; ``up="y"`` turns z up to y up, ``"z"``
+        back; ``quantize`` makes a .glb small. See `bitvox.write`.
 
         Examples
         --------
         >>> bitvox.read('knot.ply').save('knot.stl')
         """
-        call("write", self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding)
+        call("write", self, path, format=format, normals=normals, origin=origin, allow_rounding=allow_rounding, up=up, quantize=quantize)
 
 
 def new_mesh() -> Any:
