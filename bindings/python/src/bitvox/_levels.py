@@ -380,7 +380,7 @@ def lod(
     """Levels of detail: meshes of several sizes from any mesh, or from a grid.
 
     The method "collapse" takes a mesh as it is, as `simplify` does: parts, holes, borders and sides stay, and no level has a fault
-    that the mesh has not. With ``solid`` it measures the surface first, as `repair` does: holes get lids, overlapping parts become
+    that the mesh does not have. With ``solid`` it measures the surface first, as `repair` does: holes get lids, overlapping parts become
     one, sheets become shells, and every level is closed, manifold and oriented, and no two of its triangles cross. Edges collapse,
     each level from the one before. "edge-ratio" and "coverage" are those of the paper: they lay coarser lattices over the voxels of
     the mesh, or over a grid.
