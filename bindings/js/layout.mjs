@@ -60,7 +60,7 @@ function meaningOf(name, comment, choices) {
     if (name === 'error_kind') return 'BVX_ERROR_';
     if (name === 'drain_side') return 'BVX_SIDE_';
     if (name === 'open_sides' || /^\s*BVX_(FEW|KEPT)_/.test(comment)) return undefined; // bits
-    // "BVX_LEVELS_MESH: 1, ..." says when the field is set, not what it holds.
+    // "BVX_OK: ..." says when the field is set, not what it holds.
     const condition = comment.match(/^\s*BVX_[A-Z0-9_]*[A-Z0-9](?: without [^:]*)?: (1\b)?/);
     if (condition) return condition[1] ? 'yes' : undefined;
     const constant =

@@ -78,6 +78,12 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh)
     w->view->indices = w->corner;
     w->view->index_type = BVX_U32;
     w->view->index_stride = 0;
+
+    /* Attributes are those of the mesh's vertices, corners and triangles, which have other numbers here. */
+    w->view->normals = NULL;
+    w->view->uvs = w->view->uvs2 = NULL;
+    w->view->uv_indices = NULL;
+    w->view->materials = NULL;
     return BVX_OK;
 }
 
