@@ -1205,12 +1205,12 @@ typedef struct bvx_levels_options {
     uint64_t least_cavity;      /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
     bvx_levels_report *report;  /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports;  /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    int32_t lock_border;        /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
-    int32_t vertices;           /**< as in bvx_simplify_options [Default: BVX_VERTICES_PLACED] */
+    int32_t lock_border;        /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    int32_t vertices;           /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
     uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
     const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t topology;           /**< as in bvx_simplify_options [Default: BVX_TOPOLOGY_KEEP] */
+    int32_t topology;           /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     int32_t reserved0;
     uint64_t reserved[1];
 } bvx_levels_options;

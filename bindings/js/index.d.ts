@@ -358,14 +358,21 @@ export interface ChainOptions extends CallOptions {
     even?: number | undefined;
     measureSamples?: number | undefined;
     strict?: boolean | undefined;
-    open?: 'shell' | 'keep' | 'cut' | undefined;
-    colourWeight?: number | undefined;
+    /** Border vertices stay where they are. */
+    lockBorder?: boolean | undefined;
+    /** Of attributes beside the shape, 0 to 1000 [1]. */
+    attributeWeight?: number | undefined;
+    /** One value a vertex; those other than 0 stay where they are. */
+    locked?: readonly number[] | Uint8Array | undefined;
+    vertices?: 'placed' | 'kept' | undefined;
+    topology?: 'keep' | 'simplify' | undefined;
 }
 /** [bvx_simplify_options] */
 export type SimplifyOptions = ChainOptions;
 /** [bvx_levels_options] */
 export interface LevelsOptions extends ChainOptions {
-    source?: 'auto' | 'mesh' | 'measured' | undefined;
+    /** The surface that repair measures: closed, manifold, oriented, without crossings. */
+    solid?: boolean | undefined;
     lattice?: LatticeIn | undefined;
     resolution?: number | undefined;
     sign?: Sign | undefined;
@@ -384,6 +391,7 @@ export interface LevelReport {
     targetError: number;
     met: boolean;
     measured: boolean;
+    /** Its distances are NaN where they were not measured. */
     distance: DistanceReport;
     certificate: Certificate;
     crossings: number;
@@ -392,21 +400,20 @@ export interface LevelReport {
 }
 /** [bvx_levels_report] */
 export interface LevelsReport {
-    source: 'auto' | 'mesh' | 'measured';
-    reason: 'not' | 'asked' | 'open' | 'manifold' | 'flipped' | 'flat' | 'large' | 'crossings' | 'memory';
+    solid: boolean;
     before: Certificate;
     triangles: number;
-    crossings: number;
-    crumbs: number;
-    repair: RepairReport;
+    collapsed: number;
     doubles: number;
     turned: number;
-    refusedEdges: number;
-    refusedEdge: number[];
+    split: number;
+    parted: number;
+    cut: number;
+    cutEdge: number[];
+    crumbs: number;
+    repair: RepairReport;
     resolution: number;
     plannedResolution: number;
-    /** Closed bodies lie in others and face the same way: what lies in both counts twice. */
-    nested: boolean;
 }
 
 /** [bvx_lod_options]; exactly one of resolutions (samples along the longest axis) and targetTriangles, one number a level. */
@@ -587,7 +594,7 @@ export interface Bitvox {
         mesh: AnyMesh,
         options?: LevelsOptions,
     ): { levels: { mesh: Mesh; report: LevelReport }[]; report: LevelsReport };
-    /** Fewer triangles for a manifold mesh. [bvx_mesh_simplify] */
+    /** Fewer triangles for a mesh as it is. [bvx_mesh_simplify] */
     simplify(mesh: AnyMesh, options?: SimplifyOptions): { levels: { mesh: Mesh; report: LevelReport }[] };
     /** Levels from a solid by coarser lattices. [bvx_build_lods] */
     buildLods(solid: GridIn, options: LodOptions): { levels: { mesh: Mesh; report: LodReport }[] };

@@ -1,7 +1,7 @@
 // layout.mjs - reads include/bitvox.h: the layout of each struct in WebAssembly's 32-bit memory, and the names of choices.
 //
 // A field is [name, type, offset, count]; type is i32, u32, i64, u64, f32, f64, u8, ptr or the name of a struct. Choices of a field
-// follow from its comment: "BVX_FILL_...", "BVX_LEVELS_MESH or MEASURED"; "1: ..." is a yes or no.
+// follow from its comment: "BVX_FILL_..."; "1: ..." is a yes or no.
 
 const SIZES = { i32: 4, u32: 4, i64: 8, u64: 8, f32: 4, f64: 8, u8: 1, ptr: 4 };
 const TYPES = {
@@ -57,11 +57,10 @@ function readChoices(header) {
 /** What a field's comment says about its values: the prefix of its choices, "yes" or nothing. */
 function meaningOf(name, comment, choices) {
     if (name === 'position_type') return 'BVX_POSITION_';
-    if (name === 'open') return 'BVX_OPEN_';
     if (name === 'error_kind') return 'BVX_ERROR_';
     if (name === 'drain_side') return 'BVX_SIDE_';
     if (name === 'open_sides' || name === 'lost' || /^\s*BVX_(FEW|KEPT)_/.test(comment)) return undefined; // bits
-    // "BVX_LEVELS_MESH: 1, ..." says when the field is set, not what it holds.
+    // "BVX_OK: ..." says when the field is set, not what it holds.
     const condition = comment.match(/^\s*BVX_[A-Z0-9_]*[A-Z0-9](?: without [^:]*)?: (1\b)?/);
     if (condition) return condition[1] ? 'yes' : undefined;
     const constant =

@@ -154,8 +154,10 @@ def _annotation(kind: str, name: str, sizes: list[int], note: str, classes: dict
         return f"tuple[{inner}, ...]" if sizes[0] > 4 else f"tuple[{', '.join([inner] * sizes[0])}]"
     if kind == "bvx_lattice":
         return '"Lattice"'
-    if name in ("sign", "source", "fill", "fill_reason"):  # rules, by name
+    if name in ("sign", "fill", "fill_reason"):  # rules, by name
         return "str"
+    if name == "distance":  # where it was measured
+        return f"{classes[kind]} | None"
     return classes.get(kind) or ("bool" if kind == "int32_t" and note.startswith("1: ") else _TYPES[kind])
 
 

@@ -410,7 +410,7 @@ const cli_command cli_lod = {
         "of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
         "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh as it is collapse: its "
         "parts,\n"
-        "holes, borders and sides stay, and no level has a fault that it has not. --solid makes closed, "
+        "holes, borders and sides stay, and no level has a new fault. --solid makes closed, "
         "manifold\n"
         "levels that cross nowhere of whatever goes in. A target below what keeps a level free of new faults "
         "gives\n"

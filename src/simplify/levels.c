@@ -145,7 +145,10 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->target_errors != NULL || c->measure_samples != 0;
-    r->distance = c->target_errors != NULL ? c->last : not_measured;
+    r->distance = c->last;
+    /* All bits set are no number; the samples and the seed are none. */
+    if (!r->measured) memset(&r->distance, 0xff, sizeof r->distance);
+    if (!r->measured) r->distance.samples = r->distance.seed = 0;
     if (c->target_errors != NULL || c->measure_samples == 0) return BVX_OK;
     /* Measuring takes longer than all checks, so it has most of the progress. */
     return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance));
@@ -163,7 +166,7 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 }
 
 /* The share of the error of level i that a distance takes up: 1 or less keeps it. */
-static double share_of(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
+static double error_share(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
 {
     return (c->error_kind == BVX_ERROR_MEAN ? d->mean : d->max) / c->target_errors[i];
 }
@@ -278,11 +281,11 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         bvx_mesh made = {0};
 
         BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_now(ctx, c, collapse, &d)));
-        part = share_of(c, i, &d);
+        part = error_share(c, i, &d);
         /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
         if (part > 1 && i != 0) {
-            *met = share_of(c, i, &c->last) <= 1;
+            *met = error_share(c, i, &c->last) <= 1;
             return copy_into(ctx, c, &c->levels[i - 1], found);
         }
 

@@ -4,8 +4,8 @@
  * Half-edges are sorted by their ends, so those of an edge lie side by side. Over edges of two triangles these
  * form patches, in which the triangles of less area are turned. Around an edge of three triangles and more lie
  * spaces inside and outside in turns: the triangles on both sides of an inside belong together, first those of
- * one patch. So bodies that touch along an edge stay two, with their volumes. Where no triangle is left over, all
- * are paired; those that are left over get borders. Corners that hang together through pairs share a vertex.
+ * one patch. So bodies that touch along an edge stay two, with their volumes. Triangles that remain without a pair
+ * get borders. Corners that hang together through pairs share a vertex.
  *
  * Guarantee: an oriented manifold mesh is left as it is, in its order. */
 #include "simplify/sheets.h"
@@ -17,11 +17,12 @@
 /* Bits of an angle that rounding may change: equal angles are equal without them. */
 enum { ANGLE_ROUNDING = 20, FEW_PAIRS = 16 };
 
-/* Of what is left over around an edge, whatever its patch. */
+/* Of what remains around an edge, whatever its patch. */
 #define NO_PATCH UINT32_MAX
 
 typedef struct patch_area {
     double same, other; /* of the triangles that run as the root does, and of those that do not */
+    uint64_t torn;      /* edges where its triangles cannot agree: it has one side only */
 } patch_area;
 
 typedef struct sheet_work {
@@ -88,13 +89,19 @@ static bvx_status weld(sheet_work *w, const bvx_mesh_view *mesh, int sources)
     w->view->indices = w->corner;
     w->view->index_type = BVX_U32;
     w->view->index_stride = 0;
+
+    /* Attributes are those of the mesh's vertices, corners and triangles, which have other numbers here. */
+    w->view->normals = NULL;
+    w->view->uvs = w->view->uvs2 = NULL;
+    w->view->uv_indices = NULL;
+    w->view->materials = NULL;
     return BVX_OK;
 }
 
 /* ---- Edges ---- */
 
 /* Half-edges from begin on that belong to one edge. */
-static uint64_t edge_length(const sheet_work *w, uint64_t begin)
+static uint64_t edge_halves(const sheet_work *w, uint64_t begin)
 {
     uint64_t end = begin + 1;
 
@@ -116,7 +123,7 @@ static bvx_status list_edges(sheet_work *w)
 
     w->crowded = w->disputed = 0;
     for (uint64_t i = 0, n; i < count; i += n) {
-        n = edge_length(w, i);
+        n = edge_halves(w, i);
         if (n > 2) w->crowded += n;
         else if (n == 2) w->disputed += runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1]);
     }
@@ -135,7 +142,7 @@ static void report_cut(sheet_work *w, uint64_t i)
 enum { COPY_NONE, COPY_TURNED, COPY_DROPPED };
 
 /* The corners of a triangle in their order; returns 1 where that order runs the other way. */
-static int sort_corners(const uint32_t *corner, uint32_t sorted[3])
+static int order_by_index(const uint32_t *corner, uint32_t *sorted)
 {
     int const least = corner[0] < corner[1] ? (corner[0] < corner[2] ? 0 : 2) : corner[1] < corner[2] ? 1 : 2;
     uint32_t const a = corner[(least + 1) % 3], b = corner[(least + 2) % 3];
@@ -154,19 +161,19 @@ static bvx_status mark_copies(sheet_work *w, uint8_t *copy)
 
     /* By the highest corner, then by the others: equal triangles end up side by side, in their order. */
     for (uint32_t t = 0; t < w->triangles; t++) {
-        sort_corners(w->corner + 3 * (uint64_t)t, sorted);
+        order_by_index(w->corner + 3 * (uint64_t)t, sorted);
         w->keys[t] = sorted[2];
         w->half[t] = t;
     }
     BVXI_TRY(bvxi_radix_sort(w->ctx, w->keys, w->half, w->triangles));
     for (uint64_t i = 0; i < w->triangles; i++) {
-        sort_corners(w->corner + 3 * (uint64_t)w->half[i], sorted);
+        order_by_index(w->corner + 3 * (uint64_t)w->half[i], sorted);
         w->keys[i] = (uint64_t)sorted[0] << 32 | sorted[1];
     }
     BVXI_TRY(bvxi_radix_sort(w->ctx, w->keys, w->half, w->triangles));
 
     for (uint64_t i = 0; i < w->triangles; i++) {
-        int const turned = sort_corners(w->corner + 3 * (uint64_t)w->half[i], sorted);
+        int const turned = order_by_index(w->corner + 3 * (uint64_t)w->half[i], sorted);
 
         if (i == 0 || memcmp(sorted, before, sizeof sorted) != 0) known[0] = known[1] = 0;
         memcpy(before, sorted, sizeof before);
@@ -192,7 +199,7 @@ static void drop_marked(sheet_work *w, const uint8_t *copy)
 
 /* A turned copy is the other side of a sheet where its edges have as many triangles either way; else it is one too
  * many. */
-static bvx_status drop_copies(sheet_work *w)
+static bvx_status drop_sheet_copies(sheet_work *w)
 {
     uint8_t *copy;
 
@@ -202,7 +209,7 @@ static bvx_status drop_copies(sheet_work *w)
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
         uint64_t up = 0, all = 0;
 
-        n = edge_length(w, i);
+        n = edge_halves(w, i);
         for (uint64_t j = i; j < i + n; j++) {
             if (copy[w->half[j] / 3] == COPY_DROPPED) continue;
             up += (uint64_t)runs_up(w, w->half[j]);
@@ -219,7 +226,7 @@ static bvx_status drop_copies(sheet_work *w)
 /* ---- Patches ---- */
 
 /* The root of a triangle; *differs: whether it runs differently. Paths are halved. */
-static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
+static uint32_t sheet_root(uint32_t *link, uint32_t t, uint32_t *differs)
 {
     *differs = 0;
     while (link[t] >> 1 != t) {
@@ -233,10 +240,10 @@ static uint32_t patch_root(uint32_t *link, uint32_t t, uint32_t *differs)
 }
 
 /* Join two triangles across an edge; 0 where they disagree already. */
-static int join_patches(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
+static int join_sheets(uint32_t *link, uint32_t s, uint32_t t, uint32_t differ)
 {
     uint32_t ds, dt;
-    uint32_t const a = patch_root(link, s, &ds), b = patch_root(link, t, &dt);
+    uint32_t const a = sheet_root(link, s, &ds), b = sheet_root(link, t, &dt);
 
     if (a == b) return (ds ^ dt) == differ;
     /* The least triangle is the root, so the result does not depend on the order of edges. */
@@ -253,40 +260,41 @@ static double triangle_area(const sheet_work *w, uint64_t t)
     return bvxi_facet_normal((const double(*)[3])p, n);
 }
 
-/* Turn the triangles of less area in each patch. One that has one side only stays as it is: its area is NaN. */
+/* Join triangles over edges of two; torn: where they disagree, by their root then. */
+static void join_all_sheets(sheet_work *w, patch_area *area)
+{
+    for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
+        uint32_t differs;
+
+        n = edge_halves(w, i);
+        if (n != 2) continue;
+        if (!join_sheets(w->link, w->half[i] / 3, w->half[i + 1] / 3,
+                         runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])))
+            area[sheet_root(w->link, w->half[i] / 3, &differs)].torn++;
+    }
+}
+
+/* Turn the triangles of less area in each patch, but of one that has one side only. */
 static bvx_status turn_patches(sheet_work *w)
 {
     patch_area *area;
 
     BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, w->triangles * sizeof *area, "the patches' areas", &area));
-    for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
-        uint32_t differs;
-
-        n = edge_length(w, i);
-        if (n != 2) continue;
-        if (!join_patches(w->link, w->half[i] / 3, w->half[i + 1] / 3,
-                          runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])))
-            area[patch_root(w->link, w->half[i] / 3, &differs)].same = NAN;
-    }
-    /* What was found of a patch before it was joined to another one holds for both. */
-    for (uint64_t t = 0; t < w->triangles; t++) {
-        uint32_t differs;
-        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
-
-        if (area[t].same - area[t].same != 0) area[root].same = NAN;
-    }
+    join_all_sheets(w, area);
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t differs;
-        patch_area *const a = &area[patch_root(w->link, (uint32_t)t, &differs)];
+        patch_area *const a = &area[sheet_root(w->link, (uint32_t)t, &differs)];
 
         *(differs ? &a->other : &a->same) += triangle_area(w, t);
+        /* What was found of a patch before it was joined to another one holds for both. */
+        if (a != &area[t]) a->torn += area[t].torn;
     }
     for (uint64_t t = 0; t < w->triangles && w->disputed != 0; t++) {
         uint32_t *const c = w->corner + 3 * t;
         uint32_t differs, second = c[1];
-        const patch_area *const a = &area[patch_root(w->link, (uint32_t)t, &differs)];
+        const patch_area *const a = &area[sheet_root(w->link, (uint32_t)t, &differs)];
 
-        if (!(differs ? a->other <= a->same : a->other > a->same)) continue;
+        if (a->torn != 0 || !(differs ? a->other <= a->same : a->other > a->same)) continue;
         c[1] = c[2];
         c[2] = second;
         if (w->source != NULL) {
@@ -355,14 +363,14 @@ static bvx_status open_crowd(sheet_work *w)
     w->outside = (uint8_t *)(w->at + m);
 
     for (uint64_t i = 0, length; i < 3 * w->triangles; i += length) {
-        length = edge_length(w, i);
+        length = edge_halves(w, i);
         if (length < 3) continue;
         for (uint64_t j = i; j < i + length; j++) {
             uint32_t differs;
 
             w->at[n] = w->half[j];
             w->edge[n] = (uint32_t)i;
-            w->patch[n++] = patch_root(w->link, w->half[j] / 3, &differs);
+            w->patch[n++] = sheet_root(w->link, w->half[j] / 3, &differs);
         }
     }
     return BVX_OK;
@@ -385,7 +393,7 @@ static uint64_t run_length(const sheet_work *w, uint64_t m, uint64_t *up)
     return end - m;
 }
 
-/* Those of a patch belong together where as many run up as down; of what is left over, all. */
+/* Those of a patch belong together where as many run up as down; of what remains, all. */
 static bvx_status order_crowd(sheet_work *w)
 {
     for (uint64_t m = 0; m < w->crowded; m++) w->crowd[m] = (uint32_t)m;
@@ -452,7 +460,7 @@ static void pair_edges(sheet_work *w)
 {
     for (uint32_t h = 0; h < 3 * w->triangles; h++) w->parent[h] = h;
     for (uint64_t i = 0, n; i < 3 * w->triangles; i += n) {
-        n = edge_length(w, i);
+        n = edge_halves(w, i);
         if (n == 2 && runs_up(w, w->half[i]) != runs_up(w, w->half[i + 1]))
             join_halves(w, w->half[i], w->half[i + 1]);
     }
@@ -579,7 +587,7 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
     turn_doubles(w);
     report_crowd(w);
     for (uint64_t i = 0, n; i < 3 * w->triangles && w->disputed != 0; i += n) {
-        n = edge_length(w, i);
+        n = edge_halves(w, i);
         if (n == 2 && runs_up(w, w->half[i]) == runs_up(w, w->half[i + 1])) report_cut(w, i);
     }
     if (w->crowded != 0) bvxi_drop(w->ctx, w->order);
@@ -613,7 +621,7 @@ bvx_status bvxi_sheets_part(bvx_context *ctx, bvxi_sheets *sheets, bvxi_sheets_r
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w.triangles * 36, "the edges of the mesh", &w.keys));
     w.half = (uint32_t *)(void *)(w.keys + 3 * w.triangles);
     BVXI_TRY(list_edges(&w));
-    if (w.crowded + w.disputed != 0) BVXI_TRY(drop_copies(&w));
+    if (w.crowded + w.disputed != 0) BVXI_TRY(drop_sheet_copies(&w));
     BVXI_TRY(orient(&w));
     BVXI_TRY(pair_and_split(&w, sheets));
     bvxi_drop(ctx, w.keys);

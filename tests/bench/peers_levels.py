@@ -3,8 +3,7 @@
 Writes OUT/levels.md, levels_each.md (every level), levels.json (the same as numbers), levels.jsonl (what was to be reached).
 
 PROGRAM is bitvox. Ours gets the file; the others get it welded (vertices at equal positions merged, triangles with two equal
-corners dropped), which is kinder to them than the file. Open meshes are simplified once more with `--open cut`, which keeps their
-borders as the others do. All are measured by levels_judge.py against the file's triangles.
+corners dropped), which is kinder to them than the file. Open meshes have a table of their own. All are measured by levels_judge.py against the file's triangles.
 
 What the others made is kept in OUT/levels by input, version and count, so that a second run measures ours alone.
     BENCH_LEVELS_OPTIONS=...  more options of `bitvox lod`, such as --collapse 4
@@ -41,7 +40,6 @@ PEER_SECONDS = 900
 OURS = "bitvox"
 NAMES = (OURS, *PEERS)
 MORE = 1.02  # a level with more triangles than this times the count asked for did not reach it
-OPEN_OPTIONS = ["--open", "cut"]  # sheets stay sheets, as with the others; also those that meet three at an edge
 SAME = 1e-4  # percent of the diagonal, about what floats lose: levels within it count as equally near
 
 
@@ -200,18 +198,18 @@ def run_ours(source, targets, tag):
         group = [t for t in group if not isinstance(made.get(t), tuple)]
         if group:
             pattern = os.path.join(folder, f"ours_{source.name}_{tag}_%d.ply")
-            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0, OPEN_OPTIONS if tag == "open" else [])
+            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0)
     return made
 
 
-def call_ours(made, path, group, pattern, result, options):
+def call_ours(made, path, group, pattern, result):
     for i in range(len(group)):
         if os.path.exists(pattern % i):
             os.remove(pattern % i)
     counts = ",".join(map(str, group))
     words = {"IN": path, "OUT": result, "COUNTS": counts, "COUNT": counts}
     line = [program] + [words.get(word, word) for word in shlex.split(command)]
-    line += options + shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
+    line += shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
     done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     try:
@@ -385,7 +383,7 @@ def write_tables(sets, off, file):
             show_distances(f"Real meshes at {100 * share:.0f} %", sets[share], file)
     show_nearer({f"at {100 * share:.0f} %": sets[share] for share in SHARES}, file)
     if sets["open"]:
-        show_distances("Open meshes that keep their borders (" + " ".join(OPEN_OPTIONS) + ")", sets["open"], file)
+        show_distances("Open meshes that keep their borders", sets["open"], file)
         show_nearer({"with borders": sets["open"]}, file)
     if sets["large"]:
         show_distances("The large dragon", sets["large"], file)

@@ -68,7 +68,7 @@ works_here() { # NAME, FILES, ARGUMENTS...: each of the files is whole
 
 works_here 'lod' 'l_0.ply l_1.ply l_2.ply l_3.ply' lod "$knot" -o l_%d.ply
 cp out table.txt
-holds 'lod: what levels are made from' grep -q '^levels from the mesh itself, 1 piece, in ' table.txt
+holds 'lod: what levels are made from' grep -q '^levels from the mesh as it is, 1 piece, in ' table.txt
 holds 'lod: four halvings' test "$(awk '/^ +[0-3] .*met +yes$/ { printf "%s %s %s,", $2, $3, $4 }' table.txt)" = '19200 19200 50.00%,9600 9600 25.00%,4800 4800 12.50%,2400 2400 6.25%,'
 holds 'lod: distances of four levels' test "$(sed '1,/both\|^distances/d' table.txt | grep -c -E '^ +[0-3]( +[0-9.e-]+ +[0-9.]+%){4}$')" = 4
 holds 'lod: near to the mesh' sh -c "sed '1,/^distances/d' table.txt | awk '/^ +3 / { sub(\"%\", \"\", \$3); exit !(\$3 < 0.15) }'"
@@ -105,51 +105,77 @@ does 'lod --normals' lod "$knot" -o n_%d.obj --triangles 900,90 --samples 0 --no
 holds 'lod --normals: one a vertex' test "$(grep -c '^vn ' n_1.obj)" = "$(grep -c '^v ' n_1.obj)"
 rm -f ?_?.* one.off e.ply
 
-reports 'lod --json' 'r["levels"]["source"] == "mesh" and r["levels"]["reason"] == "" and r["warnings"] == [] and "repair" not in r and
+reports 'lod --json' 'r["levels"]["solid"] is False and r["warnings"] == [] and "repair" not in r and
+all(r["levels"][k] == 0 for k in ("collapsed", "doubles", "turned", "split", "parted", "cut")) and
 [s["name"] for s in r["stages"] if s["name"][:4] in ("leve", "dist", "writ", "read")] == ["read", "level 0", "distance 0", "distance 1", "write"] and
-all(m["met"] is True and m["crossings"] == 0 and m["target"] >= m["triangles"] and m["least_angle"] > 0.1 and m["source"] == "mesh" and
+all(m["met"] is True and m["crossings"] == 0 and m["target"] >= m["triangles"] and m["least_angle"] > 0.1 and m["solid"] is False and
 m["closed"] and m["manifold"] and m["oriented"] and m["components"] == 1 and m["distance"]["mean_to_input"] > 0 and
 m["simplification_rate"] == m["triangles"] / 38400 for m in r["meshes"])' lod "$knot" -o l_%d.ply --triangles 6000,3000
 
-# Meshes that must be measured, and why.
+reports 'lod --json: what was not measured is null' 'all(m[k] is None for m in r["meshes"] for k in ("mean_distance", "max_distance", "distance"))' \
+    lod "$knot" -o l_%d.ply --triangles 6000,3000 --samples 0
+reports 'lod --error --samples 0: measured to be found' '0 < r["meshes"][0]["mean_distance"] <= 0.01' lod "$knot" -o l.ply --error 0.01 --samples 0
+
+# Solids on request, and what asks for them.
 why() { # WORDS, FILE, ARGUMENTS...
     why=$1 input=$2
     shift 2
     run lod "$input" -o w.ply --triangles 2000 --samples 0 "$@"
-    if [ $status = 0 ] && says "^levels from its measured surface, $why, in [0-9.]+ ms$" && whole w.ply; then ok "measured, $why"
+    if [ $status = 0 ] && says "^levels from its measured surface, as $why asks, in [0-9.]+ ms$" && whole w.ply; then ok "measured, $why"
     else not_ok "measured, $why" "status $status: $(grep levels out)"; fi
     rm -f w.ply
 }
-why 'since it is open' holes.obj
+why --solid holes.obj --solid
 holds 'holes are counted' says '^holes closed: [0-9]+, the longest '
-why 'since some of its triangles are flipped' flipped.obj
-why 'since it and its levels cross themselves' two.obj
-why 'as --source asks' "$knot" --source measured
-why 'as options ask' "$knot" --resolution 64
+why --solid flipped.obj --solid
+why --solid two.obj --solid
+why --solid "$knot" --solid
+why --resolution "$knot" --resolution 64
 holds '--resolution is heeded' says '^measured: 6[0-9] x 70 x 3[0-9] voxels, inside by winding; '
-why 'as options ask' "$knot" --resolution 100 --sign winding --sharp
-why 'as options ask' hollow.obj --resolution 64 --outer-hull
+why --resolution "$knot" --resolution 100 --sign winding --sharp
+why --sign "$knot" --sign vote
+why --sharp "$knot" --sharp
+why --no-sharp "$knot" --no-sharp
+why --resolution hollow.obj --resolution 64 --outer-hull
 holds '--outer-hull: the inner shell is gone' says '^filled: 1 of 1 cavities'
 holds '--outer-hull: no warning that it is' test ! -s err
-why 'as options ask' speck.obj --resolution 256 --least-part 100
+why --resolution speck.obj --resolution 256 --least-part 100
 holds '--least-part: the speck is gone' says '^dropped: 1 of 2 parts'
 reports 'levels that repeat the one before in one warning' 'len(r["warnings"]) < 12 and sum("the level before again" in str(w) for w in r["warnings"]) == 1 and
 len(r["meshes"]) == 40' lod hollow.obj -o again_%d.ply --count 40 --samples 0
 reports 'a level that the next target leaves as it is is none that cannot be smaller' 'not any("the level before again" in str(w) for w in r["warnings"]) and
 [m["triangles"] for m in r["meshes"]] == [1000, 1000]' lod "$knot" -o again_%d.ply --triangles 1001,1000 --samples 0
-why 'as options ask' speck.obj --keep-largest 1
+why --keep-largest speck.obj --keep-largest 1
 holds '--keep-largest: the speck is gone' says '^dropped: 1 of 2 parts'
-why 'since it is open' flat.obj
+why --solid flat.obj --solid
 holds 'a triangle becomes a shell' says '^made into shells: 1 triangles that enclose nothing'
-why 'since it is open' flat.obj --shell 4 --no-sharp
-reports 'a measured surface in --json' 'r["levels"]["source"] == "measured" and r["levels"]["reason"] == "since it is open" and r["repair"]["holes"] > 0 and
-r["meshes"][0]["source"] == "measured" and r["levels"]["surface_triangles"] > 10000 and max(r["lattice"]["dims"]) > 64' lod holes.obj -o l.ply --triangles 2000 --samples 0
-works '--source mesh' lod two.obj -o m.ply --source mesh --triangles 24 --samples 0 --quiet
-refuses 1 'flat.obj: ' lod flat.obj -o x.ply --source mesh --triangles 4
-rm -f l.ply m.ply l_?.ply
+why --no-sharp flat.obj --shell 4 --no-sharp
+reports 'a measured surface in --json' 'r["levels"]["solid"] is True and r["repair"]["holes"] > 0 and
+r["meshes"][0]["solid"] is True and r["levels"]["surface_triangles"] > 10000 and max(r["lattice"]["dims"]) > 64' lod holes.obj -o l.ply --triangles 2000 --samples 0 --solid
+rm -f l.ply l_?.ply
+
+# Without it what is given is kept.
+reports 'holes stay' 'r["levels"]["solid"] is False and r["meshes"][0]["boundary_edges"] > 0 and r["warnings"] == []' lod holes.obj -o k.ply --triangles 12000 --samples 0
+holds 'a hint at --solid stands in one line' sh -c "'$program' lod holes.obj -o k.ply --triangles 12000 --samples 0 | grep -c -e --solid | grep -q -x 1"
+reports 'bodies that overlap stay two' 'r["meshes"][0]["components"] == 2 and r["meshes"][0]["triangles"] == 24 and r["meshes"][0]["crossings"] > 0 and r["warnings"] == []' \
+    lod two.obj -o k.ply --triangles 24 --samples 0
+works 'lod of bodies that overlap' lod two.obj -o k.ply --triangles 24 --samples 0
+holds 'crossings are those of the input' says ' met +[0-9]+ crossings .of the input.$'
+reports 'flipped triangles are turned' 'r["levels"]["turned"] == 7680 and r["meshes"][0]["oriented"] and r["meshes"][0]["closed"]' lod flipped.obj -o k.ply --triangles 2000 --samples 0
+holds 'lod of flipped triangles is whole' whole k.ply
+reports 'a triangle stays one' 'r["meshes"][0]["triangles"] == 1 and r["meshes"][0]["met"]' lod flat.obj -o k.ply --triangles 4 --samples 0
+awk '{ print } $1 == "v" { more = more "v " $2 + 2 " " $3 + 2 " " $4 "\n" }
+    $1 == "f" { more = more "f " $2 + 8 " " $3 + 8 " " $4 + 8 " " $5 + 8 "\n" } END { printf "%s", more }' cube.obj >beside.obj
+reports 'cubes that touch along an edge stay two' 'r["levels"]["parted"] == 1 and r["levels"]["split"] == 2 and r["meshes"][0]["components"] == 2 and
+r["meshes"][0]["volume"] == 16 and r["meshes"][0]["closed"] and r["warnings"] == []' lod beside.obj -o k.ply --triangles 24 --samples 0
+holds 'what was made ready is told' sh -c "'$program' lod beside.obj -o k.ply --triangles 24 --samples 0 | grep -q '^made ready: 2 vertices split where fans meet, 1 edge of several sheets parted$'"
+reports 'a solid has no more triangles than the input' 'r["levels"]["surface_triangles"] > 40000 and all(m["triangles"] <= 25600 and not m["met"] for m in r["meshes"])' \
+    lod holes.obj -o k_%d.ply --resolution 128 --error 1e-7,2e-7 --samples 500
+warns 'misses its target: the measured surface' lod holes.obj -o k_%d.ply --resolution 128 --error 1e-7,2e-7 --samples 500
+rm -f k.ply k_?.ply
 
 # Warnings, and targets that cannot be kept.
-warns 'level 1 cannot keep its target of 2 triangles: 4 are' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0
+warns 'level 1 misses its target of 2 triangles: 4 are' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0
 holds 'a target that is not kept is marked' says '^ +1 +4 +2 .* NOT MET +yes$'
 holds 'a target that is not kept: both levels are written' sh -c 'test -s c_0.ply && test -s c_1.ply'
 rm -f c_?.ply
@@ -157,21 +183,17 @@ refuses 1 'level 1' lod cube.obj -o c_%d.ply --triangles 4,2 --samples 0 --stric
 refuses 1 'level 0' simplify cube.obj -o c.ply --triangles 2 --strict
 warns 'less volume than the input' lod cube.obj -o c.ply --triangles 4 --samples 0
 rm -f c.ply
-warns 'the memory limit lowered the resolution from 256 to ' lod "$knot" -o c.ply --triangles 400 --source measured --memory-limit 20M --samples 0
+warns 'the memory limit lowered the resolution from 256 to ' lod "$knot" -o c.ply --triangles 400 --solid --memory-limit 20M --samples 0
 reports 'lod with a memory limit' '32 <= r["levels"]["resolution"] < r["levels"]["planned_resolution"] == 256 and r["peak_bytes"] <= 20 * 2 ** 20' \
-    lod "$knot" -o c.ply --triangles 400 --source measured --memory-limit 20M --samples 0
+    lod "$knot" -o c.ply --triangles 400 --solid --memory-limit 20M --samples 0
 refuses 1 'limit' lod "$knot" -o c.ply --triangles 400 --resolution 256 --memory-limit 20M --samples 0
 works 'a finer mesh for memory limits' repair "$knot" -o fine.ply --resolution 96 --quiet
-reports 'lod of a fine mesh' 'r["levels"]["source"] == "mesh"' lod fine.ply -o c.ply --triangles 400 --samples 0
-warns 'the mesh itself exceeds the memory limit: its surface was measured with ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
-reports 'lod of a mesh that exceeds the memory limit' 'r["levels"]["source"] == "measured" and r["peak_bytes"] <= 12 * 2 ** 20 and r["levels"]["resolution"] < 256' \
-    lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
-refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M --source mesh
+reports 'lod of a fine mesh' 'r["levels"]["solid"] is False' lod fine.ply -o c.ply --triangles 400 --samples 0
+refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
 rm -f fine.ply
-warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0
-warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0
-warns '--sharp had no use' lod "$knot" -o c.ply --triangles 2000 --samples 0 --sharp
-reports 'warnings stand in --json' 'len(r["warnings"]) == 2 and "volume" in r["warnings"][1]' lod two.obj -o c.ply --triangles 200 --samples 0
+warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0 --solid
+warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0 --solid
+reports 'warnings stand in --json' 'len(r["warnings"]) == 3 and "volume" in r["warnings"][1]' lod two.obj -o c.ply --triangles 200 --samples 0 --solid
 rm -f c.ply
 
 # Colours go along.
@@ -192,23 +214,12 @@ refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --c
 
 # Borders between colours.
 awk '$1 == "v" { print $0, $2 < 0 ? "1 0 0" : "0 0 1"; next } { print }' knot.obj >painted.obj
-works 'simplify without --colour-weight' simplify painted.obj -o plain.obj --triangles 1500 --samples 0 --carry --quiet
-works 'simplify --colour-weight' simplify painted.obj -o c_0.obj --triangles 1500 --samples 0 --carry --colour-weight 0.02 --quiet
-works 'lod --colour-weight' lod painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --colour-weight 0.02 --quiet
+works 'simplify --attributes 0' simplify painted.obj -o plain.obj --triangles 1500 --samples 0 --carry --quiet --attributes 0
+works 'simplify --attributes' simplify painted.obj -o c_0.obj --triangles 1500 --samples 0 --carry --attributes 5 --quiet
+works 'lod --attributes' lod painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --attributes 5 --quiet
 holds 'both weigh colours alike' cmp -s c_0.obj c_1.obj
-# How far the line between the colours lies from x = 0 in the mean, times 10^6.
-shift_of() {
-    awk 'function at(i, j, t) { t = (red[i] - 0.5) / (red[i] - red[j]); t = x[i] + t * (x[j] - x[i]); sum += t < 0 ? -t : t; n++ }
-         $1 == "v" { x[++v] = $2; red[v] = $5 }
-         $1 == "f" { for (k = 2; k < 5; k++) { i = int($k); j = int($(k == 4 ? 2 : k + 1)); if ((red[i] > 0.5) != (red[j] > 0.5)) at(i, j) } }
-         END { printf "%d", sum / n * 1e6 }' "$1"
-}
-holds 'the border between the colours moves less than half as far' test "$((2 * $(shift_of c_0.obj)))" -lt "$(shift_of plain.obj)"
-works '--colour-weight 0' simplify painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --colour-weight 0 --quiet
-holds '--colour-weight 0 changes nothing' cmp -s plain.obj c_1.obj
-refuses 2 '--colour-weight needs --carry' simplify painted.obj -o x.ply --colour-weight 0.02
-refuses 2 'neither colours' lod knot.obj -o x.ply --count 1 --carry --colour-weight 0.02
-for value in -0.1 1.1 x; do refuses 2 'from 0 to 1' lod painted.obj -o x_%d.ply --carry --colour-weight "$value"; done
+skip 'the border between the colours stays' 'attributes have no weight in the collapse'
+for value in -0.1 1000.1 x; do refuses 2 'from 0 to 1000' lod painted.obj -o x_%d.ply --attributes "$value"; done
 rm -f plain.obj c_?.obj
 refuses 2 '.stl holds neither' simplify coloured.obj -o x.stl --carry
 rm -f c_?.*
@@ -266,10 +277,16 @@ refuses 2 '--error and --count exclude each other' simplify "$knot" -o x_%d.ply 
 refuses 2 '--error-kind needs --error' lod "$knot" -o x_%d.ply --error-kind max
 refuses 2 '--sharp and --no-sharp exclude' lod "$knot" -o x_%d.ply --sharp --no-sharp
 refuses 2 '--outer-hull fills every cavity' lod "$knot" -o x_%d.ply --outer-hull --least-cavity 9
-refuses 2 '--source mesh measures none' lod "$knot" -o x_%d.ply --source mesh --resolution 64
+for option in --solid '--resolution 64' '--sign vote' --sharp '--shell 3' --outer-hull '--least-part 9' '--keep-largest 1'; do
+    # shellcheck disable=SC2086 # an option and its value
+    refuses 2 'keeps vertices of the mesh, and --' lod "$knot" -o x_%d.ply --lock-border $option
+done
+refuses 2 'keeps vertices of the mesh, and --solid' lod "$knot" -o x_%d.ply --keep-vertices --solid
+refuses 2 'one of: keep, simplify' lod "$knot" -o x_%d.ply --topology all
+refuses 2 'is not an option of lod' lod "$knot" -o x_%d.ply --source mesh
+refuses 2 'is not an option of simplify' simplify "$knot" -o x_%d.ply --open keep
 refuses 2 'is for volumes' lod "$knot" -o x_%d.ply --level 16
 refuses 2 'more than the 16777216' lod "$knot" -o x_%d.ply --resolution 20000000
-refuses 2 'one of: auto, mesh, measured' lod "$knot" -o x_%d.ply --source solid
 refuses 2 'need %d' lod "$knot" -o x.ply --count 2
 refuses 2 'need %d' simplify "$knot" -o x.obj --triangles 3000,300
 refuses 2 'only .glb holds several' lod "$knot" -o x.ply
@@ -280,11 +297,19 @@ done
 for value in 0 65 1.5; do refuses 2 'from 1 to 64' lod "$knot" -o x_%d.ply --count "$value"; done
 for value in -0.1 1.1 x; do refuses 2 'from 0 to 1' lod "$knot" -o x_%d.ply --even "$value"; done
 "$program" voxelize "$knot" -o grid.npy --resolution 20 --quiet
-refuses 2 'is a grid, for edge-ratio and coverage' lod grid.npy -o x_%d.ply --method collapse
-refuses 2 'grid.npy is a grid' lod grid.npy -o x_%d.ply --count 2
+refuses 2 'grid.npy is a grid, whose surface is closed' lod grid.npy -o x_%d.ply --triangles 500 --solid
+refuses 2 '--count is for --method collapse, not for edge-ratio' lod grid.npy -o x_%d.ply --count 2
 refuses 2 'simplify is for meshes' simplify grid.npy -o x.ply
 works 'a grid still has levels' lod grid.npy -o g_%d.ply --samples 0
-works '--triangles of a grid' lod grid.npy -o g_%d.ply --triangles 500,100 --samples 0
+holds 'a grid has levels by samples' says '^level  resolution '
+does '--triangles of a grid' lod grid.npy -o g_%d.ply --triangles 500,100 --samples 0
+holds '--triangles of a grid: whole' whole g_1.ply
+holds '--triangles of a grid: its surface collapses' says "^levels from the grid's surface, 1 piece, in "
+does '--error of a grid' lod grid.npy -o g_%d.ply --error 0.5% --samples 0
+does '--method collapse of a grid' lod grid.npy -o g_%d.ply --method collapse --count 2 --samples 0
+works '--method edge-ratio of a grid by triangles' lod grid.npy -o g_%d.ply --method edge-ratio --triangles 500,100 --samples 0
+holds '--method edge-ratio of a grid by triangles: samples' says '^level  resolution '
+works_here '--triangles of a volume' g_0.ply lod "$root/fixtures/waves.nhdr" -o g_%d.ply --level 120 --triangles 1500 --samples 0
 rm -f grid.npy* g_?.ply
 
 # ---- simplify ----
@@ -295,13 +320,10 @@ holds 'simplify: the table' says '^ +0 +19200 +19200 +50.00% .* met +yes$'
 works_here 'simplify --triangles' 's_0.stl s_1.stl' simplify "$knot" -o s_%d.stl --triangles 4000,3000
 works_here 'simplify --count' 's_0.ply s_1.ply s_2.ply' simplify "$knot" -o s_%d.ply --count 3 --samples 0
 works_here 'simplify --error' s.ply simplify "$knot" -o s.ply --error 0.01
-reports 'simplify --json' 'r["meshes"][0]["met"] and r["meshes"][0]["source"] == "mesh" and 0.007 < r["meshes"][0]["mean_distance"] <= 0.01' simplify "$knot" -o s.ply --error 0.01
+reports 'simplify --json' 'r["meshes"][0]["met"] and r["meshes"][0]["solid"] is False and 0.007 < r["meshes"][0]["mean_distance"] <= 0.01' simplify "$knot" -o s.ply --error 0.01
 "$program" simplify "$knot" -o a.ply --triangles 700 --quiet
 "$program" lod "$knot" -o b.ply --triangles 700 --quiet
 holds 'simplify and lod agree on a sound mesh' cmp a.ply b.ply
-refuses 1 "edges with one triangle); 'bitvox lod'" simplify holes.obj -o x.ply --open refuse
-refuses 1 'between flipped triangles' simplify flipped.obj -o x.ply --open refuse
-refuses 1 "'bitvox repair'" simplify flat.obj -o x.ply --open refuse
 works_here 'simplify turns flipped triangles' s.ply simplify flipped.obj -o s.ply --triangles 2000 --samples 0 --quiet
 
 # ---- sheets ----
@@ -311,18 +333,15 @@ awk 'BEGIN { for (y = 0; y <= 8; y++) for (x = 0; x <= 8; x++) print "v", x, y, 
     for (y = 0; y < 8; y++) for (x = 0; x < 8; x++) if (x < 3 || x > 4 || y < 3 || y > 4) { a = 9 * y + x + 1; print "f", a, a + 1, a + 10, a + 9 } }' >sheet.obj
 awk '{ print } END { for (y = 0; y <= 8; y++) print "v", 2, y, 3; for (y = 0; y < 8; y++) print "f", 9 * y + 3, 9 * y + 12, 83 + y, 82 + y }' sheet.obj >wall.obj
 works 'simplify of a sheet' simplify sheet.obj -o s.ply --triangles 8 --even 0
-holds 'simplify of a sheet: it stays open' says '^ +0 +8 +8 .* met +but open, 8 border edges$'
-reports 'lod --open keep' 'r["levels"]["source"] == "mesh" and r["levels"]["input_border_edges"] == 40 and r["levels"]["refused_edges"] == 0 and
+holds 'simplify of a sheet: it stays open' says '^ +0 +8 +8 .* met +8 border edges .of the input.$'
+reports 'lod of a sheet' 'r["levels"]["solid"] is False and r["levels"]["input_border_edges"] == 40 and r["levels"]["cut"] == 0 and
 not r["meshes"][0]["closed"] and r["meshes"][0]["manifold"] and r["meshes"][0]["oriented"] and r["meshes"][0]["boundary_edges"] == 8 and
-r["meshes"][0]["crossings"] == 0 and r["warnings"] == []' lod sheet.obj -o s.ply --triangles 8 --open keep
-why 'since it is open' sheet.obj --open shell
-warns 'sheets became shells: 8 edges have three triangles or more, or some that cannot agree, the first from (2, ' lod wall.obj -o s.ply --triangles 400 --samples 0 --open keep
-holds 'lod --open keep of three sheets: a shell' whole s.ply
-warns '8 edges of three triangles and more, or whose triangles cannot agree, were cut' lod wall.obj -o s.ply --triangles 12 --samples 0 --open cut
-refuses 1 'has three triangles' simplify wall.obj -o s.ply
-refuses 2 'a measured surface (--resolution) has none' lod sheet.obj -o s.ply --open keep --resolution 64
-refuses 2 'a measured surface (--source measured) has none' lod sheet.obj -o s.ply --open cut --source measured
-refuses 2 '--open is for --method collapse' lod sheet.obj -o s_%d.ply --open keep --method coverage
+r["meshes"][0]["crossings"] == 0 and r["warnings"] == []' lod sheet.obj -o s.ply --triangles 8
+why --solid sheet.obj --solid
+warns '8 edges of three triangles and more, or whose triangles cannot agree, were cut, the first from (2, ' lod wall.obj -o s.ply --triangles 12 --samples 0
+works 'lod --solid of three sheets' lod wall.obj -o s.ply --triangles 400 --samples 0 --solid --quiet
+holds 'lod --solid of three sheets: a shell' whole s.ply
+works 'simplify of three sheets' simplify wall.obj -o s.ply
 rm -f s.ply
 refuses 2 'has no use for --resolution' simplify "$knot" -o x.ply --resolution 64
 refuses 1 'No such file' simplify missing.ply -o x.ply

@@ -67,7 +67,7 @@ make_files() {
 
         cp fixtures/knot.ply closed.ply
         quiet simplify fixtures/knot.ply -o small.ply --triangles 3000
-        for name in scan.stl part.obj part.stl part.ply broken.stl scan.ply dragon.ply.gz dragon_vrip_871414.ply.gz bunny_scan_69451.ply.gz; do
+        for name in scan.stl part.obj part.stl part.ply broken.stl scan.ply stratocaster.ply dragon.ply.gz dragon_vrip_871414.ply.gz bunny_scan_69451.ply.gz; do
             quiet convert small.ply -o $name
         done
         quiet convert fixtures/terrain.ply -o now.stl

@@ -249,7 +249,8 @@ FILLED = {
 }
 # Rows whose name is not the field's.
 SYNONYMS = {
-    ("faces", "--merge"): "merged", ("refine", "--halvings"): "levels", ("sections", "--subdivide"): "depth", ("lod", "--outer-hull"): "outer",
+    ("faces", "--merge"): "merged", ("refine", "--halvings"): "levels", ("sections", "--subdivide"): "depth", ("lod", "--outer-hull"): "outer", ("lod", "--attributes"): "attribute_weight",
+    ("simplify", "--attributes"): "attribute_weight",
     ("morph", "--drain"): "drain_radius", ("voxelize", "--up"): "axis", ("voxelize", "--value-type"): "value_type", ("refine", "--adaptive"): "tolerance",
     ("components", "--keep-largest"): "largest", ("voxelize", "--keep-largest"): "largest", ("lod", "--keep-largest"): "largest",
     ("faces", "--keep-largest"): "largest", ("render", "--keep-largest"): "largest", ("convert", "--keep-largest"): "largest",

@@ -39,7 +39,7 @@ for m in overlaps holes thin acute; do
     quiet voxelize $m.off -o voxelize_$m.bvx --resolution 40
     quiet boolean difference $m.off bar.off -o boolean_$m.ply --resolution 40
     quiet repair $m.off -o repair_$m.ply --resolution 40
-    quiet lod $m.off -o lod_$m.ply --triangles 400 --samples 0
+    quiet lod $m.off --solid -o lod_$m.ply --triangles 400 --samples 0
     quiet simplify $m.off -o simplify_$m.ply --triangles 400 --samples 0
 done
 draw input off

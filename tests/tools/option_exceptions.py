@@ -7,7 +7,7 @@ OWN = {
     ("*", "--shape"): "bvx_read_volume_options.size", ("*", "--skip"): "bvx_read_volume_options.offset",
     ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold", ("*", "--all-labels"): "arguments of bvx_threshold",
     ("*", "--triangles"): "an array: target_triangles", ("*", "--error"): "an array: target_errors", ("*", "--count"): "how many targets there are",
-    ("*", "--no-sharp"): "sharp = 0", ("*", "--carry"): "bvx_carry", ("*", "--seed"): "an array, or an argument", ("*", "--cut"): "cut_low, cut_high",
+    ("*", "--no-sharp"): "sharp = 0", ("*", "--keep-vertices"): "vertices = BVX_VERTICES_KEPT", ("*", "--carry"): "bvx_carry", ("*", "--seed"): "an array, or an argument", ("*", "--cut"): "cut_low, cut_high",
     ("*", "--states"): "an argument of octree calls", ("*", "--expand"): "an argument of bvx_octree_expand", ("*", "--samples"): "0 measures nothing, -1 is not given",
     ("*", "--window"): "bvx_window", ("voxelize", "--level"): "an argument of bvx_threshold", ("lod", "--level"): "an argument of bvx_threshold",
     ("faces", "--level"): "an argument of bvx_threshold", ("render", "--level"): "an argument of bvx_threshold", ("convert", "--level"): "an argument of bvx_threshold",

@@ -102,10 +102,9 @@ const jobs = {
         });
         results = levels.map(level => level.mesh);
         return {
-            note:
-                report.source === 'mesh'
-                    ? 'Simplified as it is.'
-                    : `Rebuilt from ${report.resolution} voxels along the longest axis.`,
+            note: report.solid
+                ? `Rebuilt from ${report.resolution} voxels along the longest axis.`
+                : 'Simplified as it is.',
             results: levels.map(({ mesh, report: found }) => ({
                 mesh: shown(mesh),
                 certificate: { ...found.certificate, crossings: found.crossings, hash: bitvox.hash(mesh) },

@@ -373,7 +373,7 @@ class Bitvox {
     }
 
     #chain(name, called, struct, mesh, options) {
-        const { count, targetTriangles, targetErrors, ...rest } = options;
+        const { count, targetTriangles, targetErrors, locked, ...rest } = options;
         return this.#call(name, options, (call, machine) => {
             for (const [what, list] of Object.entries({ targetTriangles, targetErrors })) {
                 if (list !== undefined && !(Array.isArray(list) || ArrayBuffer.isView(list)))
@@ -406,6 +406,12 @@ class Bitvox {
 
             if (targetTriangles) set('targetTriangles', call.list('targetTriangles', 'u64', targetTriangles));
             if (targetErrors) set('targetErrors', call.list('targetErrors', 'f64', targetErrors));
+            if (locked) {
+                const vertices = (mesh.positions ?? mesh.attributes?.position.array)?.length / 3;
+                if (locked.length !== vertices)
+                    refuse(name, `locked has ${locked.length} values, the mesh ${vertices} vertices`);
+                set('locked', call.list('locked', 'u8', locked));
+            }
             set('reports', reports);
             if (chain) set('report', chain);
             call.do(called, call.view(mesh), given, BigInt(levels), made);

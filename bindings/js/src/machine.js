@@ -197,4 +197,4 @@ class Machine {
 }
 
 const SIZES = { i32: 4, u32: 4, i64: 8, u64: 8, f32: 4, f64: 8, u8: 1, ptr: 4 };
-const ARRAYS = { u64: BigUint64Array, f64: Float64Array, i32: Int32Array };
+const ARRAYS = { u64: BigUint64Array, f64: Float64Array, i32: Int32Array, u8: Uint8Array };

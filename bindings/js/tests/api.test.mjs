@@ -148,9 +148,7 @@ test('errors say status, reason, function and element', () => {
         ['lattice', 'lattice'],
     );
     assert.equal(
-        thrown(() =>
-            bitvox.simplify({ ...tetrahedron, triangles: tetrahedron.triangles.slice(3) }, { open: 'shell' }),
-        ).status,
+        thrown(() => bitvox.buildLevels(tetrahedron, { solid: true, lockBorder: true })).status,
         'argument',
     );
 });
@@ -216,6 +214,7 @@ test('wrong arguments are refused before the library sees them', () => {
     refused(() => bitvox.readMesh('text', 'stl'), /must be an ArrayBuffer/);
     refused(() => bitvox.readMesh(new Uint8Array(1), 'xls'), /format is "xls"/);
     refused(() => bitvox.buildLevels(tetrahedron, { count: 2, targetTriangles: [1] }), /count is 2/);
+    refused(() => bitvox.simplify(tetrahedron, { locked: [1] }), /locked has 1 values, the mesh 4 vertices/);
     refused(() => bitvox.repair(tetrahedron, { progress: 1 }), /progress is number/);
     refused(() => bitvox.boolean(tetrahedron, tetrahedron, 'minus'), /operation is "minus"; there are union/);
 });
@@ -353,8 +352,12 @@ test('index.d.ts names all that is there, and no more', () => {
     same(bitvox.boolean(mesh, mesh, 'union', { resolution: 8 }).report, 'BooleanReport');
     const levels = bitvox.buildLevels(mesh);
     same(levels.report, 'LevelsReport');
-    assert.deepEqual([levels.report.source, levels.report.resolution, levels.report.nested], ['mesh', 0, false]);
+    assert.deepEqual([levels.report.solid, levels.report.resolution, levels.report.cut], [false, 0, 0]);
     same(levels.levels[0].report, 'LevelReport');
+    assert.ok(Number.isNaN(levels.levels[0].report.distance.mean) && !levels.levels[0].report.measured);
+    assert.ok(bitvox.buildLevels(mesh, { count: 1, solid: true }).report.solid);
+    const sheet = { ...tetrahedron, triangles: tetrahedron.triangles.slice(3) };
+    assert.equal(bitvox.buildLevels(sheet, { targetTriangles: [3] }).levels[0].report.certificate.boundaryEdges, 3);
     same(bitvox.buildLods(grid, { resolutions: [4] }).levels[0].report, 'LodReport');
     same(bitvox.hollow(grid, { thickness: 1 }).report, 'HollowReport');
     const methods = Object.getOwnPropertyNames(Object.getPrototypeOf(bitvox)).filter(

@@ -281,7 +281,7 @@ const built = (mesh, options) => {
         ...options,
     });
     return [
-        ['source', { mesh: 1, measured: 2 }[report.source]],
+        ['source', 1 + Number(report.solid)],
         ['surface', report.triangles],
         ['crumbs', report.crumbs],
         ...levelRows(levels),
@@ -290,12 +290,12 @@ const built = (mesh, options) => {
 
 test('levels.txt simplified', () => {
     const mesh = torus(96, 40, 0.25, 7);
-    compare('levels', 'torus_f32', simplified(mesh, { positionType: 'f32', open: 'shell' }));
-    compare('levels', 'torus_f64', simplified(mesh, { positionType: 'f64', open: 'shell' }));
-    compare('levels', 'torus_even', simplified(mesh, { positionType: 'f64', even: 0.5, open: 'shell' }));
+    compare('levels', 'torus_f32', simplified(mesh, { positionType: 'f32' }));
+    compare('levels', 'torus_f64', simplified(mesh, { positionType: 'f64' }));
+    compare('levels', 'torus_even', simplified(mesh, { positionType: 'f64', even: 0.5 }));
     const sheet = { ...mesh, triangles: mesh.triangles.slice(0, -6000) };
-    compare('levels', 'sheet_f32', simplified(sheet, { positionType: 'f32', open: 'keep' }));
-    compare('levels', 'ball_loose', simplified(ball(20), { positionType: 'f64', open: 'shell' }));
+    compare('levels', 'sheet_f32', simplified(sheet, { positionType: 'f32' }));
+    compare('levels', 'ball_loose', simplified(ball(20), { positionType: 'f64' }));
 });
 
 test('levels.txt built', () => {
@@ -314,6 +314,6 @@ test('levels.txt built', () => {
 test('levels.txt knot, read from its file', () => {
     const knot = bitvox.readMesh(readFileSync('fixtures/knot.ply'), 'ply');
     compare('levels', 'knot_read', [['triangles', knot.triangles.length / 3]]);
-    compare('levels', 'knot_f32', simplified(knot, { positionType: 'f32', open: 'shell' }));
-    compare('levels', 'knot_f64', simplified(knot, { positionType: 'f64', open: 'shell' }));
+    compare('levels', 'knot_f32', simplified(knot, { positionType: 'f32' }));
+    compare('levels', 'knot_f64', simplified(knot, { positionType: 'f64' }));
 });

@@ -54,27 +54,16 @@ def test_levels_by_error_do_not_depend_on_order():
         assert np.array_equal(got.vertices, want.vertices) and np.array_equal(got.faces, want.faces) and got.report == want.report
 
 
-def test_borders_of_colors_stay():
-    x, y, z = (a.ravel() for a in np.meshgrid(*[np.arange(-20.0, 21.0)] * 3, indexing="ij"))
-    ball = bitvox.surface((x * x + y * y + z * z < 300).reshape(41, 41, 41))
-    side = np.asarray(ball.vertices)[:, 0] > 22.25  # between two columns of vertices
-    painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.where(side[:, None], (250, 0, 0), (0, 0, 250)))
-
-    def shift(level):
-        """How far the line between the colors lies from x = 22.25 in the mean."""
-        red, x, faces = np.asarray(level.colors)[:, 0] / 250 - 0.5, np.asarray(level.vertices, float)[:, 0], np.asarray(level.faces)
-        a, b = faces.ravel(), np.roll(faces, -1, 1).ravel()
-        crossed = (red[a] > 0) != (red[b] > 0)
-        a, b = a[crossed], b[crossed]
-        return np.abs(x[a] + (x[b] - x[a]) * red[a] / (red[a] - red[b]) - 22.25).mean()
-
-    for make in (lambda w: painted.simplify(triangles=300, carry=True, color_weight=w), lambda w: bitvox.lod(painted, triangles=300, carry=True, color_weight=w)[0],
-                 lambda w: bitvox.lod(painted, triangles=300, carry=True, color_weight=w, made_from="measured", resolution=40)[0]):
-        plain, kept = make(0), make(0.05)
-        assert certified(kept).closed and shift(kept) < 0.5 * shift(plain)
-    assert np.array_equal(painted.simplify(triangles=300).vertices, bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300, color_weight=0.02).vertices)
-    with pytest.raises(bitvox.ArgumentError, match="color_weight"):
-        painted.simplify(triangles=300, color_weight=2)
+def test_what_stays_is_asked_for(ball):
+    assert ball.simplify(triangles=300, attribute_weight=0) == ball.simplify(triangles=300)
+    for call in (bitvox.simplify, bitvox.lod):
+        for options, words in (({"attribute_weight": -1}, "attribute_weight"), ({"attribute_weight": 1001}, "attribute_weight"),
+                               ({"vertices": "some"}, "placed, kept"), ({"topology": "any"}, "keep, simplify"), ({"locked": [1]}, "locked has 1 values")):
+            with pytest.raises(bitvox.ArgumentError, match=words):
+                call(ball, triangles=300, **options)
+    for options in ({"lock_border": True}, {"vertices": "kept"}, {"locked": [0] * ball.n_vertices}):
+        with pytest.raises(bitvox.ArgumentError, match="measure a new surface"):
+            bitvox.lod(ball, triangles=300, solid=True, **options)
 
 
 def test_simplify_keeps_flat_faces():
@@ -96,20 +85,14 @@ def sheet(n=12):
 
 
 def test_sheets_stay_open():
-    for level in (bitvox.simplify(sheet(), triangles=60), sheet().simplify(triangles=60, open="keep"),
-                  bitvox.lod(sheet(), triangles=60, open="keep")[0], bitvox.lod(sheet(), triangles=60, open="cut")[0]):
+    for level in (bitvox.simplify(sheet(), triangles=60), sheet().simplify(triangles=60), bitvox.lod(sheet(), triangles=60)[0]):
         found = level.check()
         assert level.n_faces <= 60 and not found.closed and found.euler == 1 and found.boundary_edges >= 4
         assert found.edge_manifold and found.vertex_manifold and found.oriented
         assert level.report.certificate.boundary_edges == found.boundary_edges and level.report.crossings == 0
-    assert bitvox.lod(sheet(), triangles=60, open="keep").report.source == "mesh"
-    shell = bitvox.lod(sheet(), triangles=400)
-    assert shell.report.source == "measured" and certified(shell[0]).closed
-    with pytest.raises(bitvox.ArgumentError, match="closed"):
-        bitvox.simplify(sheet(), triangles=60, open="refuse")
-    for call, open in ((bitvox.simplify, "shell"), (bitvox.lod, "refuse"), (bitvox.lod, 1)):
-        with pytest.raises(bitvox.ArgumentError, match="keep, cut"):
-            call(sheet(), triangles=60, open=open)
+    assert not bitvox.lod(sheet(), triangles=60).report.solid
+    shell = bitvox.lod(sheet(), triangles=400, solid=True)
+    assert shell.report.solid and certified(shell[0]).closed
 
 
 def test_joints_are_told_and_cut():
@@ -118,12 +101,21 @@ def test_joints_are_told_and_cut():
     low, high = np.arange(12) * n + 6, n * n + np.arange(12)
     faces = np.concatenate([np.asarray(flat.faces), np.stack([low, low + n, high + 1], 1), np.stack([low, high + 1, high], 1)])
     mesh = bitvox.Mesh(wall, faces)
-    kept = bitvox.lod(mesh, triangles=600, open="keep")
-    assert kept.report.source == "measured" and kept.report.refused_edges == 12 and kept.report.refused_edge[0][0] == 6
-    cut = bitvox.lod(mesh, triangles=60, open="cut")
-    assert cut.report.source == "mesh" and cut[0].check().edge_manifold and cut[0].check().components == 3
-    with pytest.raises(bitvox.ArgumentError, match="three triangles"):
-        mesh.simplify(triangles=60)
+    cut = bitvox.lod(mesh, triangles=60)
+    assert not cut.report.solid and cut.report.cut == 12 and cut.report.cut_edge[0][0] == 6
+    assert cut[0].check().edge_manifold and cut[0].check().components == 3
+    assert mesh.simplify(triangles=60) == cut[0]
+    assert certified(bitvox.lod(mesh, triangles=600, solid=True)[0]).closed
+
+
+def test_bodies_that_touch_stay_two():
+    vertices, faces = box_mesh()
+    vertices = np.asarray(vertices, float)
+    size = vertices.max(0) - vertices.min(0)
+    two = bitvox.Mesh(np.concatenate([vertices, vertices + size * (1, 1, 0)]), np.concatenate([faces, np.asarray(faces) + len(vertices)]))
+    levels = bitvox.lod(two, triangles=24)
+    assert levels.report.parted == 1 and levels.report.split == 2 and levels.report.cut == 0
+    assert certified(levels[0]).components == 2 and levels[0].check().volume == pytest.approx(2 * size.prod())
 
 
 def test_simplify_gives_a_mesh_or_a_list(knot):
@@ -153,6 +145,7 @@ def test_errors_are_kept(knot):
     assert bitvox.compare(knot, by_share, samples=30000).mean == pytest.approx(by_share.report.distance.mean, rel=0.05)
     usual = knot.simplify(error="0.1%")
     assert usual.report.measured and usual.report.distance.samples == 20000 and not knot.simplify(triangles=900).report.measured
+    assert knot.simplify(triangles=900).report.distance is None and bitvox.repair(knot, resolution=16).report.distance is None
     worst = knot.simplify(error="0.1%", error_kind="max")
     assert worst.report.distance.max <= 0.001 * diagonal
     assert worst.n_faces > by_share.n_faces
@@ -180,13 +173,12 @@ def test_targets_that_cannot_be_kept(ball):
     assert ball.simplify(triangles=10**9) == ball.simplify(triangles=ball.n_faces)  # nothing goes
 
 
-def test_meshes_that_simplify_refuses(ball):
+def test_meshes_of_any_quality(ball):
     torn = bitvox.Mesh(ball.vertices, np.asarray(ball.faces)[3:])
     turned = bitvox.Mesh(ball.vertices, np.concatenate((np.asarray(ball.faces)[:1, ::-1], np.asarray(ball.faces)[1:])))
-    for mesh, words in ((torn, "edge .*bitvox.repair"), (turned, "edge .*bitvox.repair")):
-        with pytest.raises(bitvox.ArgumentError, match=words):
-            mesh.simplify(triangles=100, open="refuse")
-        for level in bitvox.lod(mesh, triangles=(200, 60)):
+    assert torn.simplify(triangles=100).check().boundary_edges > 0 and certified(turned.simplify(triangles=100)).closed
+    for mesh in (torn, turned):
+        for level in bitvox.lod(mesh, triangles=(200, 60), solid=True):
             certified(level)
     with pytest.raises(bitvox.EmptyError):
         bitvox.Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.uint32)).simplify(triangles=4)
@@ -241,7 +233,7 @@ def test_colors_are_carried(ball):
 def test_lod_without_options_halves(knot):
     levels = bitvox.lod(knot)
     assert isinstance(levels, list) and [level.n_faces for level in levels] == [19200, 9600, 4800, 2400]
-    assert type(levels.report) is reports.LevelsReport and levels.report.source == "mesh" and levels.report.before.closed
+    assert type(levels.report) is reports.LevelsReport and not levels.report.solid and levels.report.before.closed
     for level in levels:
         certified(level)
     assert levels == knot.simplify(count=4)
@@ -253,14 +245,16 @@ def test_lod_without_options_halves(knot):
 
 def test_lod_of_torn_meshes(knot):
     torn = bitvox.Mesh(knot.vertices, np.asarray(knot.faces)[400:])
-    levels = bitvox.lod(torn, triangles=(4000, 1000), samples=5000)
-    assert levels.report.source == "measured" and not levels.report.before.closed and levels.report.repair.holes > 0
+    kept = bitvox.lod(torn, triangles=(4000, 1000), samples=5000)
+    assert not kept.report.solid and not kept.report.before.closed and all(level.report.distance.mean < 0.05 for level in kept)
+    assert 0 < kept[0].check().boundary_edges <= kept.report.before.boundary_edges and kept.report.triangles == torn.n_faces
+    levels = bitvox.lod(torn, triangles=(4000, 1000), samples=5000, solid=True)
+    assert levels.report.solid and not levels.report.before.closed and levels.report.repair.holes > 0
     assert levels.report.triangles > 4000 and max(levels.report.repair.lattice.shape) >= bitvox.plan_levels(torn, triangles=(4000, 1000))
     for level in levels:
         assert certified(level).components == 1 and level.report.met and level.report.distance.mean < 0.05
-    measured = bitvox.lod(knot, triangles=1000, made_from="measured")
-    assert measured.report.source == "measured" and bitvox.lod(knot, triangles=1000, made_from="mesh").report.source == "mesh"
-    assert bitvox.lod(knot, triangles=1000, resolution=60).report.source == "measured"
+    assert bitvox.lod(knot, triangles=1000, solid=True).report.solid and not bitvox.lod(knot, triangles=1000).report.solid
+    assert bitvox.lod(knot, triangles=1000, resolution=60).report.solid
 
 
 def test_what_the_lattice_decides():
@@ -270,7 +264,7 @@ def test_what_the_lattice_decides():
     grain[55:57, 20:22, 20:22] = True
     mesh = bitvox.surface(grain)
     assert mesh.check().components == 3
-    whole = bitvox.lod(mesh, triangles=2000, made_from="measured", sign="exact", resolution=120)[0]
+    whole = bitvox.lod(mesh, triangles=2000, solid=True, sign="exact", resolution=120)[0]
     assert certified(whole).components == 3
     hull = bitvox.lod(mesh, triangles=2000, outer_hull=True, sign="exact", resolution=120)[0]
     assert certified(hull).components == 2 and hull.check().volume > whole.check().volume + 500
@@ -302,12 +296,14 @@ def test_any_triangles_give_levels_or_a_reason(seed, triangles, count):
 
 def test_the_paper_s_methods_are_chosen_by_their_options(knot):
     voxels = bitvox.voxelize(knot, resolution=64)
-    for levels in (bitvox.lod(knot, levels=16), bitvox.lod(voxels), bitvox.lod(voxels, triangles=900), bitvox.lod(voxels.to_numpy(), levels=(16, 8)),
+    for levels in (bitvox.lod(knot, levels=16), bitvox.lod(voxels), bitvox.lod(voxels, method="edge-ratio", triangles=900), bitvox.lod(voxels.to_numpy(), levels=(16, 8)),
                    bitvox.lod(knot, triangles=900, collapse=2), bitvox.lod(knot, method="coverage"), bitvox.lod(knot, method="edge_ratio", triangles=900),
                    bitvox.lod(knot, triangles=900, fill="vote"), bitvox.lod(knot, triangles=900, threshold=0.4)):
         assert type(levels[0].report) is reports.LodReport and levels.report is None
     smooth = bitvox.lod(voxels, method="collapse", triangles=900)
     assert type(smooth[0].report) is reports.LevelReport and smooth[0].n_faces <= 900
+    assert bitvox.lod(voxels, triangles=900) == smooth == [voxels.surface().simplify(triangles=900)]
+    assert bitvox.lod(voxels.to_numpy(), error=0.5)[0].report.distance.mean <= 0.5
 
 
 CONTRADICTIONS = [
@@ -317,9 +313,9 @@ CONTRADICTIONS = [
     ({"triangles": ()}, "names none"), ({"error": 0.1, "levels": 8}, "levels .* error"), ({"levels": 8, "sharp": False}, "levels .* sharp"),
     ({"method": "collapse", "levels": 8}, "levels is for .*; method 'collapse' takes triangles"), ({"method": "coverage", "error": "1%"}, "error is for method 'collapse'"),
     ({"method": "edge-ratio", "strict": True}, "strict is for method 'collapse'"), ({"method": "magic"}, "collapse, edge-ratio, coverage"),
-    ({"made_from": "air"}, "auto, mesh, measured"), ({"made_from": "mesh", "resolution": 64}, "measured"), ({"made_from": "mesh", "outer_hull": True}, "measured"),
+    ({"lock_border": True, "resolution": 64}, "measure a new surface"), ({"vertices": "kept", "outer_hull": True}, "measure a new surface"),
     ({"resolution": 64, "lattice": bitvox.Lattice((4, 4, 4))}, "resolution and lattice"), ({"outer_hull": True, "least_cavity": 5}, "cavity"),
-    ({"sign": "none"}, "sign"), ({"even": 2}, "even"), ({"shell": 0.5, "made_from": "measured"}, "shell"), ({"dtype": "int8"}, "dtype"),
+    ({"sign": "none"}, "sign"), ({"even": 2}, "even"), ({"shell": 0.5}, "shell"), ({"dtype": "int8"}, "dtype"),
 ]
 
 
@@ -332,7 +328,7 @@ def test_contradictions(ball, options, words):
 def test_more_slips(ball):
     grid = bitvox.voxelize(ball, resolution=16)
     for call, kind, words in (
-        (lambda: bitvox.lod(grid, error="1%"), ValueError, "method='collapse'"), (lambda: bitvox.lod(grid, triangles=50, carry=True), ValueError, "carry"),
+        (lambda: bitvox.lod(grid, count=2), ValueError, "method='collapse'"), (lambda: bitvox.lod(grid, triangles=50, carry=True), ValueError, "carry"),
         (lambda: bitvox.lod(grid, method="collapse", triangles=50, carry=True), ValueError, "carry"),
         (lambda: bitvox.lod(ball, method=3), TypeError, "method"), (lambda: bitvox.lod(ball, triangles=99.5), TypeError, "integer"),
         (lambda: bitvox.lod(ball, triangles=0), bitvox.RangeError, "triangles"), (lambda: bitvox.lod(ball, count=0), bitvox.RangeError, "count"),

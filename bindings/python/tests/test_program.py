@@ -30,8 +30,8 @@ OF_MESHES = {"output-origin": bitvox.write}
 NAMES = {
     "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
                                                             "all-labels": bitvox.Volume.labels, "no-sharp": "sharp", **OF_MESHES, **OF_VOLUMES}),
-    "lod": ([bitvox.lod, *VOLUME], {"source": "made_from", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
-    "simplify": ([bitvox.simplify], {"normals": bitvox.write, **OF_MESHES}),
+    "lod": ([bitvox.lod, *VOLUME], {"attributes": "attribute_weight", "keep-vertices": "vertices", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
+    "simplify": ([bitvox.simplify], {"attributes": "attribute_weight", "keep-vertices": "vertices", "normals": bitvox.write, **OF_MESHES}),
     "repair": ([bitvox.repair], {"normals": bitvox.write, "no-sharp": "sharp", **OF_MESHES}),
     "refine": ([bitvox.refine], {"states": bitvox.Octree.expand, "expand": bitvox.Octree.expand, "leaves": bitvox.Octree.leaves, "cut": None, "halvings": "levels", **OF_MESHES}),
     "sections": ([bitvox.from_sections, bitvox.read, bitvox.Sections.bodies], {"block-model": None, "block": None, **OF_MESHES}),
@@ -96,14 +96,14 @@ def words_of(options):
     """Options of Python as those of the program."""
     words = []
     for name, value in options.items():
-        name = {"made_from": "source"}.get(name, name).replace("_", "-")
+        name = name.replace("_", "-")
         words += [("--" if value else "--no-") + name] if isinstance(value, bool) else ["--" + name, ",".join(map(str, value)) if isinstance(value, tuple) else value]
     return words
 
 
 @pytest.mark.parametrize("options", [
     {}, {"triangles": (2000, 500)}, {"error": ("0.1%", 0.05)}, {"error": "0.7%", "error_kind": "max"}, {"count": 2, "even": 0.01},
-    {"triangles": 900, "made_from": "measured", "sharp": True}, {"triangles": 900, "outer_hull": True, "sign": "vote", "sharp": False, "least_part": 9},
+    {"triangles": 900, "solid": True, "sharp": True}, {"triangles": 900, "outer_hull": True, "sign": "vote", "sharp": False, "least_part": 9},
     {"triangles": (2000, 500), "method": "edge-ratio"}, {"levels": (40, 10), "method": "coverage"}, {"levels": (40, 10)},
     {"triangles": 900, "collapse": 3, "threshold": 0.4, "fill": "nonzero"}])
 def test_lod(tmp_path, options):

@@ -144,7 +144,7 @@ def _with_progress():
         "boolean": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, **p),
         "boolean, fewer": lambda **p: bitvox.boolean(mesh, mesh, "union", resolution=16, triangles=40, **p),
         "lod": lambda **p: bitvox.lod(mesh, triangles=(8, 4), **p),
-        "lod with colors": lambda **p: bitvox.lod(colored, made_from="measured", resolution=16, triangles=(200, 100), carry=True, **p),
+        "lod with colors": lambda **p: bitvox.lod(colored, solid=True, resolution=16, triangles=(200, 100), carry=True, **p),
         "lod of a grid": lambda **p: bitvox.lod(grid, levels=(16, 8), **p),
         "lod of a grid by collapse": lambda **p: bitvox.lod(grid, method="collapse", triangles=(200, 100), **p),
         "lod of a mesh by levels": lambda **p: bitvox.lod(colored, levels=(16, 8), carry=True, **p),

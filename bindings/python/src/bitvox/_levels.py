@@ -1,4 +1,4 @@
-"""Levels of detail: edges that collapse, on meshes as they are or measured, and the paper's methods on voxels."""
+"""Levels of detail: edges that collapse, on meshes as they are or on measured solids, and the paper's methods on voxels."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
-from ._words import ErrorKind, FaceRule, Fill, MadeFrom, Method, Open, OpenInput, RepairSign
+from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Topology, Vertices
 
 if TYPE_CHECKING:
     from .reports import LevelsReport
 
 ERROR_KINDS = names_of("BVX_ERROR_")
-SOURCES = names_of("BVX_LEVELS_")
-OPENS = names_of("BVX_OPEN_", "BVX_OPEN_X_", "BVX_OPEN_Y_", "BVX_OPEN_Z_")  # simplify calls the first "refuse"
-OPEN_INPUTS = ("refuse", "keep", "cut")
+VERTICES = names_of("BVX_VERTICES_")
+TOPOLOGIES = names_of("BVX_TOPOLOGY_")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
@@ -36,9 +35,9 @@ class Levels(List[Mesh]):
     Attributes
     ----------
     report
-        `bitvox.reports.LevelsReport`: whether the levels were made from the mesh itself or from its measured surface
-        (``source``), what the mesh was (``before``), and what was changed (``repair``). None for the methods "edge-ratio"
-        and "coverage".
+        `bitvox.reports.LevelsReport`: what the mesh was (``before``), what was done to it (``doubles``, ``turned``, ``split``,
+        ``parted``, ``cut``), whether a solid was measured (``solid``) and how (``repair``). None for the methods "edge-ratio" and
+        "coverage".
 
     Examples
     --------
@@ -170,8 +169,11 @@ def simplify(
     error_kind: ErrorKind | None = None,
     count: int | None = None,
     even: float | None = None,
-    color_weight: float = 0.0,
-    open: OpenInput | None = None,
+    attribute_weight: float | None = None,
+    lock_border: bool = False,
+    locked: Any = None,
+    vertices: Vertices = "placed",
+    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     carry: bool = False,
@@ -180,11 +182,11 @@ def simplify(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Any:
-    """Fewer triangles for a manifold mesh, by collapsing the edges that cost least.
+    """Fewer triangles for a mesh as it is, by collapsing the edges that cost least.
 
-    The result is manifold and oriented, closed where the mesh is and else with its borders, with its components and handles, and
-    without crossing triangles where the mesh has none. The order of vertices and triangles does not change it. `lod` takes any
-    mesh, `repair` makes closed ones.
+    Parts, handles, borders, sides and own crossings stay: what is closed, manifold, oriented and free of crossings stays so, and
+    any other mesh gets no new fault. The result is manifold and oriented, with no more triangles than the mesh. The order of
+    vertices and triangles does not change it. `lod` with ``solid`` and `repair` make closed ones.
 
     Parameters
     ----------
@@ -201,12 +203,17 @@ def simplify(
         this many levels, each with half of the triangles of the one before. With none of these: one level of half.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    color_weight
-        of a mesh with colors, with ``carry``: keep the borders between colors where they are. A difference of 255
-        in one channel costs as much as a distance of this part of the mesh's longest side, 0 to 1; 0.02 to 0.1 keep borders well.
-    open
-        of a mesh with borders: "keep" (the default) them; triangles that are there twice count once, flipped ones are
-        turned. "cut": as "keep", and edges of three triangles and more are cut. "refuse": an error.
+    attribute_weight
+        of colors, texture coordinates, normals and materials beside the shape, 0 to 1000; 0: they follow it and cost nothing.
+        Default 1.
+    lock_border
+        vertices on borders stay where they are, so that tiles join.
+    locked
+        one value a vertex: those with a value other than 0 stay where they are.
+    vertices
+        "placed" (the default): new ones, where they lie nearest to the mesh. "kept": some of the mesh's own, by its own indices.
+    topology
+        "keep" (the default): holes and handles stay. "simplify": the smallest ones go where a target cannot be met otherwise.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
@@ -226,8 +233,7 @@ def simplify(
     Raises
     ------
     ArgumentError
-        the mesh is not manifold or cannot be oriented, or is open and that is refused, with an edge; options that
-        contradict each other.
+        options that contradict each other.
     EmptyError
         no triangles.
     RangeError
@@ -243,9 +249,8 @@ def simplify(
     options = options_of("simplify_options")
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
-    _set_common(options, even, color_weight, strict, error, samples, dtype)
-    if open is not None:
-        options.open = lib.BVX_OPEN_SHELL + _place("open", open, OPEN_INPUTS)
+    _set_common(options, even, strict, error, samples, dtype)
+    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices, topology)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -259,6 +264,7 @@ def simplify(
     with Rise(progress, 80, *((20,) if carry else ())) as limits["progress"]:
         with Run(**limits) as run:
             run.check(lib.bvx_mesh_simplify(run.context, local._view(run), options, targets.count, array))
+        del kept
         levels = _meshes(_take(array, targets.count), reports, local if carry else None, limits)
     for level in levels if any(frame) else ():
         level.frame, found = frame, level.report.certificate
@@ -267,20 +273,28 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _place(name: str, value: Any, names: Sequence[str]) -> int:
-    """Where a choice stands among its names."""
-    if value not in names:
-        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
-    return names.index(value)
+def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
+    """What stays; returns the array that options point at."""
+    if attribute_weight is not None:
+        options.attribute_weight = float(attribute_weight)
+    options.lock_border = int(bool(lock_border))
+    options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
+    options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGIES)
+    if locked is None:
+        return None
+    values = [bool(value) for value in locked]
+    if len(values) != mesh.n_vertices:
+        raise ArgumentError(f"locked has {len(values)} values, the mesh {mesh.n_vertices} vertices")
+    array = options.locked = ffi.new("uint8_t[]", values)
+    return array
 
 
-def _set_common(options: Any, even: float | None, color_weight: float, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
+def _set_common(options: Any, even: float | None, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
     """What simplify_options and levels_options share. Levels by error are measured anyhow: the report says what decided."""
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
         options.even = float(even)
-    options.colour_weight = float(color_weight)
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
@@ -330,8 +344,7 @@ def lod(
     error_kind: ErrorKind | None = None,
     count: int | None = None,
     method: Method | None = None,
-    made_from: MadeFrom | None = None,
-    open: Open | None = None,
+    solid: bool = False,
     resolution: Any = None,
     lattice: Lattice | None = None,
     sign: RepairSign | None = None,
@@ -342,7 +355,11 @@ def lod(
     keep_largest: int | None = None,
     least_cavity: int | None = None,
     even: float | None = None,
-    color_weight: float = 0.0,
+    attribute_weight: float | None = None,
+    lock_border: bool = False,
+    locked: Any = None,
+    vertices: Vertices = "placed",
+    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
@@ -360,12 +377,13 @@ def lod(
     memory_limit: int | None = None,
     progress: Progress = None,
 ) -> Levels:
-    """Levels of detail: closed meshes of several sizes from any mesh, or from a grid.
+    """Levels of detail: meshes of several sizes from any mesh, or from a grid.
 
-    The method "collapse" takes a mesh as it is where that gives whole levels; else it measures the surface first, as `repair`
-    does: holes get lids, overlapping parts become one, sheets become shells. Then edges collapse, each level from the one before.
-    Every level is closed, manifold and oriented, and no two of its triangles cross, unless ``open`` leaves it open. "edge-ratio" and "coverage" are those of
-    the paper: they lay coarser lattices over the voxels of the mesh, or over a grid.
+    The method "collapse" takes a mesh as it is, as `simplify` does: parts, holes, borders and sides stay, and no level has a fault
+    that the mesh does not have. With ``solid`` it measures the surface first, as `repair` does: holes get lids, overlapping parts become
+    one, sheets become shells, and every level is closed, manifold and oriented, and no two of its triangles cross. Edges collapse,
+    each level from the one before. "edge-ratio" and "coverage" are those of the paper: they lay coarser lattices over the voxels of
+    the mesh, or over a grid.
 
     Parameters
     ----------
@@ -382,15 +400,11 @@ def lod(
         this many levels, each with half of the triangles of the one before, the first with half of the source's. Default
         where no level is requested: 4, or as many as leave 20 triangles.
     method
-        "collapse", "edge-ratio" or "coverage". Default: "collapse"; "edge-ratio" for a grid, and with an option that
-        only the paper's methods have.
-    made_from
-        "mesh": the mesh itself, which must be closed, manifold and oriented. "measured": the surface that `repair`
-        makes of it. "auto": the mesh where that gives whole levels, else measured (the program's ``--source``).
-    open
-        what becomes of open sheets. "shell" (the default): closed shells, ``shell`` voxels thick. "keep": they stay open, with
-        their borders, where the mesh is manifold once triangles that are there twice count once and flipped ones are turned;
-        else they are measured, and ``report`` says at which edge (``refused_edge``). "cut": such edges are cut.
+        "collapse", "edge-ratio" or "coverage". Default: "collapse", of a grid's surface where ``triangles`` or ``error`` are given;
+        "edge-ratio" for other grids, and with an option that only the paper's methods have.
+    solid
+        levels of the surface that `repair` makes of the mesh: closed, manifold, oriented and without crossings. So with
+        ``resolution``, ``lattice``, ``sign``, ``sharp``, ``outer_hull``, ``shell``, ``least_part``, ``keep_largest`` and ``least_cavity``.
     resolution
         voxels along the longest axis to measure with. Default: as many as the finest level needs, see
         `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
@@ -398,21 +412,21 @@ def lod(
     lattice
         a `Lattice` to measure on, in place of a resolution.
     sign
-        measured: what decides that a center is inside, as for `repair`.
+        solid: what decides that a center is inside, as for `repair`.
     sharp
-        measured: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
+        solid: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
     outer_hull
-        measured: inner shells and cavities are removed.
+        solid: inner shells and cavities are removed.
     shell
-        measured: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
+        solid: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
     least_part, least_cavity
-        measured: smaller pieces are dropped, smaller cavities filled [voxels].
+        solid: smaller pieces are dropped, smaller cavities filled [voxels].
     keep_largest
-        measured: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
+        solid: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    color_weight
-        of a mesh with colors, with ``carry``: keep the borders between colors where they are, as for `simplify`.
+    attribute_weight, lock_border, locked, vertices, topology
+        as for `simplify`.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
@@ -458,9 +472,10 @@ def lod(
     >>> coarse.check().closed, coarse.report.certificate.vertex_manifold
     (True, True)
     """
-    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "made_from": made_from, "open": open, "lattice": lattice, "sign": sign,
+    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "solid": solid or None, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
-                   "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "color_weight": color_weight or None, "strict": strict or None, "samples": samples}
+                   "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "attribute_weight": attribute_weight, "lock_border": lock_border or None,
+                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "topology": None if topology == "keep" else topology, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
@@ -470,7 +485,7 @@ def lod(
     is_grid = isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces"))
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
-    chosen = _method(method, asked, other, is_grid)
+    chosen = _method(method, asked, other, is_grid and triangles is None and error is None)
     if chosen != "collapse":
         return _from_voxels(source, is_grid, chosen, triangles, resolution, carry, dtype, limits, **asked)
     if is_grid and carry:
@@ -480,9 +495,9 @@ def lod(
         mesh = surface(source, **limits) if is_grid else Mesh.of(source)
         options = options_of("levels_options")
         targets = _Targets(options, mesh, triangles, error, error_kind, count)
-        _set_common(options, even, color_weight, strict, error, samples, dtype)
-        options.open = _place("open", "shell" if open is None else open, OPENS)
-        options.source = choice("made_from", "auto" if made_from is None else made_from, "BVX_LEVELS_", SOURCES)
+        _set_common(options, even, strict, error, samples, dtype)
+        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices, topology)
+        options.solid = int(bool(solid))
         if lattice is not None:
             if resolution is not None:
                 raise ArgumentError("resolution and lattice contradict each other; give one of them")
@@ -503,13 +518,14 @@ def lod(
         array = ffi.new("bvx_mesh[]", targets.count)
         with Run(**limits) as run:
             run.check(lib.bvx_build_levels(run.context, mesh._view(run), options, targets.count, array))
+        del kept
         result = _meshes(_take(array, targets.count), reports, mesh if carry else None, limits)
     result.report = record(report)
     return result
 
 
-def _method(method: Method | None, of_voxels: dict[str, Any], of_collapse: list[str], is_grid: bool) -> str:
-    """The method that was requested, or that the other options require."""
+def _method(method: Method | None, of_voxels: dict[str, Any], of_collapse: list[str], samples: bool) -> str:
+    """The method that was requested, or that the other options require; samples: a grid without a target."""
     if method is not None:
         if not isinstance(method, str):
             raise TypeError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
@@ -525,9 +541,9 @@ def _method(method: Method | None, of_voxels: dict[str, Any], of_collapse: list[
     if of_voxels and of_collapse:
         raise ArgumentError(f"{next(iter(of_voxels))} (of the methods edge-ratio and coverage) and {of_collapse[0]} (of method "
                             "'collapse') contradict each other; give one of them")
-    if is_grid and of_collapse:
-        raise ArgumentError(f"{of_collapse[0]} is for method 'collapse': give method='collapse' to take the grid's surface as a mesh")
-    return "edge-ratio" if of_voxels or is_grid else "collapse"
+    if samples and of_collapse:
+        raise ArgumentError(f"{of_collapse[0]} is for method 'collapse': give method='collapse', triangles or error to take the grid's surface as a mesh")
+    return "edge-ratio" if of_voxels or samples else "collapse"
 
 
 # ---- the paper's methods ----

@@ -22,8 +22,7 @@ def record(struct: Any) -> Any:
 
 
 # Fields that hold the number of a rule: the prefix of its constants, and their names.
-_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "source": ("BVX_LEVELS_", ("mesh", "measured")), "fill": ("BVX_FILL_", FILLS),
-          "fill_reason": ("BVX_FILL_REASON_", FILL_REASONS)}
+_RULES = {"sign": ("BVX_SIGN_", SIGN_RULES), "fill": ("BVX_FILL_", FILLS), "fill_reason": ("BVX_FILL_REASON_", FILL_REASONS)}
 
 
 def _value(field: str, wanted: Any, value: Any) -> Any:
@@ -34,5 +33,7 @@ def _value(field: str, wanted: Any, value: Any) -> Any:
     if isinstance(value, ffi.CData) and ffi.typeof(value).kind == "struct":
         if _plain_name(ffi.typeof(value)) == "bvx_lattice":
             return Lattice._of(value)
+        if field == "distance" and value.samples == 0:
+            return None  # it was not measured
         return record(value)
     return plain(value)

@@ -374,7 +374,7 @@ def formats_in(bits: int) -> tuple[str, ...]:
 
 
 FACE_RULES = names_of("BVX_FACE_")
-SIDES = names_of("BVX_OPEN_", "BVX_OPEN_SHELL", "BVX_OPEN_KEEP", "BVX_OPEN_CUT")
+SIDES = names_of("BVX_OPEN_")
 FILLS = names_of("BVX_FILL_", "BVX_FILL_REASON_")
 FILL_REASONS = names_of("BVX_FILL_REASON_")
 SIGN_RULES = names_of("BVX_SIGN_")
