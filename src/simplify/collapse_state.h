@@ -106,6 +106,9 @@ uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner);
 uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner);
 /* 1: attributes have a seam along an edge of two triangles, or materials a border. */
 int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge);
+/* 1: each row of one end has a row of its own at the other, so that a collapse and its undoing know which becomes
+ * which. Where a seam ends it is 0. */
+int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge);
 /* Add what a collapse costs in attributes, about the vertex next to the edge's corner; offset leads to the other. */
 void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
                          double *cost);
