@@ -77,6 +77,11 @@ static int same_attributes(const bvx_mesh_view *m, uint32_t v, uint32_t w, uint3
                                                                  m->colours + 4 * (size_t)w, 4) == 0)));
 }
 
+int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
+{
+    return same_attributes(c->given, c->attributes.vertex[row], c->attributes.vertex[other], 0, 0);
+}
+
 /* The row of a corner among those of its vertex, which began at first. */
 static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {

@@ -118,6 +118,8 @@ void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3
                            const int32_t *corner, int32_t count);
 /* Undo that, once the triangles are back; back: the way of the vertex that stayed. */
 void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3]);
+/* 1: two rows of a vertex differ in texture coordinates of their own indices alone. */
+int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other);
 /* A row's attributes, of those kinds that there are; moved 0: its own. */
 void bvxi_attributes_give(const bvxi_collapse *c, uint32_t row, int moved, float uv[2], float uv2[2],
                           float normal[3], uint8_t colour[4]);
