@@ -252,8 +252,8 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
 }
 
-/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
-static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count)
+/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level; at: progress. */
+static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count, double at)
 {
     const bvxi_corners *const m = &c->mesh;
     judge_origin o = {NULL};
@@ -273,7 +273,7 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         for (int k = 0; k < 3; k++) o.beside[m->triangle[pairs[i]].vertex[k]] = 1;
     BVXI_TRY(gather_origin(c, &o));
 
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, 1.0, 1.0, &crossing, &found));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, at, at, &crossing, &found));
     for (uint64_t i = 0; i < 2 * found; i++)
         for (int k = 0; k < 3; k++) c->came[o.now[o.back[o.triangle[crossing[i]].vertex[k]]]] = 1;
     bvxi_drop(c->ctx, crossing);
@@ -402,7 +402,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
 
     *undone = 0;
     BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
-    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count));
+    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count, to));
     for (uint64_t i = 0; i < count; i++) {
         list.triangle = pairs[2 * i];
         add_pair(&list, pairs[2 * i + 1]);
