@@ -80,7 +80,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
         double const end = from + (to - from) * (double)(begun - next) / (double)(begun - target);
 
         BVXI_TRY(collapse_judged(c, next, next == target, at, end));
-        if (c->mesh.left > next && c->mesh.left + c->mesh.left / 8 > before) break;
+        if (c->mesh.left > next && c->mesh.left + c->mesh.left / 8 >= before) break;
     }
     return BVX_OK;
 }
