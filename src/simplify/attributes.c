@@ -77,6 +77,11 @@ static int same_attributes(const bvx_mesh_view *m, uint32_t v, uint32_t w, uint3
                                                                  m->colours + 4 * (size_t)w, 4) == 0)));
 }
 
+int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
+{
+    return same_attributes(c->given, c->attributes.vertex[row], c->attributes.vertex[other], 0, 0);
+}
+
 /* The row of a corner among those of its vertex, which began at first. */
 static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {
@@ -241,6 +246,13 @@ static int rows_of_edge(const bvxi_collapse *c, int32_t edge, uint32_t u[2], uin
     return count;
 }
 
+int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge)
+{
+    uint32_t u[2], v[2];
+
+    return rows_of_edge(c, edge, u, v) < 2 || (u[0] != u[1] && v[0] != v[1]);
+}
+
 void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
                          double *cost)
 {
@@ -360,7 +372,6 @@ void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3
     int const sides = rows_of_edge(c, edge, u, v);
 
     for (int i = 0; i < sides; i++) {
-        if (i == 1 && u[1] == u[0]) continue;
         join_sums(s, u[i], v[i], offset, both);
         move_sums(both, s->channels, d);
         memcpy(s->q + (size_t)s->stride * u[i], both, (size_t)s->stride * sizeof *both);
@@ -384,8 +395,7 @@ void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3
     uint32_t u[2], v[2];
     int const sides = rows_of_edge(c, edge, u, v);
 
-    for (int i = 0; i < sides; i++)
-        if (i == 0 || u[1] != u[0]) move_sums(s->q + (size_t)s->stride * u[i], s->channels, back);
+    for (int i = 0; i < sides; i++) move_sums(s->q + (size_t)s->stride * u[i], s->channels, back);
     for (int32_t at = bvxi_corner_turn_left(m, bvxi_corner_next(across)); at >> 2 != edge >> 2;
          at = bvxi_corner_turn_left(m, at))
         for (int k = 0; k < sides; k++) {

@@ -167,6 +167,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     free_v = freedom(c->kind[v]);
     if (free_u + free_v == 0) return 0;
     if (free_u < 2 && free_v < 2 && !bvxi_collapse_is_feature(c, edge)) return 0;
+    if (free_u < 2 && free_v < 2 && c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
 
     /* The end that is less free stays, where it is. */
     if (free_v < free_u) {

@@ -510,6 +510,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(order_mesh(c, mesh, low, size));
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.03));
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
+    c->counts.split = c->mesh.split;
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
     BVXI_TRY(start_quadrics(c));
     return open_arrays(c);

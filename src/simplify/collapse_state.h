@@ -116,6 +116,9 @@ uint32_t bvxi_given_vertex(const bvxi_collapse *c, int32_t corner);
 uint32_t bvxi_given_triangle(const bvxi_collapse *c, int32_t corner);
 /* 1: attributes have a seam along an edge of two triangles, or materials a border. */
 int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge);
+/* 1: each row of one end has a row of its own at the other, so that a collapse and its undoing know which becomes
+ * which. Where a seam ends it is 0. */
+int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge);
 /* Add what a collapse costs in attributes, about the vertex next to the edge's corner; offset leads to the other. */
 void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
                          double *cost);
@@ -125,6 +128,8 @@ void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3
                            const int32_t *corner, int32_t count);
 /* Undo that, once the triangles are back; back: the way of the vertex that stayed. */
 void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3]);
+/* 1: two rows of a vertex differ in texture coordinates of their own indices alone. */
+int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other);
 /* A row's attributes, of those kinds that there are; moved 0: its own. */
 void bvxi_attributes_give(const bvxi_collapse *c, uint32_t row, int moved, float uv[2], float uv2[2],
                           float normal[3], uint8_t colour[4]);

@@ -307,6 +307,7 @@ static bvx_status part_vertices(bvx_context *ctx, bvxi_corners *m)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertices * 4, "the vertices' fans", &first));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->triangles * 16, "the corners' fans", &seen));
     shared = part_fans(m, first, seen, 0);
+    for (uint64_t v = 0; v < m->vertices; v++) m->split += first[v] > 1;
     BVXI_TRY(grow_vertices(ctx, m, m->vertices + shared));
     part_fans(m, first, seen, m->vertices);
     m->vertices += shared;

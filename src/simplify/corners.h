@@ -40,6 +40,7 @@ typedef struct bvxi_corners {
     uint64_t vertices, triangles;
     uint64_t ghosts; /* triangles between borders and the ghost vertex, after all others */
     uint64_t left;   /* triangles that are not gone, without ghosts */
+    uint64_t split;  /* vertices that joined several fans */
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 

@@ -1,10 +1,12 @@
 /* give_level.c - a level as a mesh: its vertices in their order, with the attributes that the mesh has.
  *
- * Where attributes have a seam, each side has a vertex of its own, or of a mesh with texture coordinates of their
- * own indices a pair of these. With BVX_VERTICES_KEPT triangles index the vertices that were given. */
+ * Where attributes have a seam, each side has a vertex of its own; texture coordinates that have indices of their own
+ * need none. With BVX_VERTICES_KEPT triangles index the vertices that were given. */
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
+
+enum { PLACES_COMPARED = 16 }; /* of a vertex that has very many rows */
 
 static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, const double p[3])
 {
@@ -95,6 +97,25 @@ static uint64_t number_rows(const bvxi_collapse *c, uint32_t *index, uint32_t *a
     return count;
 }
 
+/* Number the vertices of rows that are used: those of one vertex that differ in texture coordinates alone share it.
+ * Rows lie in the order of vertices. Returns how many. */
+static uint64_t number_places(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at, uint32_t *place)
+{
+    uint32_t count = 0;
+
+    for (uint64_t r = 0; r < c->attributes.rows; r++) {
+        if (index[r] == UINT32_MAX) continue;
+        place[r] = UINT32_MAX;
+        for (uint64_t k = r; k-- > 0 && r - k < PLACES_COMPARED && place[r] == UINT32_MAX;) {
+            if (index[k] == UINT32_MAX) continue;
+            if (at[k] != at[r]) break;
+            if (bvxi_attributes_share(c, (uint32_t)k, (uint32_t)r)) place[r] = place[k];
+        }
+        if (place[r] == UINT32_MAX) place[r] = count++;
+    }
+    return count;
+}
+
 /* Arrays for what the mesh has. */
 static bvx_status open_arrays(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
 {
@@ -131,23 +152,22 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
 {
     int const apart = c->given->uv_indices != NULL;
     uint64_t const rows = c->attributes.rows;
-    uint32_t *index, *at, *vertex = NULL;
+    uint32_t *index, *at, *place;
     uint64_t count;
 
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, rows * 8, "the level's attributes", &index));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, rows * (apart ? 12 : 8), "the level's attributes", &index));
     at = index + rows;
+    place = apart ? at + rows : index;
     count = number_rows(c, index, at);
-    if (apart) BVXI_TRY(bvxi_collapse_number(c, &vertex));
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, apart ? c->alive : count, c->mesh.left,
-                            level));
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0,
+                            apart ? number_places(c, index, at, place) : count, c->mesh.left, level));
     BVXI_TRY(open_arrays(c, level, count));
 
-    for (uint64_t r = 0; r < rows; r++)
-        if (index[r] != UINT32_MAX)
-            put_row(c, level, (uint32_t)r, at[r], apart ? vertex[at[r]] : index[r], index[r]);
-    put_triangles(c, apart ? vertex : index, !apart, level->triangles);
+    /* Of rows that share a vertex the first one remains. */
+    for (uint64_t r = rows; r-- > 0;)
+        if (index[r] != UINT32_MAX) put_row(c, level, (uint32_t)r, at[r], place[r], index[r]);
+    put_triangles(c, place, 1, level->triangles);
     if (level->uv_triangles != NULL) put_triangles(c, index, 1, level->uv_triangles);
-    bvxi_drop(c->ctx, vertex);
     bvxi_drop(c->ctx, index);
     return BVX_OK;
 }

@@ -207,33 +207,44 @@ static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
     return (o->beside[o->now[v[0]]] | o->beside[o->now[v[1]]] | o->beside[o->now[v[2]]]) != 0;
 }
 
-static uint32_t small_vertex(const bvxi_collapse *c, judge_origin *o, uint32_t v)
+/* Number the vertices of triangles beside crossings; returns how many triangles these are. */
+static uint64_t number_origin(const bvxi_collapse *c, judge_origin *o)
 {
-    uint32_t const i = (uint32_t)o->vertices;
-    double p[3];
+    uint64_t count = 0;
 
-    if (o->small[v] != BVXI_VERTEX_NONE) return o->small[v];
-    bvxi_view_position(c->view, c->first_source[v], p);
-    for (int k = 0; k < 3; k++) o->at[i].p[k] = bvxi_collapse_rounded(c, p[k]);
-    o->back[i] = v;
-    o->vertices++;
-    return o->small[v] = i;
+    for (uint64_t t = 0; t < c->first_triangles; t++) {
+        if (!is_beside(c, o, t)) continue;
+        count++;
+        for (uint64_t k = 0; k < 3; k++) {
+            uint32_t *const small = &o->small[c->origin[3 * t + k]];
+
+            if (*small == BVXI_VERTEX_NONE) *small = (uint32_t)o->vertices++;
+        }
+    }
+    return count;
 }
 
 static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
-    uint64_t count = 0;
+    uint64_t count = number_origin(c, o);
 
-    for (uint64_t t = 0; t < c->first_triangles; t++) count += (uint64_t)is_beside(c, o, t);
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 3 * sizeof *o->at, "positions beside crossings", &o->at));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
                         &o->triangle));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * 12, "vertices beside crossings", &o->back));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->back));
+    for (uint64_t v = 0; v < c->first_vertices; v++) {
+        double p[3];
+
+        if (o->small[v] == BVXI_VERTEX_NONE) continue;
+        bvxi_view_position(c->view, c->first_source[v], p);
+        for (int k = 0; k < 3; k++) o->at[o->small[v]].p[k] = bvxi_collapse_rounded(c, p[k]);
+        o->back[o->small[v]] = (uint32_t)v;
+    }
     count = 0;
     for (uint64_t t = 0; t < c->first_triangles; t++) {
         if (!is_beside(c, o, t)) continue;
         for (uint64_t k = 0; k < 3; k++) {
-            o->triangle[count].vertex[k] = small_vertex(c, o, c->origin[3 * t + k]);
+            o->triangle[count].vertex[k] = o->small[c->origin[3 * t + k]];
             o->triangle[count].cost[k] = 0;
         }
         count++;
@@ -246,8 +257,8 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
 }
 
-/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
-static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count)
+/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level; at: progress. */
+static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count, double at)
 {
     const bvxi_corners *const m = &c->mesh;
     judge_origin o = {NULL};
@@ -267,7 +278,7 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         for (int k = 0; k < 3; k++) o.beside[m->triangle[pairs[i]].vertex[k]] = 1;
     BVXI_TRY(gather_origin(c, &o));
 
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, 1.0, 1.0, &crossing, &found));
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, at, at, &crossing, &found));
     for (uint64_t i = 0; i < 2 * found; i++)
         for (int k = 0; k < 3; k++) c->came[o.now[o.back[o.triangle[crossing[i]].vertex[k]]]] = 1;
     bvxi_drop(c->ctx, crossing);
@@ -396,7 +407,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
 
     *undone = 0;
     BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
-    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count));
+    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count, to));
     for (uint64_t i = 0; i < count; i++) {
         list.triangle = pairs[2 * i];
         add_pair(&list, pairs[2 * i + 1]);

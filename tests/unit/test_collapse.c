@@ -3,7 +3,7 @@
 #include "../golden/shapes.h"
 
 #include <stdlib.h>
-#include "simplify/room.h"
+#include "simplify/collapse.h"
 #include "suite.h"
 
 static shape source;
@@ -168,12 +168,13 @@ static void test_open_mesh_is_refused(void)
     double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     bvx_mesh_view const view = {
         .positions = positions, .vertex_count = 3, .triangle_count = 1, .position_type = BVX_F64};
+    bvxi_sheets const sheets = {.view = view};
     bvxi_collapse_options const options = {.position_type = BVX_F64};
     bvxi_collapse *collapse = NULL;
 
     /* Within a call, whose end frees what a failure leaves behind. */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
-                            BVXI_CALL(ctx, bvxi_collapse_open(ctx, "test", &view, &options, &collapse)));
+                            BVXI_CALL(ctx, bvxi_collapse_open(ctx, "test", &view, &sheets, &options, &collapse)));
     TEST_ASSERT_NULL(collapse);
 }
 
