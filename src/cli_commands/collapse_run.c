@@ -249,7 +249,8 @@ static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
 /* 1: fans and sheets that met are apart in the levels, so that they have more pieces. */
 static int is_parted(const cli_collapse_run *c)
 {
-    return !c->solid && !(c->before.edge_manifold && c->before.vertex_manifold && c->before.oriented);
+    return c->told && !c->solid &&
+           !(c->before.edge_manifold && c->before.vertex_manifold && c->before.oriented);
 }
 
 /* Handles never close, so many of them are what a level sticks at. */

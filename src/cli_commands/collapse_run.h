@@ -12,6 +12,7 @@ typedef struct cli_collapse_run {
     bvx_certificate before;  /* of the input, vertices at equal positions taken as one */
     bvx_certificate surface; /* of what the levels were made from */
     uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
+    int told;                /* 1: which fans and sheets were parted is told of */
     int solid;               /* 1: that is a measured surface */
     int chosen; /* 1: parts were dropped or cavities filled as options ask, and no warning is due of that */
     double diagonal; /* of the input */

@@ -112,6 +112,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     c->crumbs = l->report.crumbs;
     c->chosen = is_solid(l) && cli_changed_as_asked(&l->report.repair);
     c->solid = is_solid(l);
+    c->told = 1;
     if (is_solid(l)) {
         run->report.lattice = l->report.repair.lattice;
         run->report.has_lattice = 1;
