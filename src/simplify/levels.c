@@ -96,9 +96,6 @@ static double smallest_angle(const bvx_mesh *level)
     return least * (180 / BVXI_PI);
 }
 
-/* Distances that nothing has measured are no numbers. */
-static const bvx_distance_report not_measured = {0, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-
 /* The certificate and crossings of a level, by its own indices, or without seams. By error the collapse has gone
  * beyond it. */
 static bvx_status judge_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
