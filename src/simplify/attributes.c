@@ -363,11 +363,43 @@ int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge)
                               s->row[bvxi_corner_previous(edge)] != s->row[bvxi_corner_next(across)]);
 }
 
+/* Rows of a vertex on none of the sides of an edge, which go along with it. */
+typedef struct rows_along {
+    uint32_t row[COLLAPSE_STAR];
+    int32_t count;
+} rows_along;
+
+static void add_along(rows_along *a, uint32_t row)
+{
+    for (int32_t i = 0; i < a->count; i++)
+        if (a->row[i] == row) return;
+    if (a->count < COLLAPSE_STAR) a->row[a->count++] = row;
+}
+
+static void move_along(const bvxi_attributes *s, const rows_along *a, const double way[3])
+{
+    for (int32_t i = 0; i < a->count; i++) move_sums(s->q + (size_t)s->stride * a->row[i], s->channels, way);
+}
+
+/* A corner's row becomes the one at the other end, or goes along. */
+static void change_row(uint32_t *row, const uint32_t *from, const uint32_t *to, int sides, rows_along *along)
+{
+    if (*row == BVXI_VERTEX_NONE) return;
+    for (int k = 0; k < sides; k++) {
+        if (*row != from[k]) continue;
+        *row = to[k];
+        return;
+    }
+    add_along(along, *row);
+}
+
 void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3], const double d[3],
                            const int32_t *corner, int32_t count)
 {
     bvxi_attributes *const s = &c->attributes;
     double both[QUADRIC_CHANNELS + 4 * ATTRIBUTE_CHANNELS];
+    double const way[3] = {d[0] - offset[0], d[1] - offset[1], d[2] - offset[2]};
+    rows_along along = {.count = 0};
     uint32_t u[2], v[2];
     int const sides = rows_of_edge(c, edge, u, v);
 
@@ -376,15 +408,8 @@ void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3
         move_sums(both, s->channels, d);
         memcpy(s->q + (size_t)s->stride * u[i], both, (size_t)s->stride * sizeof *both);
     }
-    for (int32_t i = 0; i < count; i++) {
-        uint32_t *const row = &s->row[corner[i]];
-
-        for (int k = 0; k < sides; k++) {
-            if (*row != v[k]) continue;
-            *row = u[k];
-            break;
-        }
-    }
+    for (int32_t i = 0; i < count; i++) change_row(&s->row[corner[i]], v, u, sides, &along);
+    move_along(s, &along, way);
 }
 
 void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3])
@@ -392,17 +417,18 @@ void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3
     bvxi_attributes *const s = &c->attributes;
     const bvxi_corners *const m = &c->mesh;
     int32_t const across = bvxi_corner_opposite(m, edge);
+    const double *const p = m->at[bvxi_corner_vertex_of(m, bvxi_corner_next(edge))].p;
+    const double *const q = m->at[bvxi_corner_vertex_of(m, bvxi_corner_previous(edge))].p;
+    double const way[3] = {(q[0] - p[0]) * c->scale, (q[1] - p[1]) * c->scale, (q[2] - p[2]) * c->scale};
+    rows_along along = {.count = 0};
     uint32_t u[2], v[2];
     int const sides = rows_of_edge(c, edge, u, v);
 
     for (int i = 0; i < sides; i++) move_sums(s->q + (size_t)s->stride * u[i], s->channels, back);
     for (int32_t at = bvxi_corner_turn_left(m, bvxi_corner_next(across)); at >> 2 != edge >> 2;
          at = bvxi_corner_turn_left(m, at))
-        for (int k = 0; k < sides; k++) {
-            if (s->row[at] != u[k]) continue;
-            s->row[at] = v[k];
-            break;
-        }
+        change_row(&s->row[at], u, v, sides, &along);
+    move_along(s, &along, way);
 }
 
 /* ---- Levels ---- */

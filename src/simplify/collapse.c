@@ -143,9 +143,16 @@ int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
            bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) || bvxi_attributes_part(c, edge);
 }
 
-static int freedom(uint8_t kind)
+enum { FREE_NOWHERE, FREE_JUNCTION, FREE_LINE, FREE_ALL };
+
+static int freedom(const bvxi_collapse *c, uint32_t v)
 {
-    return (kind & VERTEX_FIXED) != 0 ? 0 : (kind & VERTEX_LINE) != 0 ? 1 : 2;
+    uint8_t const kind = c->kind[v];
+
+    if (kind == 0) return FREE_ALL;
+    if (kind == VERTEX_LINE) return FREE_LINE;
+    /* A junction takes attributes along that no vertex has which was given. */
+    return kind == VERTEX_JUNCTION && c->options.vertices != BVX_VERTICES_KEPT ? FREE_JUNCTION : FREE_NOWHERE;
 }
 
 /* Where an edge's ends may meet at all; 0: nowhere. */
@@ -163,11 +170,13 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     plan->still = 0;
     if ((c->kind[u] | c->kind[v]) == 0) return 1;
 
-    free_u = freedom(c->kind[u]);
-    free_v = freedom(c->kind[v]);
-    if (free_u + free_v == 0) return 0;
-    if (free_u < 2 && free_v < 2 && !bvxi_collapse_is_feature(c, edge)) return 0;
-    if (free_u < 2 && free_v < 2 && c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
+    free_u = freedom(c, u);
+    free_v = freedom(c, v);
+    if (free_u + free_v == FREE_NOWHERE) return 0;
+    if (free_u != FREE_ALL && free_v != FREE_ALL) {
+        if (!bvxi_collapse_is_feature(c, edge)) return 0;
+        if (c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
+    }
 
     /* The end that is less free stays, where it is. */
     if (free_v < free_u) {
@@ -175,8 +184,14 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
         plan->u = v;
         plan->v = u;
     }
-    plan->still = free_u != free_v;
+    plan->still = free_u != free_v || free_u == FREE_JUNCTION;
     return 1;
+}
+
+/* Either end may stay. */
+static int may_swap(const bvxi_collapse *c, const edge_plan *plan)
+{
+    return freedom(c, plan->u) == freedom(c, plan->v);
 }
 
 /* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
@@ -199,10 +214,10 @@ static int plan_edge(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
 
     if (!plan_ends(c, edge, plan)) return 0;
     join_ends(c, plan);
-    if (plan->still) return 1;
+    if (plan->still && !may_swap(c, plan)) return 1;
 
     /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
-    if (!kept && solve_least(plan->all.a, plan->all.b, plan->d)) {
+    if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
         double reach = 0, length = 0;
 
         for (int k = 0; k < 3; k++) {
@@ -224,7 +239,7 @@ static int plan_edge(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
     at_v = quadric_at(&plan->all, plan->offset);
     if (!(at_v < plan->cost)) return 1;
     plan->cost = at_v;
-    if (kept) {
+    if (kept || plan->still) {
         uint32_t const u = plan->u;
 
         plan->edge = bvxi_corner_opposite(&c->mesh, plan->edge);

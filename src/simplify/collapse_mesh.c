@@ -414,6 +414,8 @@ static void mark_line(bvxi_collapse *c, int32_t corner, int count)
  * lines where they are. */
 static void mark_lines(bvxi_collapse *c)
 {
+    /* By the lines that end at a vertex, and of locked ones. */
+    static const uint8_t kinds[5] = {0, VERTEX_JUNCTION, VERTEX_LINE, VERTEX_JUNCTION, VERTEX_LOCKED};
     const bvxi_corners *const m = &c->mesh;
     int const parted = c->attributes.row != NULL || c->attributes.material != NULL;
     int32_t const end = (int32_t)(4 * m->triangles);
@@ -423,14 +425,14 @@ static void mark_lines(bvxi_collapse *c)
             mark_line(c, corner, corner < bvxi_corner_opposite(m, corner));
     for (int32_t ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
         mark_line(c, bvxi_corner_opposite(m, ghost), 1);
-        for (int k = 1; k < 3 && c->options.lock_border; k++) c->kind[m->triangle[ghost >> 2].vertex[k]] = 3;
+        for (int k = 1; k < 3 && c->options.lock_border; k++) c->kind[m->triangle[ghost >> 2].vertex[k]] = 4;
     }
     for (uint64_t v = 0; v < m->vertices; v++)
-        c->kind[v] = c->kind[v] == 0 ? 0 : c->kind[v] == 2 ? VERTEX_LINE : VERTEX_FIXED;
+        c->kind[v] = kinds[c->kind[v]];
 
     for (int32_t corner = 0; corner < end && c->options.locked != NULL; corner += (corner & 3) == 2 ? 2 : 1)
         if (c->options.locked[bvxi_given_vertex(c, corner)] != 0)
-            c->kind[bvxi_corner_vertex_of(m, corner)] = VERTEX_FIXED;
+            c->kind[bvxi_corner_vertex_of(m, corner)] = VERTEX_LOCKED;
 }
 
 static bvx_status start_quadrics(bvxi_collapse *c)

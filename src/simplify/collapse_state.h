@@ -14,8 +14,9 @@ enum {
 
 /* How a vertex may move: bits. */
 enum {
-    VERTEX_LINE = 1,  /* on one line of borders or seams: along it only */
-    VERTEX_FIXED = 2 /* where such lines meet or end, or locked: not at all */
+    VERTEX_LINE = 1,     /* on one line of borders or seams: along it only */
+    VERTEX_JUNCTION = 2, /* where such lines meet or end: into another junction only */
+    VERTEX_LOCKED = 4    /* not at all */
 };
 
 enum { ATTRIBUTE_CHANNELS = 11 };

@@ -67,12 +67,12 @@ static bvx_status give_kept(bvxi_collapse *c, bvx_mesh *level)
 
 /* ---- Vertices with attributes ---- */
 
-/* Where the vertex of a row is now, and whether it has moved. */
-static int has_moved(const bvxi_collapse *c, uint32_t v)
+/* 1: the vertex is not where the one was that a row was given with. */
+static int has_moved(const bvxi_collapse *c, uint32_t row, uint32_t v)
 {
     double p[3];
 
-    bvxi_view_position(c->view, c->mesh.source[v], p);
+    bvxi_view_position(c->given, c->attributes.vertex[row], p);
     for (int k = 0; k < 3; k++)
         if (bvxi_collapse_rounded(c, p[k]) != c->mesh.at[v].p[k]) return 1;
     return 0;
@@ -140,7 +140,7 @@ static void put_row(const bvxi_collapse *c, bvx_mesh *level, uint32_t row, uint3
     float uv[2], uv2[2], normal[3];
     uint8_t colour[4];
 
-    bvxi_attributes_give(c, row, has_moved(c, v), uv, uv2, normal, colour);
+    bvxi_attributes_give(c, row, has_moved(c, row, v), uv, uv2, normal, colour);
     put_position(c, level, to, c->mesh.at[v].p);
     if (level->uvs != NULL) memcpy(level->uvs + 2 * uv_to, uv, sizeof uv);
     if (level->uvs2 != NULL) memcpy(level->uvs2 + 2 * to, uv2, sizeof uv2);
