@@ -996,8 +996,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; a mesh that
  *  spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
- *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; above 20,000 triangles 1.3 MB a thread;
- *  where fans meet a copy of the positions]
+ *  [Memory: at most 160 bytes a triangle, 60 more of those beside crossings that collapses make, 36 a border
+ *  edge, 300 KB; above 20,000 triangles 1.3 MB a thread; where fans meet a copy of the positions]
  *  [Cost: O(triangles), some microseconds for each that goes]
  *  [Exact: the order of vertices and triangles of an oriented mesh changes nothing]
  *  Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; more:
@@ -1236,9 +1236,9 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  Returns BVX_ERR_ARGUMENT (also lock_border, locked or BVX_VERTICES_KEPT with solid), BVX_ERR_EMPTY (no
  *  triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than
  *  1e31), BVX_ERR_BUDGET (names a limit that suffices).
- *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
- *  of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a border edge,
- *  400 KB, and 1.3 MB a thread above 20,000 triangles]
+ *  [Memory: of n triangles as they are at most 175 bytes each, 60 more of those beside crossings that collapses
+ *  make; of a surface of s triangles measured on grids of g bytes at most the larger of 200 n + 30 s + 5 g and
+ *  12 n + 170 s; with either 36 bytes a border edge, 400 KB, and 1.3 MB a thread above 20,000 triangles]
  *  [Cost: that of bvx_mesh_simplify, with solid that of bvx_repair too]
  *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]
  *  Source: as bvx_mesh_simplify; for solid: "Model repair by a vector distance field". */

@@ -276,6 +276,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     plan_tries(c, (double)bvxi_collapse_triangles(collapse), part, cost);
     do {
         bvx_mesh made = {0};
+        bvx_status status;
 
         BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_now(ctx, c, collapse, &d)));
         part = error_share(c, i, &d);
@@ -287,7 +288,11 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         }
 
         /* A collapse cannot be undone, so what may be the level is copied before the next step. */
-        BVXI_TRY(bvxi_collapse_give(collapse, &made));
+        status = bvxi_collapse_give(collapse, &made);
+        if (status != BVX_OK) {
+            bvx_mesh_free(ctx, &made);
+            return status;
+        }
         bvx_mesh_free(ctx, found);
         *found = made;
         *met = part <= 1;
