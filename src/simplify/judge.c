@@ -189,12 +189,14 @@ void bvxi_collapse_end_careful(bvxi_collapse *c)
 
 /* ---- What has come with the mesh ---- */
 
-/* The mesh's triangles whose vertices went into those of crossing ones. */
+/* The mesh's triangles whose vertices went into those of crossing ones, as a mesh of its own. */
 typedef struct judge_origin {
-    uint32_t *now;   /* of each vertex of the mesh: the one that it is part of */
-    uint8_t *beside; /* of each vertex: of a crossing triangle */
-    double (*kept)[3]; /* positions of the level, while vertices are where they were in the mesh */
+    uint32_t *now;          /* of each vertex of the mesh: the one that it is part of */
+    uint8_t *beside;        /* of each vertex: of a crossing triangle */
+    uint32_t *small, *back; /* vertices of the small mesh, and where they come from */
+    bvxi_corner_vertex *at;
     bvxi_corner_triangle *triangle;
+    uint64_t vertices;
     crossing_tree tree;
 } judge_origin;
 
@@ -205,15 +207,11 @@ static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
     return (o->beside[o->now[v[0]]] | o->beside[o->now[v[1]]] | o->beside[o->now[v[2]]]) != 0;
 }
 
-/* Vertices go back to where they were in the mesh, until return_from. */
-static bvx_status go_back(bvxi_collapse *c, judge_origin *o)
+/* Number the vertices of triangles beside crossings; returns how many triangles these are. */
+static uint64_t number_origin(const bvxi_collapse *c, judge_origin *o)
 {
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices * sizeof *o->kept, "positions beside crossings",
-                        &o->kept));
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
-        double *const p = c->mesh.at[v].p;
+    uint64_t count = 0;
 
-<<<<<<< HEAD
     for (uint64_t t = 0; t < c->first_triangles; t++) {
         if (!is_beside(c, o, t)) continue;
         count++;
@@ -222,29 +220,17 @@ static bvx_status go_back(bvxi_collapse *c, judge_origin *o)
 
             if (*small == BVXI_VERTEX_NONE) *small = (uint32_t)o->vertices++;
         }
-=======
-        memcpy(o->kept[v], p, sizeof o->kept[v]);
-        bvxi_view_position(c->view, c->mesh.source[v], p);
-        for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, p[k]);
->>>>>>> tests
     }
-    return BVX_OK;
-}
-
-static void return_from(bvxi_collapse *c, judge_origin *o)
-{
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) memcpy(c->mesh.at[v].p, o->kept[v], sizeof o->kept[v]);
-    bvxi_drop(c->ctx, o->kept);
+    return count;
 }
 
 static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
-    uint64_t count = 0;
+    uint64_t count = number_origin(c, o);
 
-    for (uint64_t t = 0; t < c->mesh.triangles; t++) count += (uint64_t)is_beside(c, o, t);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
                         &o->triangle));
-<<<<<<< HEAD
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->back));
     for (uint64_t v = 0; v < c->first_vertices; v++) {
         double p[3];
@@ -254,15 +240,16 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
         for (int k = 0; k < 3; k++) o->at[o->small[v]].p[k] = bvxi_collapse_rounded(c, p[k]);
         o->back[o->small[v]] = (uint32_t)v;
     }
-=======
->>>>>>> tests
     count = 0;
     for (uint64_t t = 0; t < c->first_triangles; t++) {
         if (!is_beside(c, o, t)) continue;
-        memcpy(o->triangle[count].vertex, c->origin + 3 * t, 12);
-        o->triangle[count++].cost[0] = 0;
+        for (uint64_t k = 0; k < 3; k++) {
+            o->triangle[count].vertex[k] = o->small[c->origin[3 * t + k]];
+            o->triangle[count].cost[k] = 0;
+        }
+        count++;
     }
-    o->tree.at = c->mesh.at;
+    o->tree.at = o->at;
     o->tree.triangle = o->triangle;
     o->tree.triangles = count;
     o->tree.scale = c->scale;
@@ -280,7 +267,6 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
 
     if (c->came == NULL)
         BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
-<<<<<<< HEAD
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 8, "vertices that went", &o.now));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
     o.small = o.now + c->first_vertices;
@@ -288,23 +274,18 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
         o.small[v] = BVXI_VERTEX_NONE;
     }
-=======
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->vertices * 4, "vertices that went", &o.now));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "vertices of crossings", &o.beside));
-    for (uint64_t v = 0; v < m->vertices; v++) o.now[v] = now_of(c, (uint32_t)v);
->>>>>>> tests
     for (uint64_t i = 0; i < 2 * count; i++)
         for (int k = 0; k < 3; k++) o.beside[m->triangle[pairs[i]].vertex[k]] = 1;
-    BVXI_TRY(go_back(c, &o));
     BVXI_TRY(gather_origin(c, &o));
 
     BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, at, at, &crossing, &found));
     for (uint64_t i = 0; i < 2 * found; i++)
-        for (int k = 0; k < 3; k++) c->came[o.now[o.triangle[crossing[i]].vertex[k]]] = 1;
+        for (int k = 0; k < 3; k++) c->came[o.now[o.back[o.triangle[crossing[i]].vertex[k]]]] = 1;
     bvxi_drop(c->ctx, crossing);
     bvxi_drop(c->ctx, o.tree.node[0]);
+    bvxi_drop(c->ctx, o.back);
     bvxi_drop(c->ctx, o.triangle);
-    return_from(c, &o);
+    bvxi_drop(c->ctx, o.at);
     bvxi_drop(c->ctx, o.beside);
     bvxi_drop(c->ctx, o.now);
     return BVX_OK;
