@@ -934,14 +934,6 @@ enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
     X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
 
-/** What happens to handles and holes of a mesh where they are in a target's way.
- *  KEEP      they stay, and the target is not met
- *  SIMPLIFY  the smallest holes are filled and the smallest handles cut first */
-#define BVX_TOPOLOGY_LIST(X)        \
-    X(BVX_TOPOLOGY_KEEP, 0, "keep") \
-    X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
-enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
-
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
     uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
@@ -979,7 +971,7 @@ typedef struct bvx_simplify_options {
     const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
                                   [Size: vertex_count] [Default: NULL] */
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+    int32_t reserved0;
     uint64_t reserved[3];
 } bvx_simplify_options;
 
@@ -1210,9 +1202,7 @@ typedef struct bvx_levels_options {
     double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
     uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
     const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t topology;           /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
-    int32_t reserved0;
-    uint64_t reserved[1];
+    uint64_t reserved[2];
 } bvx_levels_options;
 
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);

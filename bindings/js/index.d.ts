@@ -365,7 +365,6 @@ export interface ChainOptions extends CallOptions {
     /** One value a vertex; those other than 0 stay where they are. */
     locked?: readonly number[] | Uint8Array | undefined;
     vertices?: 'placed' | 'kept' | undefined;
-    topology?: 'keep' | 'simplify' | undefined;
 }
 /** [bvx_simplify_options] */
 export type SimplifyOptions = ChainOptions;

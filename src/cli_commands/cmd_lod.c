@@ -82,8 +82,8 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 /* Options of the methods that sample a solid, and of the one that collapses
  * edges; each with what only it understands. */
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
-#define OF_COLLAPSE                                                                                       \
-    "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices --topology " \
+#define OF_COLLAPSE                                                                            \
+    "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
     "--solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
 /* Facts of the line: the method. */

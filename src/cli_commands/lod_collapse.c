@@ -59,7 +59,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (cli_given(run, "--attributes")) b->attribute_weight = o->attributes;
     b->lock_border = o->lock_border;
     b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
-    b->topology = o->topology;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
     b->report = &l->report;

@@ -282,7 +282,6 @@ for option in --solid '--resolution 64' '--sign vote' --sharp '--shell 3' --oute
     refuses 2 'keeps vertices of the mesh, and --' lod "$knot" -o x_%d.ply --lock-border $option
 done
 refuses 2 'keeps vertices of the mesh, and --solid' lod "$knot" -o x_%d.ply --keep-vertices --solid
-refuses 2 'one of: keep, simplify' lod "$knot" -o x_%d.ply --topology all
 refuses 2 'is not an option of lod' lod "$knot" -o x_%d.ply --source mesh
 refuses 2 'is not an option of simplify' simplify "$knot" -o x_%d.ply --open keep
 refuses 2 'is for volumes' lod "$knot" -o x_%d.ply --level 16

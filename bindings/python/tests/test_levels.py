@@ -58,7 +58,7 @@ def test_what_stays_is_asked_for(ball):
     assert ball.simplify(triangles=300, attribute_weight=0) == ball.simplify(triangles=300)
     for call in (bitvox.simplify, bitvox.lod):
         for options, words in (({"attribute_weight": -1}, "attribute_weight"), ({"attribute_weight": 1001}, "attribute_weight"),
-                               ({"vertices": "some"}, "placed, kept"), ({"topology": "any"}, "keep, simplify"), ({"locked": [1]}, "locked has 1 values")):
+                               ({"vertices": "some"}, "placed, kept"), ({"locked": [1]}, "locked has 1 values")):
             with pytest.raises(bitvox.ArgumentError, match=words):
                 call(ball, triangles=300, **options)
     for options in ({"lock_border": True}, {"vertices": "kept"}, {"locked": [0] * ball.n_vertices}):

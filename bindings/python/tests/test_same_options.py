@@ -142,7 +142,6 @@ ROWS = {
         ("pair.ply --triangles 400 --keep-largest 1", "ply", lambda at: bitvox.lod(at / "pair.ply", triangles=400, keep_largest=1)),
         ("small.ply --triangles 400 --solid --resolution 30 --outer-hull --no-sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, solid=True, resolution=30, outer_hull=True, sharp=False)),
-        ("torn.ply --triangles 400 --topology keep", "ply", lambda at: bitvox.lod(at / "torn.ply", triangles=400, topology="keep")),
         ("small.ply --levels 16,8 --resolution 40 --padding 1 --method coverage --threshold 0.4 --fill flood --close-gaps 1", "ply",
          lambda at: bitvox.lod(at.small, levels=(16, 8), resolution=40, padding=1, method="coverage", threshold=0.4, fill="flood", close_gaps=1)),
         ("small.ply --triangles 400 --method edge-ratio --edge-samples 3 --collapse 2", "ply",
@@ -158,7 +157,6 @@ ROWS = {
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.simplify(at.small, error=("1%",), error_kind="max", strict=True)]),
         ("colored.ply --triangles 400 --carry --attributes 5 --even 0.01", "ply",
          lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), carry=True, attribute_weight=5, even=0.01)),
-        ("torn.ply --count 2 --topology keep", "ply", lambda at: bitvox.simplify(at / "torn.ply", count=2, topology="keep")),
     ),
     "repair": (
         ("torn.ply --resolution 30 --sign vote --interpolation scalar --sharp --thin shell --shell 2 --least-part 9 --least-cavity 5", "ply",

@@ -14,14 +14,13 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
-from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Topology, Vertices
+from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Vertices
 
 if TYPE_CHECKING:
     from .reports import LevelsReport
 
 ERROR_KINDS = names_of("BVX_ERROR_")
 VERTICES = names_of("BVX_VERTICES_")
-TOPOLOGIES = names_of("BVX_TOPOLOGY_")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
@@ -173,7 +172,6 @@ def simplify(
     lock_border: bool = False,
     locked: Any = None,
     vertices: Vertices = "placed",
-    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     carry: bool = False,
@@ -212,8 +210,6 @@ def simplify(
         one value a vertex: those with a value other than 0 stay where they are.
     vertices
         "placed" (the default): new ones, where they lie nearest to the mesh. "kept": some of the mesh's own, by its own indices.
-    topology
-        "keep" (the default): holes and handles stay. "simplify": the smallest ones go where a target cannot be met otherwise.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
@@ -250,7 +246,7 @@ def simplify(
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
     _set_common(options, even, strict, error, samples, dtype)
-    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices, topology)
+    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -273,13 +269,12 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
+def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any) -> Any:
     """What stays; returns the array that options point at."""
     if attribute_weight is not None:
         options.attribute_weight = float(attribute_weight)
     options.lock_border = int(bool(lock_border))
     options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
-    options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGIES)
     if locked is None:
         return None
     values = [bool(value) for value in locked]
@@ -359,7 +354,6 @@ def lod(
     lock_border: bool = False,
     locked: Any = None,
     vertices: Vertices = "placed",
-    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
@@ -425,7 +419,7 @@ def lod(
         solid: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    attribute_weight, lock_border, locked, vertices, topology
+    attribute_weight, lock_border, locked, vertices
         as for `simplify`.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
@@ -475,7 +469,7 @@ def lod(
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "solid": solid or None, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
                    "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "attribute_weight": attribute_weight, "lock_border": lock_border or None,
-                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "topology": None if topology == "keep" else topology, "strict": strict or None, "samples": samples}
+                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
@@ -496,7 +490,7 @@ def lod(
         options = options_of("levels_options")
         targets = _Targets(options, mesh, triangles, error, error_kind, count)
         _set_common(options, even, strict, error, samples, dtype)
-        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices, topology)
+        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices)
         options.solid = int(bool(solid))
         if lattice is not None:
             if resolution is not None:
