@@ -16,7 +16,6 @@ static const char *const repair_sign_names[] = {BVX_SIGN_LIST(SIGN_OF_REPAIR) NU
 static const char *const edge_names[] = {BVX_EDGE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_value_type_names[] = {BVX_REAL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_axis_names[] = {"x", "y", "z", NULL};
-static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};
 static const char *const up_names[] = {"y", "z", NULL};
 static const char *const state_names[] = {BVX_STATE_LIST(CLI_NAME_OF) NULL};
 const char *const cli_connectivity_names[] = {"6", "18", "26", NULL};
@@ -143,13 +142,10 @@ const cli_argument cli_takes_collapse[] = {
     FROM_TO("--even", "W", SHARED(even), 0, 1,
             "pull to triangles of even size where the surface is flat [1e-9]"),
     FROM_TO("--attributes", "W", SHARED(attributes), 0, 1000,
-            "weight of colours, texture coordinates, normals and materials beside the\n"
-            "shape; 0: they follow it and cost nothing [1]"),
+            "weight of texture coordinates, normals and colours beside the shape;\n"
+            "0: they follow it and cost nothing [1]"),
     FLAG("--lock-border", SHARED(lock_border), "vertices on borders stay where they are, so that tiles join"),
     FLAG("--keep-vertices", SHARED(keep_vertices), "levels use vertices of the mesh and make none"),
-    CHOICE("--topology", "WHAT", SHARED(topology), topology_names, BVX_TOPOLOGY_KEEP,
-           "keep: holes and handles stay; simplify: the smallest ones go where a\n"
-           "target cannot be met otherwise [keep]"),
     {0}};
 
 const cli_argument cli_takes_reduction[] = {
@@ -226,8 +222,8 @@ const cli_argument cli_takes_file_of_a_mesh[] = {
 
 const cli_argument cli_takes_carry[] = {
     FLAG("--carry", SHARED(carry),
-         "give each level the colours and texture coordinates of the nearest\n"
-         "points on the mesh"),
+         "of --solid, edge-ratio and coverage: give each level the colours and\n"
+         "texture coordinates of the nearest points on the mesh"),
     {0}};
 
 const cli_argument cli_takes_samples[] = {LONG("--samples", "N", SHARED(samples), 0, 2147483647,

@@ -28,6 +28,15 @@ static const cli_rule solid_rules[] = {
      .given = "--lock-border --keep-vertices",
      .beside = "--least-part --keep-largest",
      .message = "%o keeps vertices of the mesh, and %b measures a new surface"},
+    {.when = CLI_OF_MESH,
+     .given = "--attributes",
+     .beside = OF_SOLID,
+     .message = "%o weighs attributes of the mesh, and the surface that %b measures has none"},
+    {.when = CLI_OF_MESH,
+     .given = "--carry",
+     .lacking = OF_SOLID,
+     .message =
+         "%o is for --solid, --method edge-ratio and coverage; levels of the mesh as it is have what it has"},
     {.also = cli_sharp_rules},
     {.given = "--outer-hull",
      .beside = "--least-cavity",
@@ -59,7 +68,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (cli_given(run, "--attributes")) b->attribute_weight = o->attributes;
     b->lock_border = o->lock_border;
     b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
-    b->topology = o->topology;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;
     b->report = &l->report;

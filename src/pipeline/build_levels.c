@@ -58,8 +58,6 @@ static const bvxi_option levels_rows[] = {
     BVXI_SWITCH(bvx_levels_options, lock_border),
     BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
     BVXI_REAL(bvx_levels_options, attribute_weight, 0.0, 1000.0),
-    BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
-    BVXI_RESERVED(bvx_levels_options, reserved0),
     BVXI_RESERVED(bvx_levels_options, reserved),
 };
 
@@ -83,6 +81,13 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
             "the options that imply it, measure a new surface",
             function);
+    if (wants_solid(o) && (o->attribute_weight < levels_defaults.attribute_weight ||
+                           o->attribute_weight > levels_defaults.attribute_weight))
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: attribute_weight is %g, and the surface that solid, and the options that imply it, "
+            "measure has no attributes",
+            function, o->attribute_weight);
     return BVX_OK;
 }
 
@@ -482,7 +487,6 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->collapse.lock_border = o->lock_border;
     c->collapse.locked = o->locked;
     c->collapse.vertices = o->vertices;
-    c->collapse.topology = o->topology;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;
@@ -503,6 +507,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
+    BVXI_TRY(bvxi_view_check_uvs(context, levels_name, mesh));
     /* No level may be the mesh itself. */
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));

@@ -25,6 +25,8 @@
 #define NEEDLE_SHAPE 0.002
 /* Of all vertices, those whose edges a sweep takes. */
 #define SWEEP_SHARE 0.5
+/* Times the cost that edges had so far. */
+#define DEARER 64.0f
 
 enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
@@ -793,6 +795,7 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
     c->counts.needle += r->counts.needle;
     c->counts.crossed += r->counts.crossed;
     c->counts.crumpled += r->counts.crumpled;
+    c->refused += r->counts.link + r->counts.turned + r->counts.needle + r->counts.crossed + r->counts.crumpled;
 }
 
 static bvx_status sweep_ranges(collapse_sweep *s)
@@ -829,6 +832,14 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
 
     /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
     choose_threshold(&s, wanted < share ? wanted : share);
+
+    /* Before edges that cost far more those that were refused are looked at anew. */
+    if (s.threshold > DEARER * c->reached && c->refused != 0) {
+        BVXI_TRY(bvxi_collapse_evaluate(c));
+        c->refused = 0;
+        choose_threshold(&s, wanted < share ? wanted : share);
+    }
+    if (s.threshold > c->reached) c->reached = s.threshold;
     *done = 0;
     if (s.candidates == 0) return BVX_OK;
     ranged = c->tree.node[0] == NULL && s.needed >= RANGE_COLLAPSES && c->mesh.vertices >= 2 * RANGE_VERTICES;

@@ -22,6 +22,8 @@ enum {
 #define CRUMPLED_LITTLE 0.1
 #define CRUMPLED_MOST   0.6
 #define CRUMPLED_STEP   1.6
+/* A cost that rounding alone makes, in units of the mesh's size. */
+#define COST_NOTHING 1e-20f
 
 /* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
  * as one that turns or flattens something. */
@@ -481,6 +483,8 @@ static bvx_status open_arrays(bvxi_collapse *c)
         for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
     bvxi_collapse_index(c);
     c->alive = n;
+    c->crumpled = CRUMPLED_MOST;
+    c->reached = COST_NOTHING;
     BVXI_TRY(bvxi_attributes_open(c));
     mark_lines(c);
     return bvxi_collapse_evaluate(c);

@@ -20,7 +20,7 @@ typedef struct bvxi_collapse_options {
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
     double attribute_weight;
-    int32_t lock_border, vertices, topology;
+    int32_t lock_border, vertices;
     const uint8_t *locked;
 } bvxi_collapse_options;
 

@@ -620,6 +620,60 @@ static void test_kept_vertices_are_the_meshs_own(void)
     }
 }
 
+static void test_levels_of_kept_vertices_have_their_attributes(void)
+{
+    static const uint64_t target = 800;
+    bvx_simplify_options o = options_for(&target);
+    bvx_mesh_view view;
+
+    make_cylinder();
+    o.vertices = BVX_VERTICES_KEPT;
+    for (size_t i = 0; i < 4 * mesh.vertices; i++) colour[i] = (uint8_t)maker_below(&seed, 256);
+    memcpy(uv2, uv, mesh.vertices * 8);
+    view = view_with(0);
+    view.normals = normal;
+    view.uvs2 = uv2;
+    view.colours = colour;
+    simplify(&view, &o, 1);
+    TEST_ASSERT_EQUAL_MEMORY(normal, level[0].normals, mesh.vertices * 12);
+    TEST_ASSERT_EQUAL_MEMORY(uv, level[0].uvs, mesh.vertices * 8);
+    TEST_ASSERT_EQUAL_MEMORY(uv2, level[0].uvs2, mesh.vertices * 8);
+    TEST_ASSERT_EQUAL_MEMORY(colour, level[0].colours, mesh.vertices * 4);
+    TEST_ASSERT_NULL(level[0].uv_triangles);
+    assert_materials(&level[0]);
+
+    /* Texture coordinates by their own indices stay those of their corner. */
+    make_torus(1);
+    view = view_with(1);
+    simplify(&view, &o, 1);
+    TEST_ASSERT_EQUAL_UINT64(uvs, level[0].uv_count);
+    TEST_ASSERT_EQUAL_MEMORY(uv, level[0].uvs, uvs * 8);
+    for (uint64_t k = 0; k < 3 * level[0].triangle_count; k++) {
+        double p[3], is[2];
+
+        position_at(&level[0], k, p);
+        torus_formula(p, is);
+        for (int i = 0; i < 2; i++)
+            TEST_ASSERT_TRUE(turn_off((double)uv_at(&level[0], k)[i], is[i]) < 1e-5);
+    }
+}
+
+static void test_indices_beyond_the_uvs_are_refused(void)
+{
+    static const uint64_t target = 800;
+    bvx_simplify_options const o = options_for(&target);
+    bvx_levels_options l;
+    bvx_mesh_view view;
+
+    make_torus(1);
+    uv_index[31] = (uint32_t)uvs;
+    view = view_with(1);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 1, level));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "triangle 10 has uv index"));
+    bvx_levels_options_init(&l, sizeof l);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &l, 1, level));
+}
+
 /* ---- Vertices that are locked ---- */
 
 /* 1: a position is one of the level's vertices, bit for bit. */
@@ -769,6 +823,8 @@ int main(void)
     RUN_TEST(test_colours_keep_their_borders);
     RUN_TEST(test_threads_and_order_do_not_matter);
     RUN_TEST(test_kept_vertices_are_the_meshs_own);
+    RUN_TEST(test_levels_of_kept_vertices_have_their_attributes);
+    RUN_TEST(test_indices_beyond_the_uvs_are_refused);
     RUN_TEST(test_locked_vertices_stay);
     RUN_TEST(test_tiles_with_locked_borders_join);
     RUN_TEST(test_vertices_of_many_triangles_come_down);
