@@ -112,8 +112,8 @@ static void test_borders_of_colours_stay(void)
         snprintf(where, sizeof where,
                  "weight %g: the border is off by %.4f of %.4f, the surface by %.4f of %.4f", weight[i],
                  shift[i], shift[0], distance[i], distance[0]);
-        TEST_ASSERT_TRUE_MESSAGE(i == 0 || (shift[i] < most[i] * shift[0] && distance[i] < 1.25 * distance[0]),
-                                 where);
+        TEST_ASSERT_TRUE_MESSAGE(
+            i == 0 || (shift[i] < most[i] * shift[0] && distance[i] < 1.25 * distance[0]), where);
     }
 }
 
@@ -325,7 +325,8 @@ static double summed_cost(const bvxi_collapse *c, const uint32_t ends[2], const 
                     for (int i = 0; i < 3; i++) {
                         uint32_t const v = m->triangle[t].vertex[i];
 
-                        value[i] = tint[4 * (uint64_t)m->source[v] + channel] / 255.0 * c->attributes.length[channel];
+                        value[i] = tint[4 * (uint64_t)m->source[v] + channel] / 255.0 *
+                                   c->attributes.length[channel];
                         for (int a = 0; a < 3; a++) p[i][a] = m->at[v].p[a] * c->scale;
                     }
                     w = twice_the_area((const double(*)[3])p);
@@ -365,8 +366,9 @@ static void test_quadrics_equal_sums_over_the_triangles(void)
                 d[k] = place == 0 ? 0 : maker_between(&seed, -0.1, 0.1, 1 << 20);
                 x[k] = m->at[ends[0]].p[k] * collapse->scale + d[k];
             }
-            value = cost + 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) + a[0] * d[0] * d[0] + a[3] * d[1] * d[1] +
-                    a[5] * d[2] * d[2] + 2 * (a[1] * d[0] * d[1] + a[2] * d[0] * d[2] + a[4] * d[1] * d[2]);
+            value = cost + 2 * (b[0] * d[0] + b[1] * d[1] + b[2] * d[2]) + a[0] * d[0] * d[0] +
+                    a[3] * d[1] * d[1] + a[5] * d[2] * d[2] +
+                    2 * (a[1] * d[0] * d[1] + a[2] * d[0] * d[2] + a[4] * d[1] * d[2]);
             wanted = summed_cost(collapse, ends, x);
             found_cost += wanted;
             snprintf(where, sizeof where, "round %d: %.12g for %.12g", round, value, wanted);
