@@ -34,6 +34,7 @@ enum {
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
     THRESHOLD_WANTED = 16384, THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
+    THRESHOLD_FEW = 64, /* the share of those wanted that are the cheapest */
     COSTS_GRAIN = 4096      /* triangles or vertices of a task */
 };
 
@@ -512,7 +513,7 @@ static int drop_triangle(bvxi_corners *m, int32_t corner)
 {
     bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)),
                       bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
-    m->triangle[corner >> 2].cost[0] = -1.0f;
+    m->triangle[corner >> 2].vertex[1] = ~m->triangle[corner >> 2].vertex[1];
     return !bvxi_corner_is_ghost(m, corner);
 }
 
@@ -725,19 +726,31 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted)
 {
     const bvxi_collapse *const c = s->c;
     uint64_t const step = wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / THRESHOLD_VERTICES : 1;
-    uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, bits;
-    uint64_t const enough = (wanted + step - 1) / step;
+    uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
+    uint64_t const enough = (wanted + step - 1) / step, few = enough / THRESHOLD_FEW + 1;
     uint64_t before = 0;
+    float most;
 
     /* The upper twelve bits first, then the next twelve of those that are in the same bucket. */
     memset(count, 0, sizeof count);
     for (uint64_t v = 0; v < c->mesh.vertices; v += step) count[cost_bits(c->least[v]) >> 20]++;
     for (uint32_t i = 0; i < COST_BUCKETS; i++) {
+        if (before + count[i] >= few && low == COST_BUCKETS) low = i;
         if (before + count[i] >= enough) {
             high = i;
             break;
         }
         before += count[i];
+    }
+
+    /* Nothing that costs far more than the cheapest ones goes before all of these have been tried. */
+    bits = (low + 1) << 20;
+    memcpy(&most, &bits, sizeof bits);
+    most = DEARER * (most > COST_NOTHING ? most : COST_NOTHING);
+    if (low < COST_BUCKETS && most < COLLAPSE_NEVER && high > cost_bits(most) >> 20) {
+        high = cost_bits(most) >> 20;
+        before = 0;
+        for (uint32_t i = 0; i < high; i++) before += count[i];
     }
     memset(count, 0, sizeof count);
     for (uint64_t v = 0; v < c->mesh.vertices; v += step) {
@@ -887,6 +900,7 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
     bvxi_corners *const m = &c->mesh;
     bvxi_corner_triangle *const t = &m->triangle[corner >> 2];
 
+    t->vertex[1] = ~t->vertex[1];
     for (int k = 0; k < 3; k++) {
         t->cost[k] = COLLAPSE_NEVER;
         m->triangle[t->opposite[k] >> 2].opposite[t->opposite[k] & 3] = (corner & ~3) + k;

@@ -16,7 +16,7 @@ typedef struct bvxi_collapse_counts {
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options);
 /* Take the sheets of a checked mesh, or the mesh itself as a view; BVX_ERR_ARGUMENT: what options->borders does
  * not allow. The order of vertices and triangles does not matter where no two vertices are at one position. Both
- * must live until bvxi_collapse_close. Scratch: 190 bytes a triangle; of n attributes 40 + 16 n a vertex. */
+ * must live until bvxi_collapse_close. Scratch: 190 bytes a triangle; of n channels of attributes 200 + 32 n a vertex. */
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                               const bvxi_sheets *sheets, const bvxi_collapse_options *options,
                               bvxi_collapse **collapse);

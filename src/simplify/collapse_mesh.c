@@ -22,8 +22,7 @@ enum {
 #define CRUMPLED_LITTLE 0.1
 #define CRUMPLED_MOST   0.6
 #define CRUMPLED_STEP   1.6
-/* A cost that rounding alone makes, in units of the mesh's size. */
-#define COST_NOTHING 1e-20f
+#define EVEN_LITTLE     1e-3
 
 /* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
  * as one that turns or flattens something. */
@@ -67,7 +66,8 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
 {
     uint32_t order;
 
-    c->crumpled = CRUMPLED_LITTLE;
+    /* A strong pull towards even triangles is measured as a distance, too. */
+    c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_MOST;
     BVXI_TRY(collapse_within(c, target, from, to));
     order = c->order;
     while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {

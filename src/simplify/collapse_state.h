@@ -33,6 +33,7 @@ typedef struct bvxi_attributes {
     double length[ATTRIBUTE_CHANNELS];    /* that a difference of 1 stands for, in units of 1 / scale */
 } bvxi_attributes;
 
+#define COST_NOTHING   1e-20f /* the cost that rounding alone makes, in units of the mesh's size */
 #define COLLAPSE_NEVER 3e38f /* the cost of an edge that must not collapse */
 
 /* What undoes the collapse in which a vertex went. */

@@ -26,11 +26,12 @@ typedef struct bvxi_corner_vertex {
     double a[6], b[3], c;
 } bvxi_corner_vertex;
 
-/* A triangle that is gone keeps its corners and neighbours, so that the collapse can be undone. */
+/* A triangle that is gone keeps its corners and neighbours, so that the collapse can be undone; the second of them is
+ * inverted. That one is no ghost, and below 2^31, since triangles are below 2^29. */
 typedef struct bvxi_corner_triangle {
     uint32_t vertex[3];
     int32_t opposite[3]; /* the corner across the edge opposite to each */
-    float cost[3];       /* of collapsing that edge; the first below 0 once the triangle is gone */
+    float cost[3];       /* of collapsing that edge */
 } bvxi_corner_triangle;
 
 typedef struct bvxi_corners {
@@ -69,9 +70,14 @@ static inline const double *bvxi_corner_position(const bvxi_corners *m, uint32_t
     return m->at[vertex].p;
 }
 
+static inline int bvxi_triangle_gone(const bvxi_corner_triangle *t)
+{
+    return t->vertex[1] >> 31 != 0;
+}
+
 static inline int bvxi_corner_gone(const bvxi_corners *m, int32_t c)
 {
-    return m->triangle[c >> 2].cost[0] < 0;
+    return bvxi_triangle_gone(&m->triangle[c >> 2]);
 }
 
 /* 1 when a corner belongs to a ghost triangle. */

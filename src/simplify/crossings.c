@@ -107,7 +107,7 @@ static void put_box(box_node *node, uint64_t child, const int16_t low[3], const 
 
 static int is_there(const crossing_tree *tree, uint64_t t)
 {
-    return t < tree->triangles && !(tree->triangle[t].cost[0] < 0);
+    return t < tree->triangles && !bvxi_triangle_gone(&tree->triangle[t]);
 }
 
 static void corners_of(const crossing_tree *tree, uint64_t t, const double *p[3])

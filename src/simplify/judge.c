@@ -176,8 +176,23 @@ static bvx_status search_level(bvxi_collapse *c, int all, double from, double to
     /* Fans change from now on. */
     c->tree.fan = NULL;
     bvxi_drop(c->ctx, l.fan);
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     return BVX_OK;
+}
+
+/* Keep pairs that have changed: how many others were found along the way must not show. Returns how many. */
+static uint64_t keep_fresh(const bvxi_collapse *c, uint32_t *pairs, uint64_t count)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t i = 0; i < count; i++) {
+        int fresh = 0;
+
+        for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pairs[2 * i + (k > 2)]].vertex[k % 3]];
+        if (!fresh) continue;
+        memmove(pairs + 2 * kept, pairs + 2 * i, 8);
+        kept++;
+    }
+    return kept;
 }
 
 void bvxi_collapse_end_careful(bvxi_collapse *c)
@@ -407,6 +422,9 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
 
     *undone = 0;
     BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
+    c->crossings = count;
+    count = keep_fresh(c, pairs, count);
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     if (count != 0) BVXI_TRY(mark_origin(c, pairs, count, to));
     for (uint64_t i = 0; i < count; i++) {
         list.triangle = pairs[2 * i];
@@ -415,7 +433,6 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     BVXI_TRY(list.status);
     BVXI_TRY(undo_pairs(&list, undone));
     c->counts.crossed += *undone;
-    c->crossings = count;
     c->counted = all && *undone == 0;
     bvxi_drop(c->ctx, list.pair);
     bvxi_drop(c->ctx, pairs);

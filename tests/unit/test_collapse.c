@@ -173,8 +173,8 @@ static void test_open_mesh_is_refused(void)
     bvxi_collapse *collapse = NULL;
 
     /* Within a call, whose end frees what a failure leaves behind. */
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
-                            BVXI_CALL(ctx, bvxi_collapse_open(ctx, "test", &view, &sheets, &options, &collapse)));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, BVXI_CALL(ctx, bvxi_collapse_open(ctx, "test", &view, &sheets,
+                                                                                &options, &collapse)));
     TEST_ASSERT_NULL(collapse);
 }
 

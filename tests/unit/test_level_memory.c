@@ -10,7 +10,9 @@ static double stated_bytes(uint64_t triangles, uint64_t grid_bytes, int beside)
 {
     double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
     double const measuring = 200 * n + 30 * s + 5 * g, collapsing = 12 * n + 170 * s;
-    double const most = !found.solid ? (beside ? 235 : 175) * n : measuring > collapsing ? measuring : collapsing;
+    double const most = !found.solid             ? (beside ? 235 : 175) * n
+                        : measuring > collapsing ? measuring
+                                                 : collapsing;
     return most + 36 * (double)found.before.boundary_edges + 400e3 + (found.triangles > 20000 ? 1.3e6 : 0);
 }
 
@@ -44,7 +46,8 @@ static bvx_levels_options options_at(int32_t resolution)
 }
 
 /* The share of what is stated that a call takes. */
-static double share_of_stated(const char *name, const bvx_mesh_view *view, const bvx_levels_options *o, int beside)
+static double share_of_stated(const char *name, const bvx_mesh_view *view, const bvx_levels_options *o,
+                              int beside)
 {
     uint64_t before;
     double share;

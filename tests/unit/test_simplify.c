@@ -413,6 +413,35 @@ static void test_threads_do_not_matter(void)
     bvx_context_destroy(other);
 }
 
+/* Of a mesh that crosses itself all over, with errors as targets too. */
+static void test_reports_do_not_matter(void)
+{
+    static const double centre[3] = {8, 8, 8}, radius[3] = {4, 4, 3}, errors[3] = {0.05, 0.1, 0.3};
+    static const uint64_t targets[3] = {1500, 700, 200};
+
+    for (int way = 0; way < 4; way++) {
+        bvx_simplify_options o = defaults();
+        bvx_mesh_view view;
+        bvx_mesh plain[3] = {{0}};
+
+        maker_clear(&mesh);
+        maker_star(&mesh, &seed, centre, radius, way < 2 ? 0.1 : 0.3, 30, 40, 1 << 20);
+        maker_star(&mesh, &seed, centre, radius, 0.05, 30, 40, 1 << 20);
+        view = maker_view(&mesh);
+        if (way % 2 == 0) o.target_triangles = targets;
+        else o.target_errors = errors;
+        o.measure_samples = 500;
+        simplify(&o, 3);
+        o.reports = NULL;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 3, plain));
+        for (int i = 0; i < 3; i++) {
+            snprintf(where, sizeof where, "way %d, level %d", way, i);
+            assert_same_bytes(&level[i], &plain[i]);
+            bvx_mesh_free(ctx, &plain[i]);
+        }
+    }
+}
+
 /* A million units away, in doubles and in floats, whose steps are a sixteenth there: the same guarantee. */
 static void test_meshes_far_from_the_origin_keep_the_guarantee(void)
 {
@@ -465,7 +494,8 @@ static void test_levels_without_targets_halve(void)
 }
 
 /* The first levels of a chain are those of a shorter chain, and its targets need not fall. */
-/* Beyond 63 halvings nothing is left of any count: the last levels are the smallest mesh, and none is met. */
+/* Beyond 63 halvings nothing is left of any count: the last levels are the smallest that is not crumpled, and none is
+ * met. */
 static void test_more_halvings_than_a_count_has_bits(void)
 {
     static bvx_mesh many[70];
@@ -481,7 +511,7 @@ static void test_more_halvings_than_a_count_has_bits(void)
     for (int i = 62; i < 70; i++) {
         TEST_ASSERT_EQUAL_UINT64(0, told[i].target);
         TEST_ASSERT_EQUAL_INT32(0, told[i].met);
-        TEST_ASSERT_EQUAL_UINT64(4, many[i].triangle_count);
+        TEST_ASSERT_EQUAL_UINT64(6, many[i].triangle_count);
     }
     for (int i = 70; i-- > 0;) bvx_mesh_free(ctx, &many[i]);
 }
@@ -922,7 +952,7 @@ static void test_memory_is_as_the_header_says(void)
     double fixed, bytes = bytes_a_triangle(0, 0, &fixed);
 
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f", bytes, fixed);
-    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 160 && fixed <= 300000, where);
+    TEST_ASSERT_TRUE_MESSAGE(bytes > 120 && bytes <= 175 && fixed <= 500000, where);
     bytes = bytes_a_triangle(0, 1, &fixed);
     snprintf(where, sizeof where, "%.1f bytes a triangle and %.0f with reports", bytes, fixed);
     TEST_ASSERT_TRUE_MESSAGE(bytes <= 160 && fixed <= 300000, where);
@@ -947,6 +977,7 @@ int main(void)
     RUN_TEST(test_order_and_types_of_the_input_do_not_matter);
     RUN_TEST(test_order_and_types_do_not_matter_by_error);
     RUN_TEST(test_threads_do_not_matter);
+    RUN_TEST(test_reports_do_not_matter);
     RUN_TEST(test_meshes_far_from_the_origin_keep_the_guarantee);
     RUN_TEST(test_levels_without_targets_halve);
     RUN_TEST(test_more_halvings_than_a_count_has_bits);

@@ -28,7 +28,8 @@ static bvx_mesh_view parted_view(int slits, int materials)
         uint32_t const chart = (uint32_t)(p[0] * 0.7 + 2 * floor(p[1] * 0.4)) % 4;
 
         material[t] = (uint32_t)(p[2] * 0.5) % 3;
-        for (size_t k = 0; k < 3; k++) uv_index[3 * t + k] = chart * (uint32_t)mesh.vertices + mesh.t[3 * t + k];
+        for (size_t k = 0; k < 3; k++)
+            uv_index[3 * t + k] = chart * (uint32_t)mesh.vertices + mesh.t[3 * t + k];
     }
 
     /* A slit along an edge: its corners on one side. A vertex alone, or one whose neighbours have none, is an end. */
@@ -110,8 +111,9 @@ static void test_corners_face_each_other(void)
         check_fans(collapse);
         TEST_ASSERT_EQUAL_UINT64(0, collapse->mesh.ghosts);
         for (int32_t c = 0; c < (int32_t)(4 * collapse->mesh.triangles); c += (c & 3) == 2 ? 2 : 1) {
-            TEST_ASSERT_EQUAL_UINT32(bvxi_corner_vertex_of(&collapse->mesh, c),
-                                     bvxi_corner_vertex_of(&collapse->mesh, bvxi_corner_turn_left(&collapse->mesh, c)));
+            TEST_ASSERT_EQUAL_UINT32(
+                bvxi_corner_vertex_of(&collapse->mesh, c),
+                bvxi_corner_vertex_of(&collapse->mesh, bvxi_corner_turn_left(&collapse->mesh, c)));
             TEST_ASSERT_EQUAL_INT32(c, bvxi_corner_next(bvxi_corner_previous(c)));
         }
         close_view();
@@ -134,11 +136,13 @@ static void test_sweeps_keep_every_invariant(void)
                 uint64_t done = 0, before = collapse->mesh.left;
 
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_sweep(collapse, target, idle, &done));
-                snprintf(where, sizeof where, "kind %d, way %d, %d triangles", kind, way, (int)collapse->mesh.left);
+                snprintf(where, sizeof where, "kind %d, way %d, %d triangles", kind, way,
+                         (int)collapse->mesh.left);
                 check_collapse(collapse);
                 idle = done == 0 ? idle + 1 : 0;
                 all += done;
-                TEST_ASSERT_TRUE_MESSAGE(collapse->mesh.left <= before && collapse->mesh.left + 2 > target, where);
+                TEST_ASSERT_TRUE_MESSAGE(collapse->mesh.left <= before && collapse->mesh.left + 2 > target,
+                                         where);
             }
             /* Locked vertices and slits everywhere leave little. */
             TEST_ASSERT_TRUE_MESSAGE(all > (way == 5 ? 0 : 50), where);
@@ -262,17 +266,19 @@ static void test_judging_leaves_no_crossings(void)
                     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_sweep(collapse, target, i / 2, &done));
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_judge(collapse, round == 2, 0.0, 1.0, &undone));
                 all += undone;
-                snprintf(where, sizeof where, "kind %d, way %d, round %d, %d undone", kind, way, round, (int)undone);
+                snprintf(where, sizeof where, "kind %d, way %d, round %d, %d undone", kind, way, round,
+                         (int)undone);
                 check_collapse(collapse);
 
                 /* Those that follow are looked at one by one. */
                 for (int i = 0; i < 8; i++)
                     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_sweep(collapse, target, i, &done));
-                snprintf(where, sizeof where, "kind %d, way %d, round %d, %d undone, one by one", kind, way, round,
-                         (int)undone);
+                snprintf(where, sizeof where, "kind %d, way %d, round %d, %d undone, one by one", kind, way,
+                         round, (int)undone);
                 check_collapse(collapse);
                 bvxi_collapse_end_careful(collapse);
-                if (before == 0) TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, plain_pairs(&collapse->mesh, &pairs), where);
+                if (before == 0)
+                    TEST_ASSERT_EQUAL_UINT64_MESSAGE(0, plain_pairs(&collapse->mesh, &pairs), where);
                 free(before == 0 ? pairs : NULL);
             }
             close_view();
@@ -373,8 +379,8 @@ static void test_crossings_of_levels_equal_all_pairs(void)
             bvx_mesh_view view;
 
             for (int i = 0; i < 12; i++)
-                TEST_ASSERT_EQUAL_INT32(
-                    BVX_OK, bvxi_collapse_sweep(collapse, collapse->mesh.left / 2, round == 0 ? 0 : i / 2, &done));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_sweep(collapse, collapse->mesh.left / 2,
+                                                                    round == 0 ? 0 : i / 2, &done));
             snprintf(where, sizeof where, "kind %d, round %d", kind, round);
             found += check_crossings(collapse);
             wanted_count = plain_pairs(&collapse->mesh, &wanted);
@@ -428,7 +434,8 @@ static void test_boxes_follow_what_moves(void)
         uint32_t const v = (uint32_t)maker_below(&seed, (int32_t)collapse->mesh.vertices);
         uint32_t const t = (uint32_t)collapse->any[v] >> 2;
         const uint32_t *const w = collapse->mesh.triangle[t].vertex;
-        const double *const p[3] = {collapse->mesh.at[w[0]].p, collapse->mesh.at[w[1]].p, collapse->mesh.at[w[2]].p};
+        const double *const p[3] = {collapse->mesh.at[w[0]].p, collapse->mesh.at[w[1]].p,
+                                    collapse->mesh.at[w[2]].p};
         visited found_here = {seen, 0};
         uint64_t wanted = 0;
         int32_t at = collapse->any[v];
