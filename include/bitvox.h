@@ -928,7 +928,8 @@ enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
 /** Which vertices levels have.
  *  PLACED  new ones, where they lie nearest to the mesh
- *  KEPT    some of the mesh's own, by its own indices: what is stored by vertex follows untouched */
+ *  KEPT    the mesh's own, all of them in their order: triangles index those, at a seam the one of their side.
+ *          What is stored by vertex follows untouched */
 #define BVX_VERTICES_LIST(X)            \
     X(BVX_VERTICES_PLACED, 0, "placed") \
     X(BVX_VERTICES_KEPT, 1, "kept")
@@ -964,12 +965,15 @@ typedef struct bvx_simplify_options {
     int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
                          is the smallest that keeps the guarantee, by error the level before, or the mesh
                          [Limit: 0..1] [Default: 0] */
-    int32_t lock_border;       /**< 1: border vertices stay bit for bit [Limit: 0..1] [Default: 0] */
+    int32_t lock_border;       /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
+                                    join [Limit: 0..1] [Default: 0] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight;   /**< of the attributes beside the shape; 0: they follow it and cost nothing
-                                  [Limit: 0..1000] [Default: 1] */
+    double attribute_weight;   /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
+                                    length on the surface, a difference of 1 in normals and colours by a
+                                    hundredth of the mesh's longest side. 0: they follow the shape and cost
+                                    nothing [Limit: 0..1000] [Default: 1] */
     const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
-                                  [Size: vertex_count] [Default: NULL] */
+                                    [Size: vertex_count] [Default: NULL] */
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     int32_t reserved0;
     uint64_t reserved[3];
@@ -985,9 +989,13 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies
  *          are dropped, flipped ones are turned, a vertex where fans meet becomes one for each, edges of three
  *          triangles and more are parted by sides, or cut where no pairing does that
- *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read
- *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; a mesh that
- *  spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
+ *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read.
+ *          Those that the library allocates have the mesh's normals, uvs, uvs2, colours and materials, whose
+ *          seams and borders stay: vertices there are duplicated at equal positions, one for each side. With
+ *          uv_indices there are uv_triangles, and uvs need no duplicates. Arrays of the caller's get positions
+ *          and triangles alone
+ *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; an index beyond
+ *  the uvs; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
  *  [Memory: at most 160 bytes a triangle, 24 a border edge, 300 KB; above 20,000 triangles 1.3 MB a thread;
  *  where fans meet a copy of the positions]
  *  [Cost: O(triangles), some microseconds for each that goes]
@@ -1219,13 +1227,14 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
 /** Levels of detail from any mesh: the main job.
  *
  *  The mesh is simplified as it is, by bvx_mesh_simplify. With solid its surface is measured first, by
- *  bvx_repair, and every level is closed, manifold, oriented and free of crossings. When thin walls are kept,
- *  and what is tried under a memory limit: docs/rules.md.
+ *  bvx_repair, and every level is closed, manifold, oriented and free of crossings; it has no attributes, but
+ *  bvx_mesh_carry gives it some. When thin walls are kept, and what is tried under a memory limit:
+ *  docs/rules.md.
  *  mesh    any mesh with area; vertices must be finite
  *  levels  [Size: level_count] as for bvx_mesh_simplify
- *  Returns BVX_ERR_ARGUMENT (also lock_border, locked or BVX_VERTICES_KEPT with solid), BVX_ERR_EMPTY (no
- *  triangle of area; nothing remains), BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than
- *  1e31), BVX_ERR_BUDGET (names a limit that suffices).
+ *  Returns BVX_ERR_ARGUMENT (also lock_border, locked, BVX_VERTICES_KEPT or attribute_weight with solid),
+ *  BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also an index beyond the uvs, a mesh
+ *  that spans less than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
  *  [Memory: of n triangles as they are at most 175 bytes each; of a surface of s triangles measured on grids
  *  of g bytes at most the larger of 200 n + 30 s + 5 g and 12 n + 170 s; with either 24 bytes a border edge,
  *  400 KB, and 1.3 MB a thread above 20,000 triangles]

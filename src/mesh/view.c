@@ -102,6 +102,17 @@ bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mes
     return check_view_indices(ctx, function, view);
 }
 
+bvx_status bvxi_view_check_uvs(bvx_context *ctx, const char *function, const bvx_mesh_view *view)
+{
+    if (view->uvs == NULL || view->uv_indices == NULL) return BVX_OK;
+    for (uint64_t i = 0; i < 3 * view->triangle_count; i++)
+        if (view->uv_indices[i] >= view->uv_count)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
+                                 "%s: triangle %i has uv index %u, but there are %u uvs", function, i / 3,
+                                 (uint64_t)view->uv_indices[i], view->uv_count);
+    return BVX_OK;
+}
+
 /* ---- plain loops: the specification ---- */
 
 static bvx_status check_every_index(bvx_context *ctx, const char *function, const bvx_mesh_view *v)

@@ -13,6 +13,8 @@
 /* The shape of the struct, not what the arrays hold: NULL, type numbers, strides, counts, reserved fields.
  * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */
 bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
+/* Texture coordinates of their own indices, of a view that is checked. */
+bvx_status bvxi_view_check_uvs(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
 
 /* Bounds of the vertices that triangles use, -0 given as 0; checks all indices and all coordinates on its
  * way. BVX_ERR_EMPTY without triangles, BVX_ERR_RANGE for an index beyond the vertices (names the triangle)

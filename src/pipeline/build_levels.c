@@ -81,6 +81,13 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
             "the options that imply it, measure a new surface",
             function);
+    if (wants_solid(o) && (o->attribute_weight < levels_defaults.attribute_weight ||
+                           o->attribute_weight > levels_defaults.attribute_weight))
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: attribute_weight is %g, and the surface that solid, and the options that imply it, "
+            "measure has no attributes",
+            function, o->attribute_weight);
     return BVX_OK;
 }
 
@@ -499,6 +506,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, levels_name, &o));
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
+    BVXI_TRY(bvxi_view_check_uvs(context, levels_name, mesh));
     /* No level may be the mesh itself. */
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, levels_name, mesh, &levels[i]));

@@ -1,7 +1,7 @@
 /* give_level.c - a level as a mesh: its vertices in their order, with the attributes that the mesh has.
  *
  * Where attributes have a seam, each side has a vertex of its own; texture coordinates that have indices of their own
- * need none. With BVX_VERTICES_KEPT triangles index the vertices that were given. */
+ * need none. With BVX_VERTICES_KEPT triangles index the vertices that were given, which the level has as they are. */
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
@@ -23,7 +23,8 @@ static void put_triangles(const bvxi_collapse *c, const uint32_t *index, int row
 
     for (uint64_t t = 0; t < m->triangles; t++) {
         if (bvxi_corner_gone(m, (int32_t)(4 * t))) continue;
-        for (uint64_t k = 0; k < 3; k++) *to++ = index[rows ? c->attributes.row[4 * t + k] : m->triangle[t].vertex[k]];
+        for (uint64_t k = 0; k < 3; k++)
+            *to++ = index[rows ? c->attributes.row[4 * t + k] : m->triangle[t].vertex[k]];
     }
 }
 
@@ -49,19 +50,52 @@ bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
 
 /* ---- Vertices as they were given ---- */
 
-static bvx_status give_kept(bvxi_collapse *c, bvx_mesh *level)
+/* Arrays for what the mesh has. */
+static bvx_status open_attributes(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
 {
     const bvx_mesh_view *const given = c->given;
+    uint64_t const n = level->vertex_capacity;
 
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, given->vertex_count, c->mesh.left,
-                            level));
+    if (given->normals != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 12, "the normals", &level->normals));
+    if (given->uvs2 != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 8, "the second texture coordinates", &level->uvs2));
+    if (given->colours != NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 4, "the colours", &level->colours));
+    if (given->uvs == NULL) return BVX_OK;
+    level->uv_count = given->uv_indices != NULL ? uvs : n;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, level->uv_count * 8, "the texture coordinates", &level->uvs));
+    if (given->uv_indices == NULL) return BVX_OK;
+    return bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 12,
+                      "the triangles' texture coordinates", &level->uv_triangles);
+}
+
+static void copy_floats(const float *from, uint64_t count, float *to)
+{
+    if (to != NULL) memcpy(to, from, (size_t)count * sizeof *to);
+}
+
+static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
+{
+    const bvx_mesh_view *const given = c->given;
+    uint64_t const n = given->vertex_count;
+
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, n, c->mesh.left, level));
     put_triangles(c, c->attributes.vertex, 1, level->triangles);
-    for (uint64_t v = 0; v < given->vertex_count; v++) {
+    for (uint64_t v = 0; v < n; v++) {
         double p[3];
 
         bvxi_view_position(given, v, p);
         put_position(c, level, v, p);
     }
+    if (!owned) return BVX_OK;
+
+    BVXI_TRY(open_attributes(c, level, given->uv_count));
+    copy_floats(given->normals, 3 * n, level->normals);
+    copy_floats(given->uvs2, 2 * n, level->uvs2);
+    copy_floats(given->uvs, 2 * (given->uv_indices != NULL ? given->uv_count : n), level->uvs);
+    if (level->colours != NULL) memcpy(level->colours, given->colours, (size_t)n * 4);
+    if (level->uv_triangles != NULL) put_triangles(c, c->attributes.uv, 1, level->uv_triangles);
     return BVX_OK;
 }
 
@@ -99,7 +133,8 @@ static uint64_t number_rows(const bvxi_collapse *c, uint32_t *index, uint32_t *a
 
 /* Number the vertices of rows that are used: those of one vertex that differ in texture coordinates alone share it.
  * Rows lie in the order of vertices. Returns how many. */
-static uint64_t number_places(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at, uint32_t *place)
+static uint64_t number_places(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at,
+                              uint32_t *place)
 {
     uint32_t count = 0;
 
@@ -116,26 +151,8 @@ static uint64_t number_places(const bvxi_collapse *c, const uint32_t *index, con
     return count;
 }
 
-/* Arrays for what the mesh has. */
-static bvx_status open_arrays(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
-{
-    const bvx_mesh_view *const given = c->given;
-    uint64_t const n = level->vertex_capacity;
-
-    if (given->normals != NULL)
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 12, "the normals", &level->normals));
-    if (given->uvs2 != NULL)
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 8, "the second texture coordinates", &level->uvs2));
-    if (given->colours != NULL) BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, n * 4, "the colours", &level->colours));
-    if (given->uvs == NULL) return BVX_OK;
-    level->uv_count = given->uv_indices != NULL ? uvs : n;
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, level->uv_count * 8, "the texture coordinates", &level->uvs));
-    if (given->uv_indices == NULL) return BVX_OK;
-    return bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 12, "the triangles' texture coordinates",
-                      &level->uv_triangles);
-}
-
-static void put_row(const bvxi_collapse *c, bvx_mesh *level, uint32_t row, uint32_t v, uint64_t to, uint64_t uv_to)
+static void put_row(const bvxi_collapse *c, bvx_mesh *level, uint32_t row, uint32_t v, uint64_t to,
+                    uint64_t uv_to)
 {
     float uv[2], uv2[2], normal[3];
     uint8_t colour[4];
@@ -161,7 +178,7 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
     count = number_rows(c, index, at);
     BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0,
                             apart ? number_places(c, index, at, place) : count, c->mesh.left, level));
-    BVXI_TRY(open_arrays(c, level, count));
+    BVXI_TRY(open_attributes(c, level, count));
 
     /* Of rows that share a vertex the first one remains. */
     for (uint64_t r = rows; r-- > 0;)
@@ -182,15 +199,18 @@ int bvxi_collapse_has_seams(const bvxi_collapse *c)
 bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
 {
     bvx_status status;
+    int owned;
 
     /* Arrays of an earlier level do not suit, and those of the caller's hold no attributes. */
     if (level->owned == 1 && bvxi_mesh_has_attributes(level)) bvx_mesh_free(c->ctx, level);
-    if (c->options.vertices == BVX_VERTICES_KEPT) status = give_kept(c, level);
-    else if (c->attributes.row != NULL && (level->owned == 1 || level->positions == NULL)) status = give_rows(c, level);
+    owned = level->owned == 1 || level->positions == NULL;
+    if (c->options.vertices == BVX_VERTICES_KEPT) status = give_kept(c, owned, level);
+    else if (c->attributes.row != NULL && owned) status = give_rows(c, level);
     else status = bvxi_collapse_give_plain(c, level);
     if (status != BVX_OK || c->attributes.material == NULL || level->owned != 1) return status;
 
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 4, "the materials", &level->materials));
+    BVXI_TRY(
+        bvxi_alloc(c->ctx, BVXI_RESULT, level->triangle_capacity * 4, "the materials", &level->materials));
     put_materials(c, level->materials);
     return BVX_OK;
 }

@@ -44,6 +44,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
     BVXI_TRY(check_simplify_options(context, &o));
     BVXI_TRY(bvxi_view_check(context, simplify_name, mesh));
+    BVXI_TRY(bvxi_view_check_uvs(context, simplify_name, mesh));
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
 

@@ -29,7 +29,7 @@ static job jobs[] = {
     {"sheets", 0, 2, 0, 0},
     {"levels of sheets", 3, 0, 0, 0},
     {"simplify with colours", 0, 3, 0, 0},
-    {"measured levels with colours", 2, 3, 0, 0},
+    {"levels of sheets with colours", 3, 3, 0, 0},
 };
 enum { JOBS = sizeof jobs / sizeof *jobs };
 

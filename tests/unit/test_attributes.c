@@ -55,7 +55,8 @@ static void make_cylinder(void)
     for (int r = 0; r <= UP; r++)
         for (int s = 0; s <= AROUND; s++) {
             double const a = TURN * (s % AROUND) / AROUND, z = 5 + 6.0 * r / UP;
-            uint32_t const i = put_vertex(8 + 2 * cos(a), 8 + 2 * sin(a), z, (double)s / AROUND, (double)r / UP);
+            uint32_t const i = put_vertex(8 + 2 * cos(a), 8 + 2 * sin(a), z, (double)s / AROUND,
+                                          (double)r / UP);
 
             put_normal(i, cos(a), sin(a), 0);
         }
@@ -70,8 +71,8 @@ static void make_cylinder(void)
         for (int r = 1; r <= CAP_RINGS; r++)
             for (int s = 0; s < AROUND; s++) {
                 double const a = TURN * s / AROUND, d = (double)r / CAP_RINGS;
-                uint32_t const i = put_vertex(8 + 2 * d * cos(a), 8 + 2 * d * sin(a), z, 0.5 + 0.5 * d * cos(a),
-                                              0.5 + 0.5 * d * sin(a));
+                uint32_t const i = put_vertex(8 + 2 * d * cos(a), 8 + 2 * d * sin(a), z,
+                                              0.5 + 0.5 * d * cos(a), 0.5 + 0.5 * d * sin(a));
 
                 /* The rim is where the sides have it, bit for bit. */
                 if (r == CAP_RINGS)
@@ -127,7 +128,8 @@ static void make_torus(int own)
             for (int k = 0; k < 4; k++) {
                 int const i = s + (k == 1 || k == 2), j = r + (k >= 2);
 
-                corner[k] = own ? (uint32_t)(j % TORUS_TUBE * columns + i % TORUS_AROUND) : (uint32_t)(j * columns + i);
+                corner[k] = own ? (uint32_t)(j % TORUS_TUBE * columns + i % TORUS_AROUND)
+                                : (uint32_t)(j * columns + i);
                 texture[k] = (uint32_t)(j * (TORUS_AROUND + 1) + i);
             }
             for (int half = 0; half < 2; half++) {
@@ -174,7 +176,8 @@ static bvx_simplify_options options_for(const uint64_t *target)
 static void simplify(const bvx_mesh_view *view, const bvx_simplify_options *o, uint64_t count)
 {
     drop_levels();
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, view, o, count, level), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, view, o, count, level),
+                                    bvx_last_message(ctx));
 }
 
 /* ---- Corners of levels ---- */
@@ -191,7 +194,8 @@ static const float *uv_at(const bvx_mesh *m, uint64_t corner)
 
 static double edge_length(const double p[3], const double q[3])
 {
-    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) + (p[2] - q[2]) * (p[2] - q[2]));
+    return sqrt((p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
+                (p[2] - q[2]) * (p[2] - q[2]));
 }
 
 static double mean_edge(const bvx_mesh *m)
@@ -300,7 +304,8 @@ static void assert_hard_edges(const bvx_mesh *m)
             double const along = (is[0] * n[0] + is[1] * n[1] + is[2] * n[2]) / area;
 
             TEST_ASSERT_TRUE_MESSAGE(fabs(length - 1) < 1e-5, where);
-            TEST_ASSERT_TRUE_MESSAGE(cap ? fabs((double)is[2]) > 0.999 : fabs((double)is[2]) < 0.01, "averaged");
+            TEST_ASSERT_TRUE_MESSAGE(cap ? fabs((double)is[2]) > 0.999 : fabs((double)is[2]) < 0.01,
+                                     "averaged");
             TEST_ASSERT_TRUE_MESSAGE(along > 0.7, where);
         }
     }
@@ -344,7 +349,8 @@ static void test_a_cylinder_keeps_seams_normals_and_materials(void)
             snprintf(where, sizeof where, "type %d, %d triangles: off by %g, %d across", type,
                      (int)level[i].triangle_count, off, across);
             TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].crossings == 0, where);
-            TEST_ASSERT_TRUE_MESSAGE(report[i].certificate.closed && report[i].certificate.vertex_manifold, where);
+            TEST_ASSERT_TRUE_MESSAGE(report[i].certificate.closed && report[i].certificate.vertex_manifold,
+                                     where);
             TEST_ASSERT_EQUAL_INT_MESSAGE(0, across, where);
             TEST_ASSERT_TRUE_MESSAGE(off < 1 / 500.0, where);
             assert_hard_edges(&level[i]);
@@ -364,7 +370,8 @@ static void test_own_indices_keep_hard_edges(void)
     make_cylinder();
     memcpy(uv_index, mesh.t, 12 * mesh.triangles);
     for (size_t i = 0; i < 3 * mesh.triangles; i++)
-        if (mesh.t[i] <= UP * (AROUND + 1) + AROUND && mesh.t[i] % (AROUND + 1) == AROUND) mesh.t[i] -= AROUND;
+        if (mesh.t[i] <= UP * (AROUND + 1) + AROUND && mesh.t[i] % (AROUND + 1) == AROUND)
+            mesh.t[i] -= AROUND;
     view = view_with(1);
     view.normals = normal;
     simplify(&view, &o, 1);
@@ -477,7 +484,8 @@ static void test_second_texture_coordinates_follow(void)
         if (both) view.uvs = uv;
         view.uvs2 = uv2;
         simplify(&view, &o, 1);
-        TEST_ASSERT_TRUE((level[0].uvs != NULL) == both && level[0].uvs2 != NULL && level[0].materials == NULL);
+        TEST_ASSERT_TRUE((level[0].uvs != NULL) == both && level[0].uvs2 != NULL &&
+                         level[0].materials == NULL);
         for (uint64_t v = 0; v < level[0].vertex_count; v++) {
             double const x = position_of(&level[0], 3 * v), y = position_of(&level[0], 3 * v + 1);
             double const z = position_of(&level[0], 3 * v + 2);
@@ -598,7 +606,8 @@ static void test_kept_vertices_are_the_meshs_own(void)
             bvx_mesh_view is;
             bvx_certificate c;
 
-            snprintf(where, sizeof where, "kind %d, level %d: %d triangles", kind, i, (int)level[i].triangle_count);
+            snprintf(where, sizeof where, "kind %d, level %d: %d triangles", kind, i,
+                     (int)level[i].triangle_count);
             TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].crossings == 0, where);
             TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.vertices, level[i].vertex_count, where);
             TEST_ASSERT_EQUAL_MEMORY_MESSAGE(mesh.p, level[i].positions, mesh.vertices * 24, where);
@@ -614,10 +623,64 @@ static void test_kept_vertices_are_the_meshs_own(void)
                 uint32_t const a = level[i].triangles[k], b = level[i].triangles[k % 3 == 2 ? k - 2 : k + 1];
 
                 TEST_ASSERT_TRUE_MESSAGE(fabs((double)(uv[2 * a] - uv[2 * b])) <= 0.5 || kind == 0, where);
-                if (kind == 0) TEST_ASSERT_TRUE_MESSAGE((normal[3 * a + 2] == 0) == (normal[3 * b + 2] == 0), where);
+                if (kind == 0)
+                    TEST_ASSERT_TRUE_MESSAGE((normal[3 * a + 2] == 0) == (normal[3 * b + 2] == 0), where);
             }
         }
     }
+}
+
+static void test_levels_of_kept_vertices_have_their_attributes(void)
+{
+    static const uint64_t target = 800;
+    bvx_simplify_options o = options_for(&target);
+    bvx_mesh_view view;
+
+    make_cylinder();
+    o.vertices = BVX_VERTICES_KEPT;
+    for (size_t i = 0; i < 4 * mesh.vertices; i++) colour[i] = (uint8_t)maker_below(&seed, 256);
+    memcpy(uv2, uv, mesh.vertices * 8);
+    view = view_with(0);
+    view.normals = normal;
+    view.uvs2 = uv2;
+    view.colours = colour;
+    simplify(&view, &o, 1);
+    TEST_ASSERT_EQUAL_MEMORY(normal, level[0].normals, mesh.vertices * 12);
+    TEST_ASSERT_EQUAL_MEMORY(uv, level[0].uvs, mesh.vertices * 8);
+    TEST_ASSERT_EQUAL_MEMORY(uv2, level[0].uvs2, mesh.vertices * 8);
+    TEST_ASSERT_EQUAL_MEMORY(colour, level[0].colours, mesh.vertices * 4);
+    TEST_ASSERT_NULL(level[0].uv_triangles);
+    assert_materials(&level[0]);
+
+    /* Texture coordinates by their own indices stay those of their corner. */
+    make_torus(1);
+    view = view_with(1);
+    simplify(&view, &o, 1);
+    TEST_ASSERT_EQUAL_UINT64(uvs, level[0].uv_count);
+    TEST_ASSERT_EQUAL_MEMORY(uv, level[0].uvs, uvs * 8);
+    for (uint64_t k = 0; k < 3 * level[0].triangle_count; k++) {
+        double p[3], is[2];
+
+        position_at(&level[0], k, p);
+        torus_formula(p, is);
+        for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(turn_off((double)uv_at(&level[0], k)[i], is[i]) < 1e-5);
+    }
+}
+
+static void test_indices_beyond_the_uvs_are_refused(void)
+{
+    static const uint64_t target = 800;
+    bvx_simplify_options const o = options_for(&target);
+    bvx_levels_options l;
+    bvx_mesh_view view;
+
+    make_torus(1);
+    uv_index[31] = (uint32_t)uvs;
+    view = view_with(1);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 1, level));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "triangle 10 has uv index"));
+    bvx_levels_options_init(&l, sizeof l);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &l, 1, level));
 }
 
 /* ---- Vertices that are locked ---- */
@@ -684,7 +747,8 @@ static void test_tiles_with_locked_borders_join(void)
             view = maker_view(&mesh);
             if (kind == 1) view.uvs = uv;
             simplify(&view, &o, 1);
-            snprintf(where, sizeof where, "kind %d, tile %d, %d triangles", kind, tile, (int)level[0].triangle_count);
+            snprintf(where, sizeof where, "kind %d, tile %d, %d triangles", kind, tile,
+                     (int)level[0].triangle_count);
             TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
             for (size_t v = 0; v < mesh.vertices; v++) {
                 size_t const x = v % 41, y = v / 41;
@@ -697,8 +761,8 @@ static void test_tiles_with_locked_borders_join(void)
                 maker_vertex(&joined, position_of(&level[0], 3 * v), position_of(&level[0], 3 * v + 1),
                              position_of(&level[0], 3 * v + 2));
             for (uint64_t t = 0; t < level[0].triangle_count; t++)
-                maker_triangle(&joined, first + level[0].triangles[3 * t], first + level[0].triangles[3 * t + 1],
-                               first + level[0].triangles[3 * t + 2]);
+                maker_triangle(&joined, first + level[0].triangles[3 * t],
+                               first + level[0].triangles[3 * t + 1], first + level[0].triangles[3 * t + 2]);
         }
 
         /* No crack: what is open is around both. */
@@ -751,7 +815,8 @@ static void test_vertices_of_many_triangles_come_down(void)
             snprintf(where, sizeof where, "kind %d: %d of %d triangles", kind, (int)level[i].triangle_count,
                      (int)targets[i]);
             TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].crossings == 0, where);
-            TEST_ASSERT_TRUE_MESSAGE(c->closed && c->edge_manifold && c->vertex_manifold && c->oriented, where);
+            TEST_ASSERT_TRUE_MESSAGE(c->closed && c->edge_manifold && c->vertex_manifold && c->oriented,
+                                     where);
             TEST_ASSERT_TRUE_MESSAGE(c->volume > 0.98 * 36 * TURN / 2, where);
         }
     }
@@ -769,6 +834,8 @@ int main(void)
     RUN_TEST(test_colours_keep_their_borders);
     RUN_TEST(test_threads_and_order_do_not_matter);
     RUN_TEST(test_kept_vertices_are_the_meshs_own);
+    RUN_TEST(test_levels_of_kept_vertices_have_their_attributes);
+    RUN_TEST(test_indices_beyond_the_uvs_are_refused);
     RUN_TEST(test_locked_vertices_stay);
     RUN_TEST(test_tiles_with_locked_borders_join);
     RUN_TEST(test_vertices_of_many_triangles_come_down);

@@ -700,6 +700,8 @@ static void test_contradictions(void)
         if (way % 3 == 1) o.locked = locked;
         if (way % 3 == 2) o.vertices = BVX_VERTICES_KEPT;
         refuse(BVX_ERR_ARGUMENT, &o, 1, "measure a new surface");
+        o.lock_border = 0, o.locked = NULL, o.vertices = BVX_VERTICES_PLACED, o.attribute_weight = 2;
+        refuse(BVX_ERR_ARGUMENT, &o, 1, "has no attributes");
     }
     o = defaults();
     o.outer = 1;
