@@ -142,8 +142,8 @@ const cli_argument cli_takes_collapse[] = {
     FROM_TO("--even", "W", SHARED(even), 0, 1,
             "pull to triangles of even size where the surface is flat [1e-9]"),
     FROM_TO("--attributes", "W", SHARED(attributes), 0, 1000,
-            "weight of colours, texture coordinates, normals and materials beside the\n"
-            "shape; 0: they follow it and cost nothing [1]"),
+            "weight of texture coordinates, normals and colours beside the shape;\n"
+            "0: they follow it and cost nothing [1]"),
     FLAG("--lock-border", SHARED(lock_border), "vertices on borders stay where they are, so that tiles join"),
     FLAG("--keep-vertices", SHARED(keep_vertices), "levels use vertices of the mesh and make none"),
     {0}};
@@ -222,8 +222,8 @@ const cli_argument cli_takes_file_of_a_mesh[] = {
 
 const cli_argument cli_takes_carry[] = {
     FLAG("--carry", SHARED(carry),
-         "give each level the colours and texture coordinates of the nearest\n"
-         "points on the mesh"),
+         "of --solid, edge-ratio and coverage: give each level the colours and\n"
+         "texture coordinates of the nearest points on the mesh"),
     {0}};
 
 const cli_argument cli_takes_samples[] = {LONG("--samples", "N", SHARED(samples), 0, 2147483647,

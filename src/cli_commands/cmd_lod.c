@@ -405,13 +405,12 @@ const cli_command cli_lod = {
     .usage = "IN -o OUT_%d.EXT [options]",
     .does = "a chain of meshes of several sizes from one mesh, grid or volume",
     .details =
-        "Reads any mesh (" CLI_MESHES_READ
-        ", also with .gz) and writes meshes of 1/2, 1/4 ...\n"
+        "Reads any mesh (" CLI_MESHES_READ ", also with .gz) and writes meshes of 1/2, 1/4 ...\n"
         "of its triangles, of --triangles, or as few as --error allows (" CLI_MESHES_WRITTEN "; %d becomes\n"
         "0, 1, 2 ...), with a table of size, soundness and distance. Edges of the mesh as it is collapse: its "
         "parts,\n"
-        "holes, borders and sides stay, and no level has a new fault. --solid makes closed, "
-        "manifold\n"
+        "holes, borders and sides stay, and no level has a new fault. Texture coordinates, normals, colours and\n"
+        "materials follow, and their seams and borders stay. --solid makes closed, manifold\n"
         "levels that cross nowhere of whatever goes in. A target below what keeps a level free of new faults "
         "gives\n"
         "the smallest level that is, marked NOT MET.\n"

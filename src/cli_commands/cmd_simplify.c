@@ -19,7 +19,6 @@ static const cli_argument simplify_rows[] = {
     {.also = cli_takes_collapse},
     {.also = cli_takes_normals},
     {.also = cli_takes_file_of_a_mesh},
-    {.also = cli_takes_carry},
     {.also = cli_takes_samples},
     {.also = cli_takes_all},
     {0}};
@@ -129,7 +128,8 @@ const cli_command cli_simplify = {
         "Reads a mesh (" CLI_MESHES_READ ", also with .gz), collapses the edges that cost least, and\n"
         "writes a mesh of half of its triangles, of --triangles, or as few as --error allows\n"
         "(" CLI_MESHES_WRITTEN "). The mesh is taken as it is: parts, holes, borders and sides stay, and no\n"
-        "collapse joins what is apart, turns a triangle, makes two cross or crumples thin parts; a target below\n"
+        "collapse joins what is apart, turns a triangle, makes two cross or crumples thin parts. Texture\n"
+        "coordinates, normals, colours and materials follow, and their seams and borders stay. A target below\n"
         "what that allows gives the smallest mesh that keeps it, marked NOT MET. Several targets make a chain:\n"
         "%d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"

@@ -132,13 +132,22 @@ static void name_attributes(uint32_t which, int materials, cli_text *text)
     }
 }
 
+/* 1: what is written has what the input has, where its format does. */
+static int keeps_attributes(const cli_run *run)
+{
+    const cli_mesh_entry *const first = run->report.meshes > 0 ? run->report.mesh : NULL;
+
+    if (run->command->bit == CLI_CONVERT || run->command->bit == CLI_SIMPLIFY) return 1;
+    return run->command->bit == CLI_LOD && first != NULL && first->level != NULL && !first->solid;
+}
+
 /* What would have kept the attributes; "" where nothing does. */
 static const char *remedy_of_loss(const cli_run *run, uint32_t lost)
 {
     int const held = (lost & ~attributes_of_format(bvx_format_of_name(run->options->output))) == 0;
     uint32_t const carried = lost & (CLI_HAS_COLOURS | CLI_HAS_UVS);
 
-    if (run->command->bit == CLI_CONVERT || run->options->carry)
+    if (keeps_attributes(run) || run->options->carry)
         return held || (run->options->carry && carried != lost) ? "" : "; .glb keeps them";
     if (!cli_takes(run, "--carry") || carried == 0) return "";
     if (carried != lost) return held ? "; --carry keeps colours and texture coordinates" : "";

@@ -302,9 +302,9 @@ holds 'levels have texture coordinates' says 'texture +coordinates of vertices'
 works 'lod without --carry' lod red_blue.obj -o c_%d.obj --levels 24,12 --samples 0 --quiet
 run info c_0.obj
 holds 'no colours without --carry' sh -c '! grep -q colours out'
-refuses 2 'neither colours nor texture coordinates' lod plain.obj -o x_%d.ply --carry
-refuses 2 '.stl holds neither' lod red_blue.obj -o x_%d.stl --carry
-refuses 2 '.off holds no texture coordinates' lod uv.obj -o x_%d.off --carry
+refuses 2 'neither colours nor texture coordinates' lod plain.obj -o x_%d.ply --levels 24 --carry
+refuses 2 '.stl holds neither' lod red_blue.obj -o x_%d.stl --solid --carry
+refuses 2 '.off holds no texture coordinates' lod uv.obj -o x_%d.off --solid --carry
 reports 'lod --carry --json' 'all(m["colours"] and not m["texture_coordinates"] for m in r["meshes"])' lod red_blue.obj -o c_%d.ply --levels 12,6 --samples 0 --carry --quiet
 rm -f c_*
 

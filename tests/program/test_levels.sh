@@ -197,10 +197,17 @@ reports 'warnings stand in --json' 'len(r["warnings"]) == 3 and "volume" in r["w
 rm -f c.ply
 
 # Colours go along.
-works 'lod --carry' lod coloured.obj -o c_%d.obj --triangles 4000,2500 --samples 0 --carry --quiet
+works 'lod of colours' lod coloured.obj -o c_%d.obj --triangles 4000,2500 --samples 0 --quiet
+awk '$1 == "v" { n++; d = $5 - ($2 / 10 + 0.5); if (d > 0.03 || d < -0.03 || $7 < 0.99) bad++ } END { exit !(n > 200 && bad == 0) }' c_1.obj
+result 'colours are those of the position' $?
+reports 'lod of colours --json' 'all(m["colours"] for m in r["meshes"])' lod coloured.obj -o c_%d.ply --triangles 400,50 --samples 0
+works 'lod --solid --carry' lod coloured.obj -o c_%d.obj --triangles 4000,2500 --samples 0 --solid --carry --quiet
 awk '$1 == "v" { n++; d = $5 - ($2 / 10 + 0.5); if (d > 0.03 || d < -0.03 || $7 < 0.99) bad++ } END { exit !(n > 200 && bad == 0) }' c_1.obj
 result 'carried colours are those of the position' $?
-reports 'lod --carry --json' 'all(m["colours"] for m in r["meshes"])' lod coloured.obj -o c_%d.ply --triangles 400,50 --samples 0 --carry
+refuses 2 'levels of the mesh as it is have what it has' lod coloured.obj -o c_%d.obj --triangles 4000 --carry
+refuses 2 'the surface that --solid measures has none' lod coloured.obj -o c_%d.obj --triangles 4000 --solid --attributes 2
+warns 'colours are not kept; --carry keeps them' lod coloured.obj -o c_0.obj --triangles 400 --samples 0 --solid
+warns 'colours are not kept; .glb keeps them' simplify coloured.obj -o c_0.stl --triangles 400 --samples 0
 # A tetrahedron with a side twice, and one with a side turned: mended with a warning.
 tetrahedron() { printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n%s\n' "$1"; }
 { tetrahedron 'f 2 3 4'; echo 'f 2 3 4'; } >doubled.obj
@@ -208,20 +215,26 @@ tetrahedron 'f 2 4 3' >turned.obj
 reports 'simplify says that triangles are there twice' 'any("1 triangle is there twice" in w for w in r["warnings"])' \
     simplify doubled.obj -o x.ply --triangles 4 --samples 0
 reports 'and which were turned' 'any("faced opposite ways" in w for w in r["warnings"])' simplify turned.obj -o x.ply --triangles 4 --samples 0
-works 'simplify --carry' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --carry --quiet
-holds 'simplify --carry: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
-refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --carry
+works 'simplify of colours' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --quiet
+holds 'simplify of colours: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
+refuses 2 'simplify has no use for --carry' simplify coloured.obj -o c_0.obj --carry
+refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --solid --carry
+works 'simplify --keep-vertices' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --keep-vertices --quiet
+holds 'simplify --keep-vertices: all of them, with their colours' sh -c 'grep "^v " coloured.obj | wc -l >n && test "$(awk "\$1 == \"v\" && NF == 7" c_0.obj | wc -l)" -eq "$(cat n)"'
+rm -f n
 
 # Borders between colours.
 awk '$1 == "v" { print $0, $2 < 0 ? "1 0 0" : "0 0 1"; next } { print }' knot.obj >painted.obj
-works 'simplify --attributes 0' simplify painted.obj -o plain.obj --triangles 1500 --samples 0 --carry --quiet --attributes 0
-works 'simplify --attributes' simplify painted.obj -o c_0.obj --triangles 1500 --samples 0 --carry --attributes 5 --quiet
-works 'lod --attributes' lod painted.obj -o c_1.obj --triangles 1500 --samples 0 --carry --attributes 5 --quiet
+works 'simplify --attributes 0' simplify painted.obj -o plain.obj --triangles 1500 --samples 0 --quiet --attributes 0
+works 'simplify --attributes' simplify painted.obj -o c_0.obj --triangles 1500 --samples 0 --attributes 5 --quiet
+works 'lod --attributes' lod painted.obj -o c_1.obj --triangles 1500 --samples 0 --attributes 5 --quiet
 holds 'both weigh colours alike' cmp -s c_0.obj c_1.obj
-skip 'the border between the colours stays' 'attributes have no weight in the collapse'
+# How far vertices of mixed colours lie from the border at x = 0, in the mean.
+mixed() { awk '$1 == "v" && $5 > 0.02 && $5 < 0.98 { n++; sum += $2 < 0 ? -$2 : $2 } END { printf "%d\n", n == 0 ? 0 : 1e6 * sum / n }' "$1"; }
+holds "the border between the colours stays: $(mixed c_0.obj), $(mixed plain.obj)" test "$(mixed c_0.obj)" -lt "$(mixed plain.obj)"
 for value in -0.1 1000.1 x; do refuses 2 'from 0 to 1000' lod painted.obj -o x_%d.ply --attributes "$value"; done
 rm -f plain.obj c_?.obj
-refuses 2 '.stl holds neither' simplify coloured.obj -o x.stl --carry
+refuses 2 '.stl holds neither' lod coloured.obj -o x.stl --count 1 --solid --carry
 rm -f c_?.*
 
 # All levels in one file.
