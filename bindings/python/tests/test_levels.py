@@ -54,8 +54,116 @@ def test_levels_by_error_do_not_depend_on_order():
         assert np.array_equal(got.vertices, want.vertices) and np.array_equal(got.faces, want.faces) and got.report == want.report
 
 
+def test_borders_of_colors_stay():
+    x, y, z = (a.ravel() for a in np.meshgrid(*[np.arange(-20.0, 21.0)] * 3, indexing="ij"))
+    ball = bitvox.surface((x * x + y * y + z * z < 300).reshape(41, 41, 41))
+    side = np.asarray(ball.vertices)[:, 0] > 22.25  # between two columns of vertices
+    painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.where(side[:, None], (250, 0, 0), (0, 0, 250)))
+
+    def shift(level):
+        """How far the line between the colors lies from x = 22.25 in the mean."""
+        red, x, faces = np.asarray(level.colors)[:, 0] / 250 - 0.5, np.asarray(level.vertices, float)[:, 0], np.asarray(level.faces)
+        a, b = faces.ravel(), np.roll(faces, -1, 1).ravel()
+        crossed = (red[a] > 0) != (red[b] > 0)
+        a, b = a[crossed], b[crossed]
+        return np.abs(x[a] + (x[b] - x[a]) * red[a] / (red[a] - red[b]) - 22.25).mean()
+
+    for make in (lambda w: painted.simplify(triangles=600, attribute_weight=w), lambda w: bitvox.lod(painted, triangles=600, attribute_weight=w)[0]):
+        plain, kept = make(0), make(10)
+        assert certified(kept).closed and shift(kept) < 0.5 * shift(plain)
+    assert np.array_equal(corners(painted.simplify(triangles=300, attribute_weight=0)), corners(bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300)))
+
+
+def tube():
+    """A tube of 48 by 30 with a seam of its texture, normals, colors and two materials; u = angle, v = height."""
+    u, v = (a.ravel() for a in np.meshgrid(np.arange(49) / 48, np.arange(31) / 30))
+    angle = 2 * np.pi * (np.arange(49) % 48) / 48
+    x, y = np.cos(np.tile(angle, 31)), np.sin(np.tile(angle, 31))
+    first = (np.arange(30)[:, None] * 49 + np.arange(48)).ravel()
+    faces = np.concatenate([np.stack([first, first + 1, first + 50], 1), np.stack([first, first + 50, first + 49], 1)])
+    materials = np.tile(np.arange(30) >= 15, (48, 1)).T.ravel()
+    return {"vertices": np.stack([x, y, 3 * v], 1), "faces": faces, "normals": np.stack([x, y, 0 * x], 1), "uvs": np.stack([u, v], 1),
+            "uvs2": np.stack([v, u], 1), "materials": np.concatenate([materials, materials]).astype(np.int64),
+            "colors": np.stack([255 * v, 0 * v, 255 - 255 * v], 1).astype(np.uint8)}
+
+
+def test_attributes_are_kept_as_given():
+    given = tube()
+    mesh = bitvox.Mesh(**given)
+    for made in (mesh, mesh.astype(), mesh.drop_nonfinite(), pickle.loads(pickle.dumps(mesh))):
+        assert np.array_equal(made.vertex_normals, given["normals"].astype(np.float32)) and made.vertex_normals.dtype == np.float32
+        assert np.array_equal(made.uvs2, given["uvs2"].astype(np.float32)) and np.array_equal(made.materials, given["materials"])
+        assert made.materials.dtype == np.uint32
+    n, m = len(given["vertices"]), len(given["faces"])
+    for wrong, words in (({"normals": np.zeros((n, 2))}, rf"\({n}, 3\)"), ({"uvs2": np.zeros((n - 1, 2))}, rf"\({n}, 2\)"),
+                         ({"materials": np.zeros(m)}, "integers"), ({"materials": np.zeros(m + 1, int)}, rf"\({m},\)")):
+        with pytest.raises(bitvox.ArgumentError, match=words):
+            bitvox.Mesh(given["vertices"], given["faces"], **wrong)
+    with pytest.raises(bitvox.RangeError, match="materials"):
+        bitvox.Mesh(given["vertices"], given["faces"], materials=np.full(m, -1))
+
+
+def test_levels_have_the_attributes_of_the_mesh():
+    given = tube()
+    mesh = bitvox.Mesh(**given)
+    for level in (mesh.simplify(triangles=400), bitvox.simplify(mesh, triangles=[400])[0], bitvox.lod(mesh, triangles=400)[0]):
+        assert level.n_faces <= 400 and level.report.met and level.report.crossings == 0
+        n, faces, place = level.n_vertices, np.asarray(level.faces), np.asarray(level.vertices, float)
+        assert level.vertex_normals.shape == (n, 3) and level.uvs2.shape == (n, 2) and level.colors.shape == (n, 4) and level.uv_faces is None
+        assert np.abs(np.asarray(level.vertex_normals)[:, 2]).max() < 0.01
+        u, v = np.asarray(level.uvs, float).T
+        assert np.abs(np.ptp(u[faces], axis=1)).max() < 0.5, "a triangle across the seam"
+        assert np.abs(v - place[:, 2] / 3).max() < 0.02 and np.allclose(level.uvs2, np.asarray(level.uvs)[:, ::-1], atol=0.02)
+        assert np.abs(np.asarray(level.colors, float)[:, 0] / 255 - v).max() < 0.03
+        middle = place[faces][:, :, 2].mean(1)
+        assert set(level.materials.tolist()) == {0, 1} and middle[level.materials == 0].max() < 1.7 and middle[level.materials == 1].min() > 1.3
+    assert bitvox.lod(mesh, triangles=400, solid=True)[0].uvs is None
+    assert bitvox.Mesh(given["vertices"], given["faces"]).simplify(triangles=400).vertex_normals is None
+
+
+def test_texture_coordinates_of_their_own_indices_stay_so():
+    given = tube()
+    column = np.arange(len(given["vertices"])) % 49
+    once = np.cumsum(column < 48) - 1  # the last column is the first one again
+    numbers = np.where(column < 48, once, once - 47)
+    mesh = bitvox.Mesh(given["vertices"][column < 48], numbers[given["faces"]], uvs=given["uvs"], uv_faces=given["faces"])
+    for level in (mesh.simplify(triangles=400), *bitvox.lod(mesh, triangles=400), mesh.simplify(triangles=400, vertices="kept")):
+        assert level.check().components == 1 and level.check().boundary_edges > 0 and level.uv_faces.shape == (level.n_faces, 3)
+        u = np.asarray(level.uvs, float)[np.asarray(level.uv_faces), 0]
+        assert np.abs(np.ptp(u, axis=1)).max() < 0.5
+
+
+def test_kept_and_locked_vertices():
+    mesh = bitvox.Mesh(**tube())
+    for level in (mesh.simplify(triangles=400, vertices="kept"), bitvox.lod(mesh, triangles=400, vertices="kept")[0]):
+        assert level.n_faces <= 400 and np.array_equal(level.vertices, mesh.vertices) and np.array_equal(level.vertex_normals, mesh.vertex_normals)
+        assert np.array_equal(level.uvs, mesh.uvs) and np.array_equal(level.colors, mesh.colors) and set(level.materials.tolist()) == {0, 1}
+    rng = np.random.default_rng(3)
+    locked = rng.random(mesh.n_vertices) < 0.05
+    level = mesh.simplify(triangles=400, locked=locked)
+    there = set(map(tuple, np.asarray(level.vertices).tolist()))
+    assert all(tuple(p) in there for p in np.asarray(mesh.vertices)[locked].tolist())
+    level = bitvox.lod(mesh, triangles=600, lock_border=True)[0]
+    ends = [np.asarray(m.vertices)[np.isin(np.asarray(m.vertices)[:, 2], (0, 3))] for m in (mesh, level)]
+    assert set(map(tuple, ends[0].tolist())) == set(map(tuple, ends[1].tolist()))
+
+
+def test_materials_of_a_file_go_into_the_files_of_levels(tmp_path, shared):
+    helmet = bitvox.read(shared("gltf/DamagedHelmet.glb"))
+    level = helmet.simplify(triangles=4000)
+    level.save(tmp_path / "one.glb")
+    bitvox.write_levels(tmp_path / "all.glb", bitvox.lod(helmet, triangles=(4000, 1000)))
+    for name in ("one.glb", "all.glb"):
+        back = (tmp_path / name).read_bytes()
+        assert b'"images"' in back and b'"textures"' in back and b'"materials"' in back and b"TEXCOORD_0" in back
+
+
 def test_what_stays_is_asked_for(ball):
     assert ball.simplify(triangles=300, attribute_weight=0) == ball.simplify(triangles=300)
+    with pytest.raises(bitvox.ArgumentError, match="has no attributes"):
+        bitvox.lod(ball, triangles=300, solid=True, attribute_weight=2)
+    with pytest.raises(bitvox.ArgumentError, match="levels of the mesh as it is have its attributes"):
+        bitvox.lod(ball, triangles=300, carry=True)
     for call in (bitvox.simplify, bitvox.lod):
         for options, words in (({"attribute_weight": -1}, "attribute_weight"), ({"attribute_weight": 1001}, "attribute_weight"),
                                ({"vertices": "some"}, "placed, kept"), ({"locked": [1]}, "locked has 1 values")):
@@ -222,9 +330,9 @@ def test_frame_and_type_are_kept():
 def test_colors_are_carried(ball):
     red = np.asarray(ball.vertices)[:, 0] > np.median(np.asarray(ball.vertices)[:, 0])
     painted = bitvox.Mesh(ball.vertices, ball.faces, colors=np.where(red[:, None], [255, 0, 0], [0, 0, 255]).astype(np.uint8))
-    for level in (painted.simplify(triangles=300, carry=True), *bitvox.lod(painted, triangles=300, carry=True)):
+    for level in (painted.simplify(triangles=300), *bitvox.lod(painted, triangles=300), *bitvox.lod(painted, triangles=300, solid=True, carry=True)):
         assert level.colors.shape == (level.n_vertices, 4) and {0, 255} <= set(level.colors[:, 0].tolist())
-    assert painted.simplify(triangles=300).colors is None
+    assert bitvox.lod(painted, triangles=300, solid=True)[0].colors is None
 
 
 # ---- lod ----

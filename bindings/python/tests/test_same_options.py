@@ -28,7 +28,7 @@ ELSEWHERE = {
 # Of one command: they look and report, or write a second file, which test_same_bytes.py or tests/program compare.
 REPORTS = {
     "voxelize": {"--compare-fills"}, "repair": {"--measure"},
-    "lod": {"--samples", "--lock-border", "--keep-vertices"}, "simplify": {"--samples", "--lock-border", "--keep-vertices"},  # the last two are refused yet
+    "lod": {"--samples"}, "simplify": {"--samples"},
     "refine": {"--leaves", "--cut"}, "render": {"--turntable"},  # a mesh of boxes and a row of pictures: of the program alone
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings"},
 }
@@ -135,8 +135,11 @@ ROWS = {
         ("small.ply --error 0.5%,2% --error-kind max --strict", "ply", lambda at: bitvox.lod(at.small, error=("0.5%", "2%"), error_kind="max", strict=True)),
         ("small.ply --count 2 --even 0.01 --normals --output-origin 1,2,3", "ply",
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.lod(at.small, count=2, even=0.01)]),
-        ("colored.ply --triangles 400,100 --carry --attributes 5", "ply",
-         lambda at: bitvox.lod(at / "colored.ply", triangles=(400, 100), carry=True, attribute_weight=5)),
+        ("colored.ply --triangles 400,100 --attributes 5", "ply",
+         lambda at: bitvox.lod(at / "colored.ply", triangles=(400, 100), attribute_weight=5)),
+        ("colored.ply --triangles 400 --solid --carry", "ply", lambda at: bitvox.lod(at / "colored.ply", triangles=400, solid=True, carry=True)),
+        ("torn.ply --triangles 400 --lock-border", "ply", lambda at: bitvox.lod(at / "torn.ply", triangles=400, lock_border=True)),
+        ("colored.ply --triangles 400 --keep-vertices", "ply", lambda at: bitvox.lod(at / "colored.ply", triangles=400, vertices="kept")),
         ("small.ply --triangles 400 --solid --resolution 30 --sign winding --shell 2 --least-part 9 --least-cavity 5 --sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, solid=True, resolution=30, sign="winding", shell=2, least_part=9, least_cavity=5, sharp=True)),
         ("pair.ply --triangles 400 --keep-largest 1", "ply", lambda at: bitvox.lod(at / "pair.ply", triangles=400, keep_largest=1)),
@@ -155,8 +158,10 @@ ROWS = {
     "simplify": (
         ("small.ply --error 1% --error-kind max --strict --normals --output-origin 1,2,3", "ply",
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.simplify(at.small, error=("1%",), error_kind="max", strict=True)]),
-        ("colored.ply --triangles 400 --carry --attributes 5 --even 0.01", "ply",
-         lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), carry=True, attribute_weight=5, even=0.01)),
+        ("colored.ply --triangles 400 --attributes 5 --even 0.01", "ply",
+         lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), attribute_weight=5, even=0.01)),
+        ("torn.ply --triangles 400 --lock-border", "ply", lambda at: bitvox.simplify(at / "torn.ply", triangles=(400,), lock_border=True)),
+        ("colored.ply --triangles 400 --keep-vertices", "ply", lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), vertices="kept")),
     ),
     "repair": (
         ("torn.ply --resolution 30 --sign vote --interpolation scalar --sharp --thin shell --shell 2 --least-part 9 --least-cavity 5", "ply",

@@ -245,6 +245,29 @@ def colors_in(values: Any, count: int) -> Any:
     return out
 
 
+def floats_in(name: str, values: Any, count: int, columns: int) -> Any:
+    """Attributes of vertices as (n, columns) float32, packed."""
+    if values is None:
+        return None
+    found = numpy(name).ascontiguousarray(as_numpy(values, name), "float32")
+    if found.shape != (count, columns):
+        raise ArgumentError(f"{name} have shape {found.shape}; they must be ({count}, {columns})")
+    return found
+
+
+def materials_in(values: Any, count: int) -> Any:
+    """Indices of materials as (m,) uint32."""
+    if values is None:
+        return None
+    np = numpy("materials")
+    found = as_numpy(values, "materials")
+    if found.shape != (count,) or (found.dtype.kind not in "iu" and found.size):
+        raise ArgumentError(f"materials are {found.dtype} of shape {found.shape}; they must be ({count},) integers")
+    if found.size and not (found.min() >= 0 and found.max() < 2**32):
+        raise RangeError("materials lie between 0 and 2**32 - 1")
+    return np.ascontiguousarray(found, np.uint32)
+
+
 def borrow_vertices(array: Any) -> Borrowed:
     """A view of what vertices_in made."""
     if isinstance(array, memoryview):

@@ -23,6 +23,7 @@ ERROR_KINDS = names_of("BVX_ERROR_")
 VERTICES = names_of("BVX_VERTICES_")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
+OF_SOLID = ("solid", "lattice", "sign", "sharp", "outer_hull", "shell", "least_part", "keep_largest", "least_cavity")
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
 
 Distance = Union[float, str]
@@ -143,7 +144,8 @@ def _take(array: Any, count: int) -> list[Any]:
     return made
 
 
-def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict[str, Any]) -> Levels:
+def _meshes(made: list[Any], reports: Any, source: Mesh | None, carry_from: Mesh | None, limits: dict[str, Any]) -> Levels:
+    """Levels with their reports. source: the mesh that they were made from as it is, whose materials and images go into their files."""
     result = Levels()
     if carry_from is not None:
         with Rise(limits["progress"], *[1] * len(made)) as progress:
@@ -152,6 +154,8 @@ def _meshes(made: list[Any], reports: Any, carry_from: Mesh | None, limits: dict
     for i, one in enumerate(made):
         level = Mesh._made(one)
         level.report = record(reports[i])
+        if source is not None and level._materials is not None:
+            level._assets = source._assets
         result.append(level)
     return result
 
@@ -174,7 +178,6 @@ def simplify(
     vertices: Vertices = "placed",
     strict: bool = False,
     samples: int | None = None,
-    carry: bool = False,
     dtype: Any = None,
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -185,6 +188,9 @@ def simplify(
     Parts, handles, borders, sides and own crossings stay: what is closed, manifold, oriented and free of crossings stays so, and
     any other mesh gets no new fault. The result is manifold and oriented, with no more triangles than the mesh. The order of
     vertices and triangles does not change it. `lod` with ``solid`` and `repair` make closed ones.
+
+    The result has the normals, texture coordinates, colors and materials of the mesh, whose seams and borders stay: vertices there are
+    duplicated at equal positions. Texture coordinates with ``uv_faces`` need no duplicates.
 
     Parameters
     ----------
@@ -202,21 +208,21 @@ def simplify(
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
     attribute_weight
-        of colors, texture coordinates, normals and materials beside the shape, 0 to 1000; 0: they follow it and cost nothing.
-        Default 1.
+        of texture coordinates, normals and colors beside the shape, 0 to 1000. Default 1: texture coordinates by 0.3 of their length
+        on the surface, a difference of 1 in normals and colors by a hundredth of the mesh's longest side. 0: they follow the shape
+        and cost nothing.
     lock_border
         vertices on borders stay where they are, so that tiles join.
     locked
         one value a vertex: those with a value other than 0 stay where they are.
     vertices
-        "placed" (the default): new ones, where they lie nearest to the mesh. "kept": some of the mesh's own, by its own indices.
+        "placed" (the default): new ones, where they lie nearest to the mesh. "kept": the mesh's own, all of them, of which ``faces`` are
+        indices; what is stored by vertex stays as it is.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
         measure the distances between mesh and level from this many points a side, for the report. Default:
         20000 with ``error``, else 0: they are not.
-    carry
-        give the result the colors and texture coordinates of the nearest points on the mesh.
     dtype
         float32 or float64; None: the mesh's own.
 
@@ -257,11 +263,10 @@ def simplify(
     reports = ffi.new("bvx_level_report[]", targets.count)
     options.reports = reports
     array = ffi.new("bvx_mesh[]", targets.count)
-    with Rise(progress, 80, *((20,) if carry else ())) as limits["progress"]:
-        with Run(**limits) as run:
-            run.check(lib.bvx_mesh_simplify(run.context, local._view(run), options, targets.count, array))
-        del kept
-        levels = _meshes(_take(array, targets.count), reports, local if carry else None, limits)
+    with Run(**limits) as run:
+        run.check(lib.bvx_mesh_simplify(run.context, local._view_of_all(run), options, targets.count, array))
+    del kept
+    levels = _meshes(_take(array, targets.count), reports, source, None, limits)
     for level in levels if any(frame) else ():
         level.frame, found = frame, level.report.certificate
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
@@ -439,7 +444,8 @@ def lod(
     face_rule, local_frame
         the paper's methods: as for `surface`.
     carry
-        give each level the colors and texture coordinates of the nearest points on the mesh.
+        of a solid and by the paper's methods: give each level the colors and texture coordinates of the nearest points on the mesh.
+        Levels of the mesh as it is have its attributes.
     dtype
         float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
 
@@ -484,6 +490,8 @@ def lod(
         return _from_voxels(source, is_grid, chosen, triangles, resolution, carry, dtype, limits, **asked)
     if is_grid and carry:
         raise ArgumentError("carry is for a source that is a mesh")
+    if carry and not any(of_collapse[name] is not None for name in OF_SOLID) and resolution is None:
+        raise ArgumentError("carry is for solid and the methods edge-ratio and coverage: levels of the mesh as it is have its attributes")
 
     with Rise(progress, *((10,) if is_grid else ()), 80, *((20,) if carry else ())) as limits["progress"]:
         mesh = surface(source, **limits) if is_grid else Mesh.of(source)
@@ -511,9 +519,9 @@ def lod(
 
         array = ffi.new("bvx_mesh[]", targets.count)
         with Run(**limits) as run:
-            run.check(lib.bvx_build_levels(run.context, mesh._view(run), options, targets.count, array))
+            run.check(lib.bvx_build_levels(run.context, mesh._view_of_all(run), options, targets.count, array))
         del kept
-        result = _meshes(_take(array, targets.count), reports, mesh if carry else None, limits)
+        result = _meshes(_take(array, targets.count), reports, mesh, mesh if carry else None, limits)
     result.report = record(report)
     return result
 
@@ -579,7 +587,7 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
         options.reports = reports
         made = _build_levels(solid, options, count, dtype, limits)
         del kept
-        return _meshes(made, reports, mesh if carry else None, limits)
+        return _meshes(made, reports, None, mesh if carry else None, limits)
 
 
 def _plan(mesh: Mesh, options: Any, count: int, padding: int, limits: dict[str, Any]) -> int:

@@ -12,7 +12,7 @@ from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
 from ._run import Progress, Run, ffi, lib, number_of, options_of, quiet
-from ._words import Array, ErrorKind, OpenInput, Vertices
+from ._words import Array, ErrorKind, Vertices
 
 if TYPE_CHECKING:
     from .reports import Certificate, WriteReport
@@ -46,6 +46,12 @@ class Mesh:
         (n, 3) or (n, 4), 0..255 or floats 0..1; pictures show them, files and levels of detail keep them.
     uvs
         (k, 2) texture coordinates; ``uv_faces`` (m, 3) numbers into them, or None when k is n.
+    normals
+        (n, 3) normals of the vertices, kept as `vertex_normals`.
+    uvs2
+        (n, 2) second texture coordinates.
+    materials
+        (m,) index of each triangle's material.
     frame
         added to the vertices when the mesh was made about a local origin [world].
 
@@ -68,9 +74,10 @@ class Mesh:
     0.16666666666666666
     """
 
-    __slots__ = ("_vertices", "_faces", "_colors", "_uvs", "_uv_faces", "_normals", "_materials", "_assets", "_keys", "frame", "report", "__weakref__")
+    __slots__ = ("_vertices", "_faces", "_colors", "_uvs", "_uv_faces", "_uvs2", "_normals", "_materials", "_assets", "_keys", "frame", "report", "__weakref__")
 
     def __init__(self, vertices: Any, faces: Any = None, *, colors: Any = None, uvs: Any = None, uv_faces: Any = None,
+                 normals: Any = None, uvs2: Any = None, materials: Any = None,
                  frame: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         if faces is None and getattr(vertices, "ndim", 0) == 3:
             vertices = vertices.reshape(-1, 3)
@@ -85,8 +92,9 @@ class Mesh:
             self._faces = arrays.faces_in(faces, len(self._vertices))
         self._colors: Any = arrays.colors_in(colors, len(self._vertices))
         self._uvs: Any = None
-        self._normals: Any = None
-        self._materials: Any = None
+        self._uvs2: Any = arrays.floats_in("uvs2", uvs2, len(self._vertices), 2)
+        self._normals: Any = arrays.floats_in("normals", normals, len(self._vertices), 3)
+        self._materials: Any = arrays.materials_in(materials, self.n_faces)
         self._assets: Any = None
         self._uv_faces: Any = None
         if uvs is not None:
@@ -117,10 +125,12 @@ class Mesh:
         dtype = "float32" if owner.position_type == lib.BVX_F32 else "float64"
         self._vertices = arrays.array_at(owner.positions, dtype, (n, 3), owner, writable=True)
         self._faces = arrays.array_at(owner.triangles, "uint32", (m, 3), owner, writable=True)
-        self._colors = self._uvs = self._uv_faces = self._keys = self._normals = self._materials = None
+        self._colors = self._uvs = self._uv_faces = self._uvs2 = self._keys = self._normals = self._materials = None
         self._assets = owner if owner.assets != ffi.NULL else None
         if owner.normals != ffi.NULL:
             self._normals = arrays.array_at(owner.normals, "float32", (n, 3), owner, writable=True)
+        if owner.uvs2 != ffi.NULL:
+            self._uvs2 = arrays.array_at(owner.uvs2, "float32", (n, 2), owner, writable=True)
         if owner.materials != ffi.NULL:
             self._materials = arrays.array_at(owner.materials, "uint32", (m,), owner, writable=True)
         if owner.colours != ffi.NULL:
@@ -188,13 +198,19 @@ class Mesh:
         return self._uv_faces
 
     @property
+    def uvs2(self) -> Array | None:
+        """(n, 2) float32 second texture coordinates, or None."""
+        return self._uvs2
+
+    @property
     def vertex_normals(self) -> Array | None:
-        """(n, 3) float32 normals as a glTF file has them, or None; `normals` computes them."""
+        """(n, 3) float32 normals as they were given, or as a glTF file has them, or None; `normals` computes them."""
         return self._normals
 
     @property
     def materials(self) -> Array | None:
-        """(m,) uint32 indices of materials of a glTF file, or None; a face without one has the index after the last."""
+        """(m,) uint32 indices of materials, of a glTF file's where it was read from one, or None; a face without one has the index
+        after the last."""
         return self._materials
 
     @property
@@ -238,7 +254,7 @@ class Mesh:
             found = found.astype(faces, copy=False)
         other._faces = found
         other._colors, other._uvs, other._uv_faces = self._colors, self._uvs, self._uv_faces
-        other._normals, other._materials, other._assets = self._normals, self._materials, self._assets
+        other._uvs2, other._normals, other._materials, other._assets = self._uvs2, self._normals, self._materials, self._assets
         other._keys, other.frame, other.report = self._keys, self.frame, self.report
         return other
 
@@ -274,6 +290,7 @@ class Mesh:
         if self._uvs is not None:
             other._uvs = np.array(self._uvs)
             other._uv_faces = None if self._uv_faces is None else np.array(self._uv_faces)
+        other._uvs2 = None if self._uvs2 is None else np.array(self._uvs2)
         other._normals = None if self._normals is None else np.array(self._normals)
         other._materials, other._assets = None if self._materials is None else np.array(self._materials), self._assets
         with Run() as run:
@@ -285,6 +302,8 @@ class Mesh:
             other._colors = other._colors[:n]
         if other._normals is not None:
             other._normals = other._normals[:n]
+        if other._uvs2 is not None:
+            other._uvs2 = other._uvs2[:n]
         if other._materials is not None:
             other._materials = other._materials[:m]
         if other._uv_faces is not None:
@@ -311,6 +330,16 @@ class Mesh:
         if self._colors is not None:
             view.colours = ffi.cast("uint8_t *", arrays.address(self._colors))
         run.meshes.append(self)
+        return view
+
+    def _view_of_all(self, run: Run) -> Any:
+        """The same with all attributes, for levels that have them too."""
+        view = self._view(run)
+        for name, kind, values in (("normals", "float *", self._normals), ("uvs", "float *", self._uvs), ("uvs2", "float *", self._uvs2),
+                                   ("uv_indices", "uint32_t *", self._uv_faces), ("materials", "uint32_t *", self._materials)):
+            if values is not None:
+                setattr(view, name, ffi.cast(kind, arrays.address(values)))
+        view.uv_count = 0 if self._uvs is None else len(self._uvs)
         return view
 
     def _struct(self, run: Run) -> Any:
@@ -344,6 +373,8 @@ class Mesh:
                 mesh.uv_triangles = ffi.cast("uint32_t *", arrays.address(self._uv_faces))
         if self._normals is not None:
             mesh.normals = ffi.cast("float *", arrays.address(self._normals))
+        if self._uvs2 is not None:
+            mesh.uvs2 = ffi.cast("float *", arrays.address(self._uvs2))
         if self._materials is not None:
             mesh.materials = ffi.cast("uint32_t *", arrays.address(self._materials))
         if self._assets is not None:
@@ -523,13 +554,13 @@ class Mesh:
                  error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,
                  attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed",
                  strict: bool = False,
-                 samples: int | None = None, carry: bool = False, dtype: Any = None, threads: int | None = None,
+                 samples: int | None = None, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Fewer triangles for the mesh as it is, by collapsing the edges that cost least.
 
         Parameters
         ----------
-        triangles, error, error_kind, count, even, attribute_weight, lock_border, locked, vertices, strict, samples, carry, dtype
+        triangles, error, error_kind, count, even, attribute_weight, lock_border, locked, vertices, strict, samples, dtype
             as for `bitvox.simplify`.
 
         Returns
@@ -543,7 +574,7 @@ class Mesh:
         True
         """
         return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, attribute_weight=attribute_weight,
-                        lock_border=lock_border, locked=locked, vertices=vertices, strict=strict, samples=samples, carry=carry, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
+                        lock_border=lock_border, locked=locked, vertices=vertices, strict=strict, samples=samples, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine.
@@ -578,14 +609,14 @@ class Mesh:
 
     def __getstate__(self) -> Any:
         np = arrays.numpy("pickling")
-        held = [self._vertices, self._faces, self._colors, self._uvs, self._uv_faces, *(self._keys or (None, None)), self._normals, self._materials]
+        held = [self._vertices, self._faces, self._colors, self._uvs, self._uv_faces, *(self._keys or (None, None)), self._normals, self._materials, self._uvs2]
         return [None if a is None else np.array(a) for a in held], self.frame, self.report
 
     def __setstate__(self, state: Any) -> None:
         held = state[0]
         self.frame, self.report = state[1:]
         self._vertices, self._faces, self._colors, self._uvs, self._uv_faces = held[:5]
-        self._normals, self._materials, self._assets = held[7], held[8], None
+        self._normals, self._materials, self._uvs2, self._assets = held[7], held[8], held[9], None
         self._keys = None if held[5] is None else (held[5], held[6])
 
     # ---- to others ----
