@@ -28,6 +28,12 @@ export interface MeshIn {
     /** Texture coordinates: of each vertex, or those that uvTriangles names. */
     uvs?: Float32Array | undefined;
     uvTriangles?: Uint32Array | undefined;
+    /** x, y, z of each vertex. */
+    normals?: Float32Array | undefined;
+    /** Second texture coordinates of each vertex. */
+    uvs2?: Float32Array | undefined;
+    /** Index of each triangle's material. */
+    materials?: Uint32Array | undefined;
     /** Added to positions to reach the world; looked at by hash alone. */
     frame?: TripleIn | undefined;
 }
@@ -44,6 +50,9 @@ export interface Mesh {
     colours?: Uint8Array<ArrayBuffer>;
     uvs?: Float32Array<ArrayBuffer>;
     uvTriangles?: Uint32Array<ArrayBuffer>;
+    normals?: Float32Array<ArrayBuffer>;
+    uvs2?: Float32Array<ArrayBuffer>;
+    materials?: Uint32Array<ArrayBuffer>;
     /** Add to positions to reach the world; there with localFrame alone. */
     frame?: Triple;
 }
@@ -358,12 +367,13 @@ export interface ChainOptions extends CallOptions {
     even?: number | undefined;
     measureSamples?: number | undefined;
     strict?: boolean | undefined;
-    /** Border vertices stay where they are. */
+    /** Vertices on borders stay where they are, so that tiles join. */
     lockBorder?: boolean | undefined;
-    /** Of attributes beside the shape, 0 to 1000 [1]. */
+    /** Of texture coordinates, normals and colours beside the shape, 0 to 1000; 0: they follow it and cost nothing [1]. */
     attributeWeight?: number | undefined;
     /** One value a vertex; those other than 0 stay where they are. */
     locked?: readonly number[] | Uint8Array | undefined;
+    /** Placed: new ones, where they lie nearest to the mesh; kept: the mesh's own, all of them, which triangles index [placed]. */
     vertices?: 'placed' | 'kept' | undefined;
 }
 /** [bvx_simplify_options] */

@@ -184,7 +184,7 @@ class Call {
         const { name } = this;
         if (mesh?.attributes?.position)
             mesh = { positions: mesh.attributes.position.array, triangles: mesh.index?.array }; // three.js
-        let { positions, triangles, colours } = mesh ?? {};
+        let { positions, triangles } = mesh ?? {};
         if (positions === undefined) refuse(name, `${what} has no positions`, 'null');
         if (Array.isArray(positions)) positions = Float64Array.from(positions);
         if (!(positions instanceof Float32Array || positions instanceof Float64Array))
@@ -207,21 +207,44 @@ class Call {
                     ? `triangles of ${what} are ${triangles.length} numbers, not three a triangle`
                     : `${what} has no triangles, and its ${positions.length / 3} vertices are not three a triangle`,
             );
-        if (
-            colours &&
-            !(
-                ArrayBuffer.isView(colours) &&
-                colours.BYTES_PER_ELEMENT === 1 &&
-                colours.length === (positions.length / 3) * 4
-            )
-        )
-            refuse(name, `colours of ${what} must be a Uint8Array of four numbers a vertex`);
-        return { positions, triangles, colours, doubles: positions instanceof Float64Array };
+        return {
+            positions,
+            triangles,
+            doubles: positions instanceof Float64Array,
+            ...this.attributes(mesh, what, positions.length / 3, (triangles ?? positions).length / 3),
+        };
+    }
+
+    /** What a mesh has by vertex and by triangle, as the library takes it. */
+    attributes({ colours, normals, uvs, uvTriangles, uvs2, materials }, what, vertices, triangles) {
+        const given = { colours, normals, uvs, uvTriangles, uvs2, materials };
+        for (const [name, value] of Object.entries(given)) {
+            if (value === undefined || value === null) {
+                delete given[name];
+                continue;
+            }
+            const [type, count, text] = {
+                colours: [Uint8Array, vertices * 4, 'four numbers a vertex'],
+                normals: [Float32Array, vertices * 3, 'three numbers a vertex'],
+                uvs: [Float32Array, uvTriangles ? value.length : vertices * 2, 'two numbers a vertex'],
+                uvTriangles: [Uint32Array, triangles * 3, 'three numbers a triangle'],
+                uvs2: [Float32Array, vertices * 2, 'two numbers a vertex'],
+                materials: [Uint32Array, triangles, 'one number a triangle'],
+            }[name];
+            const fits =
+                value instanceof type ||
+                (name === 'colours' && ArrayBuffer.isView(value) && value.BYTES_PER_ELEMENT === 1);
+            if (!fits || value.length !== count)
+                refuse(this.name, `${name} of ${what} must be a ${type.name} of ${text}`);
+        }
+        if (given.uvTriangles && !given.uvs)
+            refuse(this.name, `uvTriangles of ${what} are indices into uvs, which are missing`);
+        return given;
     }
 
     view(mesh, what = 'the mesh') {
         const { machine } = this;
-        const { positions, triangles, colours, doubles } = this.meshArrays(mesh, what);
+        const { positions, triangles, doubles, uvTriangles, ...attributes } = this.meshArrays(mesh, what);
         const at = this.struct('mesh_view');
         const set = (name, value) => machine.setField('mesh_view', at, name, value);
 
@@ -231,17 +254,18 @@ class Call {
         set('triangleCount', (triangles ? triangles.length : positions.length / 3) / 3);
         set('positionType', doubles ? 2 : 1);
         set('indexType', triangles instanceof Uint16Array ? 1 : 2);
-        if (colours) set('colours', this.copy(colours));
+        for (const [name, values] of Object.entries(attributes)) set(name, this.copy(values));
+        if (uvTriangles) set('uvIndices', this.copy(uvTriangles));
+        if (attributes.uvs) set('uvCount', Math.floor(attributes.uvs.length / 2));
         return at;
     }
 
     /** The struct that writers take. */
     mesh(mesh, at = this.struct('mesh')) {
         const { machine } = this;
-        let { positions, triangles, colours, doubles } = this.meshArrays(mesh, 'the mesh');
+        let { positions, triangles, doubles, ...attributes } = this.meshArrays(mesh, 'the mesh');
         if (!triangles) triangles = Uint32Array.from({ length: positions.length / 3 }, (_, i) => i);
         if (triangles instanceof Uint16Array) triangles = Uint32Array.from(triangles);
-        const { uvs, uvTriangles } = mesh;
         const set = (name, value) => machine.setField('mesh', at, name, value);
 
         set('positions', this.copy(positions));
@@ -249,21 +273,8 @@ class Call {
         for (const name of ['vertexCount', 'vertexCapacity']) set(name, positions.length / 3);
         for (const name of ['triangleCount', 'triangleCapacity']) set(name, triangles.length / 3);
         set('positionType', doubles ? 2 : 1);
-        if (colours) set('colours', this.copy(colours));
-        if (uvs instanceof Float32Array) {
-            if (
-                uvTriangles
-                    ? !(uvTriangles instanceof Uint32Array && uvTriangles.length === triangles.length)
-                    : uvs.length !== (positions.length / 3) * 2
-            )
-                refuse(
-                    this.name,
-                    'uvs must be two numbers a vertex, or uvTriangles a Uint32Array of three numbers a triangle',
-                );
-            set('uvs', this.copy(uvs));
-            set('uvCount', uvs.length / 2);
-            if (uvTriangles) set('uvTriangles', this.copy(uvTriangles));
-        }
+        for (const [name, values] of Object.entries(attributes)) set(name, this.copy(values));
+        if (attributes.uvs) set('uvCount', Math.floor(attributes.uvs.length / 2));
         return at;
     }
 
@@ -285,15 +296,16 @@ class Call {
             ),
             triangles: this.array(Uint32Array, get('triangles'), get('triangleCount') * 3),
         };
-        if (get('colours')) made.colours = this.array(Uint8Array, get('colours'), get('vertexCount') * 4);
-        if (get('uvs'))
-            made.uvs = this.array(
-                Float32Array,
-                get('uvs'),
-                (get('uvTriangles') ? get('uvCount') : get('vertexCount')) * 2,
-            );
-        if (get('uvTriangles'))
-            made.uvTriangles = this.array(Uint32Array, get('uvTriangles'), get('triangleCount') * 3);
+        const uvs = get('uvTriangles') ? get('uvCount') : get('vertexCount');
+        for (const [name, Type, count] of [
+            ['colours', Uint8Array, get('vertexCount') * 4],
+            ['normals', Float32Array, get('vertexCount') * 3],
+            ['uvs', Float32Array, uvs * 2],
+            ['uvTriangles', Uint32Array, get('triangleCount') * 3],
+            ['uvs2', Float32Array, get('vertexCount') * 2],
+            ['materials', Uint32Array, get('triangleCount')],
+        ])
+            if (get(name)) made[name] = this.array(Type, get(name), count);
         const frame = machine.read('mesh', at).frame;
         if (frame.some(x => x !== 0)) made.frame = frame;
         return made;
