@@ -99,7 +99,7 @@ static double smallest_angle(const bvx_mesh *level)
 /* The certificate and crossings of a level, by its own indices, or without seams. By error the collapse has gone
  * beyond it. */
 static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
-                              const bvx_mesh *level, bvx_level_report *r)
+                                const bvx_mesh *level, bvx_level_report *r)
 {
     int const beyond = c->target_errors != NULL, seams = bvxi_collapse_has_seams(collapse);
     bvx_mesh plain = {0};
