@@ -996,8 +996,8 @@ BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t siz
  *          and triangles alone
  *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; an index beyond
  *  the uvs; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
- *  [Memory: at most 175 bytes a triangle, 100 more of those beside crossings that collapses make, 36 a border
- *  edge, 500 KB; where fans meet a copy of the positions; of n channels of attributes 200 + 32 n a vertex, and of
+ *  [Memory: at most 165 bytes a triangle, 60 more of those beside crossings that collapses make, 36 a border
+ *  edge, 300 KB; where fans meet a copy of the positions; of n channels of attributes 200 + 32 n a vertex, and of
  *  each seam]
  *  [Cost: O(triangles), some microseconds for each that goes]
  *  [Exact: the order of vertices and triangles of an oriented mesh changes nothing]
@@ -1236,9 +1236,9 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  Returns BVX_ERR_ARGUMENT (also lock_border, locked, BVX_VERTICES_KEPT or attribute_weight with solid),
  *  BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also an index beyond the uvs, a mesh
  *  that spans less than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
- *  [Memory: of n triangles as they are at most 190 bytes each, 100 more of those beside crossings that collapses
+ *  [Memory: of n triangles as they are at most 180 bytes each, 60 more of those beside crossings that collapses
  *  make; of a surface of s triangles measured on grids of g bytes at most the larger of 200 n + 30 s + 5 g and
- *  12 n + 190 s; with either 36 bytes a border edge, and 600 KB]
+ *  12 n + 180 s; with either 36 bytes a border edge, and 400 KB]
  *  [Cost: that of bvx_mesh_simplify, with solid that of bvx_repair too]
  *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]
  *  Source: as bvx_mesh_simplify; for solid: "Model repair by a vector distance field". */

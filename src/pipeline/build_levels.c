@@ -446,7 +446,7 @@ static uint64_t bytes_as_it_is(const levels_job *job)
 {
     /* By what each triangle and vertex takes at most. */
     uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
-    uint64_t bytes = (190 + 100) * n + 36 * job->report.before.boundary_edges + 600000;
+    uint64_t bytes = (180 + 60) * n + 36 * job->report.before.boundary_edges + 400000;
 
     if ((job->options->measure_samples != 0 && job->options->reports != NULL) ||
         job->options->target_errors != NULL) /* bvx_mesh_distance */

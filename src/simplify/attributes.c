@@ -95,7 +95,7 @@ static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
     return (uint32_t)s->rows++;
 }
 
-static bvx_status make_rows(bvxi_collapse *c)
+static bvx_status find_rows(bvxi_collapse *c)
 {
     const bvxi_corners *const m = &c->mesh;
     bvxi_attributes *const s = &c->attributes;
@@ -297,7 +297,7 @@ static void add_channel(double *q, int32_t channel, const double g[3], double va
     own[3] += weight * value;
 }
 
-static void add_triangle(bvxi_collapse *c, uint64_t t)
+static void add_to_rows(bvxi_collapse *c, uint64_t t)
 {
     const bvxi_attributes *const s = &c->attributes;
     const uint32_t *const row = s->row + 4 * t, *const corner = c->mesh.triangle[t].vertex;
@@ -335,11 +335,11 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
     if (m->uvs == NULL && m->uvs2 == NULL && m->normals == NULL && m->colours == NULL &&
         c->options.vertices != BVX_VERTICES_KEPT)
         return BVX_OK;
-    BVXI_TRY(make_rows(c));
+    BVXI_TRY(find_rows(c));
     set_channels(c);
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, s->rows * (uint64_t)s->stride * 8, "the quadrics of attributes",
                              &s->q));
-    for (uint64_t t = 0; t < c->mesh.triangles && s->channels > 0; t++) add_triangle(c, t);
+    for (uint64_t t = 0; t < c->mesh.triangles && s->channels > 0; t++) add_to_rows(c, t);
     return BVX_OK;
 }
 

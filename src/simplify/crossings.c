@@ -64,7 +64,7 @@ static uint32_t overlaps(const box_node *node, const box_query *q)
 }
 
 /* The box of all children. */
-static void whole_box(const box_node *node, int16_t low[3], int16_t high[3])
+static void box_of_all(const box_node *node, int16_t low[3], int16_t high[3])
 {
     for (int a = 0; a < 3; a++) {
         low[a] = node->low[a][0];
@@ -77,7 +77,7 @@ static void whole_box(const box_node *node, int16_t low[3], int16_t high[3])
 }
 
 /* Rounding down keeps order: what overlaps, overlaps in steps too. */
-static int16_t step_of(const crossing_tree *tree, double x, int axis)
+static int16_t step_between(const crossing_tree *tree, double x, int axis)
 {
     double const at = (x - tree->low[axis]) * tree->scale * BOX_HIGHEST;
     double const above = at > 0 ? at : 0;
@@ -92,8 +92,8 @@ static void box_of(const crossing_tree *tree, const double *const p[3], int16_t 
         double const x = p[0][a], y = p[1][a], z = p[2][a];
         double const least = x < y ? x : y, most = x > y ? x : y;
 
-        low[a] = step_of(tree, least < z ? least : z, a);
-        high[a] = step_of(tree, most > z ? most : z, a);
+        low[a] = step_between(tree, least < z ? least : z, a);
+        high[a] = step_between(tree, most > z ? most : z, a);
     }
 }
 
@@ -105,12 +105,12 @@ static void put_box(box_node *node, uint64_t child, const int16_t low[3], const 
     }
 }
 
-static int is_there(const crossing_tree *tree, uint64_t t)
+static int is_alive(const crossing_tree *tree, uint64_t t)
 {
     return t < tree->triangles && !bvxi_triangle_gone(&tree->triangle[t]);
 }
 
-static void corners_of(const crossing_tree *tree, uint64_t t, const double *p[3])
+static void corners_in(const crossing_tree *tree, uint64_t t, const double *p[3])
 {
     for (int k = 0; k < 3; k++) p[k] = tree->at[tree->triangle[t].vertex[k]].p;
 }
@@ -128,8 +128,8 @@ static void leaf_piece(void *user, int32_t index, int32_t worker)
         int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
         const double *p[3];
 
-        if (is_there(tree, t)) {
-            corners_of(tree, t, p);
+        if (is_alive(tree, t)) {
+            corners_in(tree, t, p);
             box_of(tree, p, low, high);
         }
         put_box(&tree->node[0][t / WIDTH], t, low, high);
@@ -141,7 +141,7 @@ static void upper_boxes(const crossing_tree *tree, int32_t level)
     for (uint64_t i = 0; i < tree->nodes[level] * WIDTH; i++) {
         int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
 
-        if (i < tree->nodes[level - 1]) whole_box(&tree->node[level - 1][i], low, high);
+        if (i < tree->nodes[level - 1]) box_of_all(&tree->node[level - 1][i], low, high);
         put_box(&tree->node[level][i / WIDTH], i, low, high);
     }
 }
@@ -189,7 +189,7 @@ void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
     int16_t low[3], high[3];
     uint64_t child = t / WIDTH;
 
-    corners_of(tree, t, p);
+    corners_in(tree, t, p);
     box_of(tree, p, low, high);
     put_box(&tree->node[0][child], t, low, high);
 
@@ -231,7 +231,7 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
 {
     const double *q[3];
 
-    corners_of(tree, t, q);
+    corners_in(tree, t, q);
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
     return crosses_exactly(plane, p, q);
 }
@@ -274,7 +274,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
             uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
             const uint32_t *const v = tree->triangle[t].vertex;
 
-            if (!is_there(tree, t) || share_graph(tree, tree->triangle[s].vertex, v)) continue;
+            if (!is_alive(tree, t) || share_graph(tree, tree->triangle[s].vertex, v)) continue;
             /* Each pair once: from its first triangle, or from the only one that is fresh. */
             if (!job->all && t < s && is_fresh(tree, v)) continue;
             if (!crosses(tree, &held[i].plane, held[i].p, t)) continue;
@@ -297,11 +297,11 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
         int16_t const low[3] = {box->low[0][i], box->low[1][i], box->low[2][i]};
         int16_t const high[3] = {box->high[0][i], box->high[1][i], box->high[2][i]};
 
-        held[i].wanted = is_there(tree, t) && (job->all || is_fresh(tree, tree->triangle[t].vertex));
+        held[i].wanted = is_alive(tree, t) && (job->all || is_fresh(tree, tree->triangle[t].vertex));
         if (!held[i].wanted) continue;
         any = 1;
         held[i].query = query_of(low, high);
-        corners_of(tree, t, held[i].p);
+        corners_in(tree, t, held[i].p);
         bvxi_orient_plane_of(held[i].p, &held[i].plane);
     }
     return any;
@@ -323,7 +323,7 @@ static void common_piece(void *user, int32_t index, int32_t worker)
         for (uint64_t t = i * WIDTH; t < (i + 1) * WIDTH; t++) {
             const uint32_t *v;
 
-            if (!is_there(tree, t)) continue;
+            if (!is_alive(tree, t)) continue;
             v = tree->triangle[t].vertex;
             if (!any) memcpy(common, v, sizeof common);
             for (int k = 0; k < 3 && any; k++)
@@ -337,7 +337,7 @@ static void common_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static int is_one_fan(const crossing_job *job, uint64_t a, uint64_t b)
+static int share_a_fan(const crossing_job *job, uint64_t a, uint64_t b)
 {
     return job->common[a] != BVXI_VERTEX_NONE && job->common[a] == job->common[b];
 }
@@ -354,8 +354,8 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     int32_t depth = 0;
 
     if (!hold_node(job, node, held)) return 0;
-    found = is_one_fan(job, node, node) ? 0 : pairs_of_nodes(job, held, node, node, keys);
-    whole_box(&tree->node[0][node], low, high);
+    found = share_a_fan(job, node, node) ? 0 : pairs_of_nodes(job, held, node, node, keys);
+    box_of_all(&tree->node[0][node], low, high);
     whole = query_of(low, high);
 
     if (tree->levels > 1) stack[depth++] = (uint64_t)(tree->levels - 1);
@@ -370,13 +370,13 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
              * where only fresh triangles are looked at. */
             if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
-            else if (!is_one_fan(job, node, child)) found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
+            else if (!share_a_fan(job, node, child)) found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
         }
     }
     return found;
 }
 
-static void count_piece(void *user, int32_t index, int32_t worker)
+static void count_range(void *user, int32_t index, int32_t worker)
 {
     const crossing_job *const job = user;
     uint64_t begin, end, sum = 0;
@@ -440,7 +440,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0], "the crossings' marks", &job.marks));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 4, "the nodes' fans", &job.common));
     bvxi_tasks(ctx, job.pieces, common_piece, &job);
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, count_piece, &job));
+    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, count_range, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
     bvxi_drop(ctx, job.common);
@@ -459,7 +459,7 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         uint64_t const t = node * WIDTH + (uint64_t)bvxi_lowest(bits);
         const uint32_t *const v = tree->triangle[t].vertex;
 
-        if (!is_there(tree, t)) continue;
+        if (!is_alive(tree, t)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
         if (crosses(tree, plane, p, t) && visit(user, (uint32_t)t)) return 1;
@@ -501,7 +501,7 @@ int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t)
     const double *p[3];
     bvxi_orient_plane plane;
 
-    corners_of(tree, s, p);
+    corners_in(tree, s, p);
     bvxi_orient_plane_of(p, &plane);
     return crosses(tree, &plane, p, t);
 }

@@ -17,7 +17,7 @@ static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, c
 }
 
 /* The triangles that are left, by the indices of their corners' vertices or rows. */
-static void put_triangles(const bvxi_collapse *c, const uint32_t *index, int rows, uint32_t *to)
+static void give_triangles(const bvxi_collapse *c, const uint32_t *index, int rows, uint32_t *to)
 {
     const bvxi_corners *const m = &c->mesh;
 
@@ -41,7 +41,7 @@ bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
 
     BVXI_TRY(bvxi_collapse_number(c, &index));
     BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, c->alive, m->left, level));
-    put_triangles(c, index, 0, level->triangles);
+    give_triangles(c, index, 0, level->triangles);
     for (uint64_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v)) put_position(c, level, index[v], m->at[v].p);
     bvxi_drop(c->ctx, index);
@@ -51,7 +51,7 @@ bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
 /* ---- Vertices as they were given ---- */
 
 /* Arrays for what the mesh has. */
-static bvx_status open_arrays(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
+static bvx_status open_attributes(bvxi_collapse *c, bvx_mesh *level, uint64_t uvs)
 {
     const bvx_mesh_view *const given = c->given;
     uint64_t const n = level->vertex_capacity;
@@ -81,7 +81,7 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
     uint64_t const n = given->vertex_count;
 
     BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, n, c->mesh.left, level));
-    put_triangles(c, c->attributes.vertex, 1, level->triangles);
+    give_triangles(c, c->attributes.vertex, 1, level->triangles);
     for (uint64_t v = 0; v < n; v++) {
         double p[3];
 
@@ -90,12 +90,12 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
     }
     if (!owned) return BVX_OK;
 
-    BVXI_TRY(open_arrays(c, level, given->uv_count));
+    BVXI_TRY(open_attributes(c, level, given->uv_count));
     copy_floats(given->normals, 3 * n, level->normals);
     copy_floats(given->uvs2, 2 * n, level->uvs2);
     copy_floats(given->uvs, 2 * (given->uv_indices != NULL ? given->uv_count : n), level->uvs);
     if (level->colours != NULL) memcpy(level->colours, given->colours, (size_t)n * 4);
-    if (level->uv_triangles != NULL) put_triangles(c, c->attributes.uv, 1, level->uv_triangles);
+    if (level->uv_triangles != NULL) give_triangles(c, c->attributes.uv, 1, level->uv_triangles);
     return BVX_OK;
 }
 
@@ -133,7 +133,7 @@ static uint64_t number_rows(const bvxi_collapse *c, uint32_t *index, uint32_t *a
 
 /* Number the vertices of rows that are used: those of one vertex that differ in texture coordinates alone share it.
  * Rows lie in the order of vertices. Returns how many. */
-static uint64_t number_places(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at,
+static uint64_t number_shared_rows(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at,
                               uint32_t *place)
 {
     uint32_t count = 0;
@@ -177,14 +177,14 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
     place = apart ? at + rows : index;
     count = number_rows(c, index, at);
     BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0,
-                            apart ? number_places(c, index, at, place) : count, c->mesh.left, level));
-    BVXI_TRY(open_arrays(c, level, count));
+                            apart ? number_shared_rows(c, index, at, place) : count, c->mesh.left, level));
+    BVXI_TRY(open_attributes(c, level, count));
 
     /* Of rows that share a vertex the first one remains. */
     for (uint64_t r = rows; r-- > 0;)
         if (index[r] != UINT32_MAX) put_row(c, level, (uint32_t)r, at[r], place[r], index[r]);
-    put_triangles(c, place, 1, level->triangles);
-    if (level->uv_triangles != NULL) put_triangles(c, index, 1, level->uv_triangles);
+    give_triangles(c, place, 1, level->triangles);
+    if (level->uv_triangles != NULL) give_triangles(c, index, 1, level->uv_triangles);
     bvxi_drop(c->ctx, index);
     return BVX_OK;
 }

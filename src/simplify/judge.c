@@ -316,17 +316,17 @@ static int has_come(const bvxi_collapse *c, uint32_t triangle)
 /* ---- Undoing ---- */
 
 /* Pairs that are still to be looked at. */
-typedef struct judge_pairs {
+typedef struct judge_found {
     bvxi_collapse *c;
     uint32_t *pair;
     uint64_t count, capacity;
     uint32_t triangle; /* whose partners are being listed */
     bvx_status status;
-} judge_pairs;
+} judge_found;
 
 static int add_pair(void *user, uint32_t t)
 {
-    judge_pairs *const list = user;
+    judge_found *const list = user;
 
     if (t == list->triangle || (has_come(list->c, t) && has_come(list->c, list->triangle))) return 0;
     if (list->count == list->capacity) {
@@ -346,7 +346,7 @@ static int add_pair(void *user, uint32_t t)
 }
 
 /* The triangles around a vertex that is back where it was: their boxes, and what they cross. */
-static void look_around(judge_pairs *list, uint32_t v)
+static void look_around(judge_found *list, uint32_t v)
 {
     bvxi_collapse *const c = list->c;
     const bvxi_corners *const m = &c->mesh;
@@ -386,7 +386,7 @@ static uint32_t latest_of(const bvxi_collapse *c, const uint32_t *a, const uint3
 }
 
 /* Undo until none of the pairs crosses that has not come with the mesh. */
-static bvx_status undo_pairs(judge_pairs *list, uint64_t *undone)
+static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 {
     bvxi_collapse *const c = list->c;
 
@@ -416,7 +416,7 @@ static bvx_status undo_pairs(judge_pairs *list, uint64_t *undone)
 
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone)
 {
-    judge_pairs list = {.c = c};
+    judge_found list = {.c = c};
     uint32_t *pairs;
     uint64_t count;
 

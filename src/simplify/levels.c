@@ -98,8 +98,8 @@ static double smallest_angle(const bvx_mesh *level)
 
 /* The certificate and crossings of a level, by its own indices, or without seams. By error the collapse has gone
  * beyond it. */
-static bvx_status judge_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
-                              const bvx_mesh *level, bvx_level_report *r)
+static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
+                                const bvx_mesh *level, bvx_level_report *r)
 {
     int const beyond = c->target_errors != NULL, seams = bvxi_collapse_has_seams(collapse);
     bvx_mesh plain = {0};
@@ -131,7 +131,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
 
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, judge_level(ctx, c, collapse, &c->levels[i], r)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, certify_level(ctx, c, collapse, &c->levels[i], r)));
     r->vertices = view.vertex_count;
     r->triangles = view.triangle_count;
     r->target = target_of(c, i);

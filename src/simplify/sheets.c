@@ -488,7 +488,7 @@ static int is_run_double(sheet_work *w, uint64_t m, uint64_t n)
 }
 
 /* Edges whose inside pairs are doubles are paired by their outside. */
-static void turn_doubles(sheet_work *w)
+static void turn_copies(sheet_work *w)
 {
     uint64_t doubles = 0;
 
@@ -584,7 +584,7 @@ static bvx_status pair_and_split(sheet_work *w, bvxi_sheets *sheets)
     bvxi_drop(w->ctx, w->link);
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->triangles * 12, "the corners' vertices", &w->parent));
     pair_edges(w);
-    turn_doubles(w);
+    turn_copies(w);
     report_crowd(w);
     for (uint64_t i = 0, n; i < 3 * w->triangles && w->disputed != 0; i += n) {
         n = edge_halves(w, i);

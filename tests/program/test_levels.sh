@@ -217,7 +217,7 @@ reports 'simplify says that triangles are there twice' 'any("1 triangle is there
 reports 'and which were turned' 'any("faced opposite ways" in w for w in r["warnings"])' simplify turned.obj -o x.ply --triangles 4 --samples 0
 works 'simplify of colours' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --quiet
 holds 'simplify of colours: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
-refuses 2 'is not an option of simplify' simplify coloured.obj -o c_0.obj --carry
+refuses 2 'simplify has no use for --carry' simplify coloured.obj -o c_0.obj --carry
 refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --solid --carry
 works 'simplify --keep-vertices' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --keep-vertices --quiet
 holds 'simplify --keep-vertices: all of them, with their colours' sh -c 'grep "^v " coloured.obj | wc -l >n && test "$(awk "\$1 == \"v\" && NF == 7" c_0.obj | wc -l)" -eq "$(cat n)"'

@@ -663,8 +663,7 @@ static void test_levels_of_kept_vertices_have_their_attributes(void)
 
         position_at(&level[0], k, p);
         torus_formula(p, is);
-        for (int i = 0; i < 2; i++)
-            TEST_ASSERT_TRUE(turn_off((double)uv_at(&level[0], k)[i], is[i]) < 1e-5);
+        for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(turn_off((double)uv_at(&level[0], k)[i], is[i]) < 1e-5);
     }
 }
 

@@ -118,6 +118,58 @@ test('distances, crossings, planes', () => {
     );
 });
 
+// ---- Attributes ----
+
+/** A wavy square of n x n cells with all attributes. */
+function sheet(n) {
+    const at = Array.from({ length: (n + 1) ** 2 }, (_, i) => [(i % (n + 1)) / n, Math.floor(i / (n + 1)) / n]);
+    const triangles = [];
+    for (let y = 0; y < n; y++)
+        for (let x = 0; x < n; x++) {
+            const a = y * (n + 1) + x;
+            triangles.push(a, a + 1, a + n + 2, a, a + n + 2, a + n + 1);
+        }
+    return {
+        positions: Float64Array.from(at.flatMap(([x, y]) => [x, y, 0.05 * Math.sin(6 * x)])),
+        triangles: Uint32Array.from(triangles),
+        normals: Float32Array.from(at.flatMap(() => [0, 0, 1])),
+        uvs: Float32Array.from(at.flat()),
+        uvs2: Float32Array.from(at.flatMap(([x, y]) => [y, x])),
+        colours: Uint8Array.from(at.flatMap(([x]) => [255 * x, 0, 0, 255])),
+        materials: Uint32Array.from({ length: 2 * n * n }, (_, t) => (t < n * n ? 0 : 1)),
+    };
+}
+
+test('levels have the attributes of the mesh', () => {
+    const mesh = sheet(20);
+    for (const call of ['buildLevels', 'simplify']) {
+        const [{ mesh: level }] = bitvox[call](mesh, { targetTriangles: [200] }).levels;
+        const vertices = level.positions.length / 3;
+        assert.deepEqual(
+            ['normals', 'uvs', 'uvs2', 'colours', 'materials'].map(name => level[name].length),
+            [3 * vertices, 2 * vertices, 2 * vertices, 4 * vertices, level.triangles.length / 3],
+        );
+        for (let v = 0; v < vertices; v++)
+            assert.ok(Math.abs(level.uvs[2 * v] - level.positions[3 * v]) < 0.02);
+        assert.deepEqual([...new Set(level.materials)].sort(), [0, 1]);
+    }
+    const [{ mesh: kept }] = bitvox.simplify(mesh, { targetTriangles: [200], vertices: 'kept' }).levels;
+    assert.deepEqual([kept.positions, kept.normals, kept.uvs2], [mesh.positions, mesh.normals, mesh.uvs2]);
+
+    const uvTriangles = mesh.triangles;
+    const [{ mesh: own }] = bitvox.simplify({ ...mesh, uvTriangles }, { targetTriangles: [200] }).levels;
+    assert.equal(own.uvTriangles.length, own.triangles.length);
+    assert.equal(
+        thrown(() => bitvox.simplify({ ...mesh, uvTriangles: uvTriangles.map(() => 1e6) })).status,
+        'range',
+    );
+    for (const name of ['normals', 'uvs', 'uvs2', 'materials'])
+        assert.match(
+            thrown(() => bitvox.simplify({ ...mesh, [name]: mesh[name].slice(1) })).message,
+            new RegExp(`^simplify: ${name} of the mesh must be a .* of (one|two|three) numbers? a`),
+        );
+});
+
 // ---- Errors ----
 
 test('errors say status, reason, function and element', () => {

@@ -68,10 +68,10 @@ def test_borders_of_colors_stay():
         a, b = a[crossed], b[crossed]
         return np.abs(x[a] + (x[b] - x[a]) * red[a] / (red[a] - red[b]) - 22.25).mean()
 
-    for make in (lambda w: painted.simplify(triangles=300, attribute_weight=w), lambda w: bitvox.lod(painted, triangles=300, attribute_weight=w)[0]):
-        plain, kept = make(0), make(5)
+    for make in (lambda w: painted.simplify(triangles=600, attribute_weight=w), lambda w: bitvox.lod(painted, triangles=600, attribute_weight=w)[0]):
+        plain, kept = make(0), make(10)
         assert certified(kept).closed and shift(kept) < 0.5 * shift(plain)
-    assert np.array_equal(painted.simplify(triangles=300, attribute_weight=0).vertices, bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300).vertices)
+    assert np.array_equal(corners(painted.simplify(triangles=300, attribute_weight=0)), corners(bitvox.Mesh(ball.vertices, ball.faces).simplify(triangles=300)))
 
 
 def tube():

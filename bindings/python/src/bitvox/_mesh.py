@@ -12,7 +12,7 @@ from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
 from ._run import Progress, Run, ffi, lib, number_of, options_of, quiet
-from ._words import Array, ErrorKind, OpenInput, Vertices
+from ._words import Array, ErrorKind, Vertices
 
 if TYPE_CHECKING:
     from .reports import Certificate, WriteReport
