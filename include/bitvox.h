@@ -963,7 +963,7 @@ typedef struct bvx_simplify_options {
     uint64_t measure_samples; /**< points a side for each report's distances; 0: not measured, though
                                    target_errors measure with 20000 [Limit: 0..2^31-1] [Default: 0] */
     int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
-                         is the smallest that keeps the guarantee, by error the level before, or the mesh
+                         is the smallest that is not crumpled, by error the level before, or the mesh
                          [Limit: 0..1] [Default: 0] */
     int32_t lock_border;       /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
                                     join [Limit: 0..1] [Default: 0] */

@@ -67,8 +67,8 @@ int32_t cli_input_format(const cli_run *run, const char *path)
 int32_t cli_up_of_format(int32_t format)
 {
     return format == BVX_FORMAT_GLB || format == BVX_FORMAT_GLTF || format == BVX_FORMAT_OBJ ? CLI_UP_Y
-           : format == BVX_FORMAT_STL                           ? CLI_UP_Z
-                                                                : CLI_UP_NONE;
+           : format == BVX_FORMAT_STL                                                        ? CLI_UP_Z
+                                                                                             : CLI_UP_NONE;
 }
 
 int32_t cli_input_up(const cli_run *run)

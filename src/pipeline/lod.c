@@ -187,13 +187,14 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
 {
     uint64_t const target = job->options->target_triangles[job->level];
     bvx_mesh_view view;
-    bvxi_level_chain chain = {.function = lod_name,
-                              .original = &view,
-                              .target_triangles = &target,
-                              .halve_from = fine->triangle_count,
-                              .collapse = {.position_type = fine->position_type, .even = LOD_EVEN, .simple = 1},
-                              .count = 1,
-                              .levels = mesh};
+    bvxi_level_chain chain = {
+        .function = lod_name,
+        .original = &view,
+        .target_triangles = &target,
+        .halve_from = fine->triangle_count,
+        .collapse = {.position_type = fine->position_type, .even = LOD_EVEN, .simple = 1},
+        .count = 1,
+        .levels = mesh};
 
     bvx_mesh_view_of(fine, &view);
     BVXI_TRY(bvxi_levels_make(ctx, &chain, &view, NULL));

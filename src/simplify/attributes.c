@@ -64,17 +64,17 @@ static uint32_t uv_index(const bvxi_collapse *c, int32_t corner, uint32_t vertex
 
 static int same_floats(const float *values, uint32_t i, uint32_t k, size_t count)
 {
-    return values == NULL || i == k || memcmp(values + count * i, values + count * k, count * sizeof *values) == 0;
+    return values == NULL || i == k ||
+           memcmp(values + count * i, values + count * k, count * sizeof *values) == 0;
 }
 
 /* 1: two vertices have equal attributes. */
 static int same_attributes(const bvx_mesh_view *m, uint32_t v, uint32_t w, uint32_t uv, uint32_t uw)
 {
-    return same_floats(m->uvs, uv, uw, 2) && (v == w || (same_floats(m->uvs2, v, w, 2) &&
-                                                         same_floats(m->normals, v, w, 3) &&
-                                                         (m->colours == NULL ||
-                                                          memcmp(m->colours + 4 * (size_t)v,
-                                                                 m->colours + 4 * (size_t)w, 4) == 0)));
+    return same_floats(m->uvs, uv, uw, 2) &&
+           (v == w ||
+            (same_floats(m->uvs2, v, w, 2) && same_floats(m->normals, v, w, 3) &&
+             (m->colours == NULL || memcmp(m->colours + 4 * (size_t)v, m->colours + 4 * (size_t)w, 4) == 0)));
 }
 
 int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
@@ -142,7 +142,8 @@ static double uv_length(const bvxi_collapse *c, int32_t first)
         double uv[3][2], twice;
 
         for (int k = 0; k < 3; k++)
-            for (int i = 0; i < 2; i++) uv[k][i] = row_value(c, c->attributes.row[4 * t + (uint64_t)k], first + i);
+            for (int i = 0; i < 2; i++)
+                uv[k][i] = row_value(c, c->attributes.row[4 * t + (uint64_t)k], first + i);
         twice = (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) - (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0]);
         area += 0.5 * bvxi_absolute(twice);
     }
@@ -206,7 +207,8 @@ static void join_sums(const bvxi_attributes *s, uint32_t u, uint32_t v, const do
 }
 
 /* Add what a row costs that has its best value: a quadric of its position alone. */
-static void add_cost(const bvxi_attributes *s, const double *q, double weight, double a[6], double b[3], double *c)
+static void add_cost(const bvxi_attributes *s, const double *q, double weight, double a[6], double b[3],
+                     double *c)
 {
     double const share = q[QUADRIC_W] > 0 ? weight / q[QUADRIC_W] : 0;
 
@@ -253,8 +255,8 @@ int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge)
     return rows_of_edge(c, edge, u, v) < 2 || (u[0] != u[1] && v[0] != v[1]);
 }
 
-void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
-                         double *cost)
+void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6],
+                         double b[3], double *cost)
 {
     const bvxi_attributes *const s = &c->attributes;
     double both[QUADRIC_CHANNELS + 4 * ATTRIBUTE_CHANNELS];
@@ -317,7 +319,8 @@ static void add_to_rows(bvxi_collapse *c, uint64_t t)
 
         for (int k = 0; k < 3; k++) value[k] = row_value(c, row[k], channel) * s->length[channel];
         if (!gradient_of(u, v, value, g)) continue;
-        for (int k = 0; k < 3; k++) add_channel(s->q + (size_t)s->stride * row[k], channel, g, value[k], area);
+        for (int k = 0; k < 3; k++)
+            add_channel(s->q + (size_t)s->stride * row[k], channel, g, value[k], area);
     }
     for (int k = 0; k < 3; k++) s->q[(size_t)s->stride * row[k] + QUADRIC_W] += area;
 }
@@ -328,7 +331,8 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
     const bvx_mesh_view *const m = c->given;
 
     if (m->materials != NULL) {
-        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangles * 4, "the triangles' materials", &s->material));
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.triangles * 4, "the triangles' materials",
+                            &s->material));
         for (uint64_t t = 0; t < c->mesh.triangles; t++)
             s->material[t] = m->materials[bvxi_given_triangle(c, (int32_t)(4 * t))];
     }
@@ -337,8 +341,8 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
         return BVX_OK;
     BVXI_TRY(find_rows(c));
     set_channels(c);
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, s->rows * (uint64_t)s->stride * 8, "the quadrics of attributes",
-                             &s->q));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, s->rows * (uint64_t)s->stride * 8,
+                             "the quadrics of attributes", &s->q));
     for (uint64_t t = 0; t < c->mesh.triangles && s->channels > 0; t++) add_to_rows(c, t);
     return BVX_OK;
 }

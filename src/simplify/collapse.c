@@ -33,9 +33,10 @@ enum {
     RANGE_MOST = 64,        /* ranges */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
-    THRESHOLD_WANTED = 16384, THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
-    THRESHOLD_FEW = 64, /* the share of those wanted that are the cheapest */
-    COSTS_GRAIN = 4096      /* triangles or vertices of a task */
+    THRESHOLD_WANTED = 16384,
+    THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
+    THRESHOLD_FEW = 64,        /* the share of those wanted that are the cheapest */
+    COSTS_GRAIN = 4096         /* triangles or vertices of a task */
 };
 
 /* ---- Cost ---- */
@@ -80,8 +81,8 @@ BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_co
 }
 
 /* Of A d = g, with the largest diagonal first: the upper half of A, and g. */
-BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x, double y,
-                                 double z, double least, double *dx, double *dy, double *dz)
+BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x,
+                                 double y, double z, double least, double *dx, double *dy, double *dz)
 {
     double const by_x = 1 / xx, to_y = xy * by_x, to_z = xz * by_x;
     double const a = yy - to_y * xy, b = yz - to_y * xz, c = zz - to_z * xz;
@@ -130,20 +131,21 @@ static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, doubl
 
 /* How an edge would collapse. */
 typedef struct edge_plan {
-    int32_t edge;  /* corner opposite to it, with u next and v previous */
-    uint32_t u, v; /* the vertex that stays, and the one that goes */
-    int32_t still; /* 1: u stays where it is */
-    quadric q;     /* of both, about u */
-    quadric all;   /* and what their attributes cost */
+    int32_t edge;     /* corner opposite to it, with u next and v previous */
+    uint32_t u, v;    /* the vertex that stays, and the one that goes */
+    int32_t still;    /* 1: u stays where it is */
+    quadric q;        /* of both, about u */
+    quadric all;      /* and what their attributes cost */
     double offset[3]; /* from u to v */
-    double d[3];   /* the new position from u, in units of 1 / scale */
+    double d[3];      /* the new position from u, in units of 1 / scale */
     double cost;
 } edge_plan;
 
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
 {
     return bvxi_corner_is_ghost(&c->mesh, edge) ||
-           bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) || bvxi_attributes_part(c, edge);
+           bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) ||
+           bvxi_attributes_part(c, edge);
 }
 
 enum { FREE_NOWHERE, FREE_JUNCTION, FREE_LINE, FREE_ALL };
@@ -393,7 +395,8 @@ typedef struct collapse_star {
 } collapse_star;
 
 /* Triangles around a vertex after that of `start`, until one has vertex `other`; 0: too many. */
-static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most, collapse_star *star)
+static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
+                       collapse_star *star)
 {
     for (int32_t c = bvxi_corner_turn_left(m, start);; c = bvxi_corner_turn_left(m, c)) {
         if (bvxi_corner_vertex_of(m, bvxi_corner_previous(c)) == other) return 1;
@@ -434,8 +437,8 @@ static double sides_of(const double *a, const double *b, const double *c)
 enum { STAR_SAFE, STAR_TURNS, STAR_NEEDLE, STAR_CROSSES };
 
 /* Do the triangles of the star keep their sides when their vertex moves to p? */
-static int judge_shapes(const bvxi_corners *m, const edge_plan *plan, const collapse_star *star, const double *p,
-                        int needles)
+static int judge_shapes(const bvxi_corners *m, const edge_plan *plan, const collapse_star *star,
+                        const double *p, int needles)
 {
     for (int32_t i = 0; i < star->count; i++) {
         uint32_t const at_a = star->link[i], at_b = star->link[i + 1];
@@ -579,7 +582,8 @@ static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, coll
     settle_vertex(c, plan, p);
     r->triangles += (uint64_t)drop_triangle(m, plan->edge);
     r->triangles += (uint64_t)drop_triangle(m, across);
-    for (int32_t i = 0; i < star->of_v; i++) m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
+    for (int32_t i = 0; i < star->of_v; i++)
+        m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
 
     /* The apexes of the triangles that went are the ends of both parts of the link. */
     c->any[u] = star->corner[0];
@@ -590,7 +594,8 @@ static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, coll
     r->collapsed++;
     if (c->came != NULL) c->came[u] |= c->came[v];
     for (int32_t i = 0; i < star->count && c->tree.node[0] != NULL; i++)
-        if (!bvxi_corner_is_ghost(m, star->corner[i])) bvxi_crossing_tree_move(&c->tree, (uint32_t)star->corner[i] >> 2);
+        if (!bvxi_corner_is_ghost(m, star->corner[i]))
+            bvxi_crossing_tree_move(&c->tree, (uint32_t)star->corner[i] >> 2);
     renew_edges(c, u, star);
 }
 
@@ -607,8 +612,8 @@ static int is_crumpled(const collapse_sweep *s, const edge_plan *plan, const dou
 }
 
 /* May the edge collapse to an offset from u? p becomes the position, rounded as the caller gets it. */
-static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collapse_star *star, const double d[3],
-                    int needles, double p[3])
+static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collapse_star *star,
+                    const double d[3], int needles, double p[3])
 {
     const bvxi_collapse *const c = s->c;
     const double *const from = c->mesh.at[plan->u].p;
@@ -696,7 +701,8 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     /* What was refused once may leave needles: thin plates cannot do without. */
     needles = plan.cost * 2 < (double)c->least[v];
     verdict = judge_at(s, &plan, &r->star, plan.d, needles, p);
-    if (verdict != STAR_SAFE && judge_elsewhere(s, &plan, &r->star, needles, p) == STAR_SAFE) verdict = STAR_SAFE;
+    if (verdict != STAR_SAFE && judge_elsewhere(s, &plan, &r->star, needles, p) == STAR_SAFE)
+        verdict = STAR_SAFE;
     if (verdict == STAR_SAFE && !is_crumpled(s, &plan, plan.d)) {
         apply(c, &plan, p, r);
         return;
@@ -808,7 +814,8 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
     c->counts.needle += r->counts.needle;
     c->counts.crossed += r->counts.crossed;
     c->counts.crumpled += r->counts.crumpled;
-    c->refused += r->counts.link + r->counts.turned + r->counts.needle + r->counts.crossed + r->counts.crumpled;
+    c->refused += r->counts.link + r->counts.turned + r->counts.needle + r->counts.crossed +
+                  r->counts.crumpled;
 }
 
 static bvx_status sweep_ranges(collapse_sweep *s)

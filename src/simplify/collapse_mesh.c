@@ -20,7 +20,7 @@ enum {
 /* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
  * source, 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
 #define CRUMPLED_LITTLE 0.1
-#define CRUMPLED_MOST   0.6
+#define CRUMPLED_MOST   (2.0 / 3.0)
 #define CRUMPLED_STEP   1.6
 #define EVEN_LITTLE     1e-3
 
@@ -44,8 +44,9 @@ static bvx_status collapse_within(bvxi_collapse *c, uint64_t target, double from
     while (c->mesh.left > target) {
         uint64_t done;
 
-        BVXI_TRY(bvxi_progress(c->ctx, "collapse",
-                               from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target)));
+        BVXI_TRY(
+            bvxi_progress(c->ctx, "collapse",
+                          from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target)));
         BVXI_TRY(bvxi_collapse_sweep(c, target, idle, &done));
         since += done;
         idle = done == 0 ? idle + 1 : 0;
@@ -71,7 +72,8 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
     BVXI_TRY(collapse_within(c, target, from, to));
     order = c->order;
     while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
-        c->crumpled *= CRUMPLED_STEP;
+        c->crumpled = c->crumpled * CRUMPLED_STEP < CRUMPLED_MOST ? c->crumpled * CRUMPLED_STEP
+                                                                  : CRUMPLED_MOST;
         BVXI_TRY(bvxi_collapse_evaluate(c));
         BVXI_TRY(collapse_within(c, target, to, to));
     }
@@ -108,8 +110,8 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
         BVXI_TRY(collapse_judged(c, next, 0, at, end > at ? end : at));
     }
     if (c->mesh.left <= target) return BVX_OK;
-    return collapse_judged(c, target, 1, from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target),
-                           to);
+    return collapse_judged(
+        c, target, 1, from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target), to);
 }
 
 /* ---- The mesh in an order of space ---- */
@@ -117,7 +119,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 typedef struct collapse_order {
     const bvx_mesh_view *view;
     const uint32_t *packed; /* its indices where sheets have them, or NULL */
-    uint64_t *key; /* of vertices, then of triangles */
+    uint64_t *key;          /* of vertices, then of triangles */
     uint32_t *index;
     /* of each vertex of the view: UINT32_MAX where no triangle uses it, else 0 until take_mesh writes its
      * number in the new order */
@@ -203,8 +205,9 @@ static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t beg
         bvxi_corner_triangle const moving = t[i];
         uint64_t j = i;
 
-        for (; j > begin && (t[j - 1].vertex[1] > moving.vertex[1] || (t[j - 1].vertex[1] == moving.vertex[1] &&
-                                                                       t[j - 1].vertex[2] > moving.vertex[2]));
+        for (;
+             j > begin && (t[j - 1].vertex[1] > moving.vertex[1] ||
+                           (t[j - 1].vertex[1] == moving.vertex[1] && t[j - 1].vertex[2] > moving.vertex[2]));
              j--)
             t[j] = t[j - 1];
         t[j] = moving;
@@ -220,7 +223,8 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
     uint32_t *begin, v[3];
     uint64_t sum = 0;
 
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
+    BVXI_TRY(
+        bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, (c->mesh.vertices + 1) * 4, "the triangles' vertices", &begin));
     for (uint64_t t = 0; t < n; t++) {
         ranked_triangle(o, t, v);
         begin[v[0]]++;
@@ -297,7 +301,9 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     uint64_t const items = mesh->vertex_count > mesh->triangle_count ? mesh->vertex_count
                                                                      : mesh->triangle_count;
     uint64_t const bytes = items * 12 + mesh->vertex_count * 4; /* a bucket may have all triangles */
-    collapse_order o = {.view = mesh, .packed = c->sheets->corner, .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
+    collapse_order o = {.view = mesh,
+                        .packed = c->sheets->corner,
+                        .scale = size > 0 ? ((1 << COLLAPSE_CURVE_BITS) - 1) / size : 0};
     unsigned char *block;
 
     memcpy(o.low, low, sizeof o.low);
@@ -311,7 +317,8 @@ static bvx_status order_mesh(bvxi_collapse *c, const bvx_mesh_view *mesh, const 
     c->mesh.vertex_room = mark_used(&o);
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * sizeof *c->mesh.at, "the vertices",
                         &c->mesh.at));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' sources", &c->mesh.source));
+    BVXI_TRY(
+        bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertex_room * 4, "the vertices' sources", &c->mesh.source));
     BVXI_TRY(take_mesh(c, &o));
     bvxi_drop(c->ctx, block);
     return BVX_OK;
@@ -409,7 +416,8 @@ static void mark_line(bvxi_collapse *c, int32_t corner, int count)
                               bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(corner))};
 
     add_upright(c, corner);
-    for (int k = 0; k < 2 && count; k++) c->kind[ends[k]] = (uint8_t)(c->kind[ends[k]] + (c->kind[ends[k]] < 3));
+    for (int k = 0; k < 2 && count; k++)
+        c->kind[ends[k]] = (uint8_t)(c->kind[ends[k]] + (c->kind[ends[k]] < 3));
 }
 
 /* Vertices on one line of borders and seams move along it, those where lines meet or end do not; and planes keep
@@ -429,8 +437,7 @@ static void mark_lines(bvxi_collapse *c)
         mark_line(c, bvxi_corner_opposite(m, ghost), 1);
         for (int k = 1; k < 3 && c->options.lock_border; k++) c->kind[m->triangle[ghost >> 2].vertex[k]] = 4;
     }
-    for (uint64_t v = 0; v < m->vertices; v++)
-        c->kind[v] = kinds[c->kind[v]];
+    for (uint64_t v = 0; v < m->vertices; v++) c->kind[v] = kinds[c->kind[v]];
 
     for (int32_t corner = 0; corner < end && c->options.locked != NULL; corner += (corner & 3) == 2 ? 2 : 1)
         if (c->options.locked[bvxi_given_vertex(c, corner)] != 0)

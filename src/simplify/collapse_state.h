@@ -9,7 +9,7 @@
 
 enum {
     COLLAPSE_GONE = -2, /* in place of a vertex's edge */
-    COLLAPSE_STAR = 96 /* triangles around either end; a vertex of more stays, its neighbours do not */
+    COLLAPSE_STAR = 96  /* triangles around either end; a vertex of more stays, its neighbours do not */
 };
 
 /* How a vertex may move: bits. */
@@ -23,10 +23,10 @@ enum { ATTRIBUTE_CHANNELS = 11 };
 
 /* Sets of attributes, rows, of which a vertex has one on each side of its seams. */
 typedef struct bvxi_attributes {
-    uint32_t *row;      /* of each corner, or NULL without rows; BVXI_VERTEX_NONE of ghosts */
-    uint32_t *material; /* of each triangle, or NULL */
+    uint32_t *row;         /* of each corner, or NULL without rows; BVXI_VERTEX_NONE of ghosts */
+    uint32_t *material;    /* of each triangle, or NULL */
     uint32_t *vertex, *uv; /* of each row: the vertex of the given mesh, and its texture coordinates' index */
-    double *q;          /* of each row [Size: rows * stride] */
+    double *q;             /* of each row [Size: rows * stride] */
     uint64_t rows;
     int32_t stride, channels;
     int32_t uv2_at, normal_at, colour_at; /* where channels of the kinds begin; texture coordinates at 0 */
@@ -34,15 +34,16 @@ typedef struct bvxi_attributes {
 } bvxi_attributes;
 
 #define COST_NOTHING   1e-20f /* the cost that rounding alone makes, in units of the mesh's size */
-#define COLLAPSE_NEVER 3e38f /* the cost of an edge that must not collapse */
+#define COLLAPSE_NEVER 3e38f  /* the cost of an edge that must not collapse */
 
 /* What undoes the collapse in which a vertex went. */
 typedef struct collapse_undo {
-    double p[3];      /* of the vertex that stayed, as it was */
-    int32_t edge;     /* corner opposite to the edge; the vertex that stayed is next, the one that went previous */
+    double p[3]; /* of the vertex that stayed, as it was */
+    int32_t
+        edge; /* corner opposite to the edge; the vertex that stayed is next, the one that went previous */
     uint32_t stayed;
-    uint32_t before;  /* the vertex that went into it last before this one, or BVXI_VERTEX_NONE */
-    uint32_t order;   /* of collapses that touch each other: rises */
+    uint32_t before; /* the vertex that went into it last before this one, or BVXI_VERTEX_NONE */
+    uint32_t order;  /* of collapses that touch each other: rises */
 } collapse_undo;
 
 struct bvxi_collapse {
@@ -51,7 +52,8 @@ struct bvxi_collapse {
     bvxi_collapse_options options;
     bvxi_corners mesh;
 
-    uint32_t *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
+    uint32_t
+        *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
     bvxi_attributes attributes;
 
     float *least;        /* of each vertex: the cost of its cheapest edge */
@@ -65,8 +67,8 @@ struct bvxi_collapse {
 
     const bvx_mesh_view *given; /* the mesh as it was given */
     const bvxi_sheets *sheets;
-    const bvx_mesh_view *view;  /* and as sheets */
-    const uint32_t *source;     /* corner of the given mesh at each corner of the sheets, or NULL: the same */
+    const bvx_mesh_view *view; /* and as sheets */
+    const uint32_t *source;    /* corner of the given mesh at each corner of the sheets, or NULL: the same */
     /* As the mesh was opened: its triangles' corners, the view's vertex at each of its vertices, and the vertex that
      * each is part of, or NULL before the first packing. */
     uint32_t *origin, *first_source, *now;
@@ -78,9 +80,9 @@ struct bvxi_collapse {
 
     float reached;    /* cost of the dearest edges that were tried */
     uint64_t refused; /* edges, since all were looked at */
-    double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
-    double scale; /* quadrics measure lengths in units of 1 / scale, the mesh's size */
-    double area;  /* of the mesh as it was opened, in the same units */
+    double crumpled;  /* mean edges that a vertex may lie from the planes that it stands for */
+    double scale;     /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    double area;      /* of the mesh as it was opened, in the same units */
     double low[3];
     uint64_t alive; /* vertices */
     uint32_t order; /* of the next collapse */
@@ -124,8 +126,8 @@ int bvxi_attributes_part(const bvxi_collapse *c, int32_t edge);
  * which. Where a seam ends it is 0. */
 int bvxi_attributes_match(const bvxi_collapse *c, int32_t edge);
 /* Add what a collapse costs in attributes, about the vertex next to the edge's corner; offset leads to the other. */
-void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6], double b[3],
-                         double *cost);
+void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offset[3], double a[6],
+                         double b[3], double *cost);
 /* The rows of the vertex that goes become those of the one that stays, which moves by d; corner: those of the
  * former in triangles that stay. */
 void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3], const double d[3],

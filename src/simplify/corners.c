@@ -59,11 +59,13 @@ static void cut_both_sides(bvxi_corners *m, int32_t waiting)
 
 /* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait; 0 when the edge
  * has too many sides, or two that run the same way. */
-BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, uint32_t u, uint32_t v, int borders)
+BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c, uint32_t u, uint32_t v,
+                                   int borders)
 {
     /* The lower end has the list, or that of fewer triangles where the lower one has very many. */
     uint32_t const low = u < v ? u : v, high = u < v ? v : u;
-    int const crowded = BVXI_UNLIKELY(lists->around[low] > EDGE_CROWD) && lists->around[high] < lists->around[low];
+    int const crowded = BVXI_UNLIKELY(lists->around[low] > EDGE_CROWD) &&
+                        lists->around[high] < lists->around[low];
     uint32_t const end = crowded ? high : low, other = crowded ? low : high;
     edge_wait *wait;
 
@@ -152,8 +154,10 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
 
         t->opposite[0] = t->opposite[1] = t->opposite[2] = -1;
         if (!pair_corner(m, lists, c, v[1], v[2], borders)) return fail_edge(ctx, function, m, c, borders);
-        if (!pair_corner(m, lists, c + 1, v[2], v[0], borders)) return fail_edge(ctx, function, m, c + 1, borders);
-        if (!pair_corner(m, lists, c + 2, v[0], v[1], borders)) return fail_edge(ctx, function, m, c + 2, borders);
+        if (!pair_corner(m, lists, c + 1, v[2], v[0], borders))
+            return fail_edge(ctx, function, m, c + 1, borders);
+        if (!pair_corner(m, lists, c + 2, v[0], v[1], borders))
+            return fail_edge(ctx, function, m, c + 2, borders);
     }
 
     for (int32_t c = 0; c < end && borders == BVXI_BORDERS_CUT; c += (c & 3) == 2 ? 2 : 1)
@@ -176,7 +180,8 @@ static int has_one_fan_each(const bvxi_corners *m, int32_t *any)
 
     for (uint64_t v = 0; v < m->vertices; v++) any[v] = -1;
     for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
-        for (int k = t < m->triangles ? 0 : 1; k < 3; k++) any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+        for (int k = t < m->triangles ? 0 : 1; k < 3; k++)
+            any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
 
     for (uint64_t v = 0; v < m->vertices; v++) {
         int32_t c = any[v];
@@ -197,7 +202,8 @@ static bvx_status grow_vertices(bvx_context *ctx, bvxi_corners *m, uint64_t room
     bvxi_corner_vertex *larger;
     uint32_t *sources;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *larger, "the vertices of parts that touch", &larger));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 4, "the sources of parts that touch", &sources));
     memcpy(larger, m->at, (size_t)m->vertices * sizeof *larger);
     memcpy(sources, m->source, (size_t)m->vertices * 4);

@@ -28,7 +28,8 @@ typedef struct crossing_job {
     const crossing_tree *tree;
     int all;
     int32_t pieces;
-    uint32_t *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
+    uint32_t
+        *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
     uint64_t *counts; /* of each piece, then where its pairs begin */
     uint8_t *marks;   /* of each node of level 0 */
     uint64_t *keys;   /* lower index << 32 | higher one, or NULL */
@@ -227,7 +228,8 @@ static int crosses_exactly(const bvxi_orient_plane *plane, const double *const p
     return bvxi_triangles_cross_at(plane, p, q) && bvxi_has_area(p) && bvxi_has_area(q);
 }
 
-static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3], uint64_t t)
+static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
+                   uint64_t t)
 {
     const double *q[3];
 
@@ -246,8 +248,8 @@ static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint3
 }
 
 /* Pairs between two nodes, or within one. */
-static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *held, uint64_t first, uint64_t second,
-                               uint64_t *keys)
+static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *held, uint64_t first,
+                               uint64_t second, uint64_t *keys)
 {
     const crossing_tree *const tree = job->tree;
     uint64_t found = 0;
@@ -370,7 +372,8 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
              * where only fresh triangles are looked at. */
             if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
-            else if (!share_a_fan(job, node, child)) found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
+            else if (!share_a_fan(job, node, child))
+                found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
         }
     }
     return found;
@@ -463,7 +466,7 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
         if (crosses(tree, plane, p, t) && visit(user, (uint32_t)t)) return 1;
-    next:;
+next:;
     }
     return 0;
 }

@@ -23,7 +23,7 @@ typedef struct fan_walk {
     const bvxi_corners *m;
     const double *p;
     int32_t start, at;
-    int open; /* 1: it begins and ends at a border */
+    int open;               /* 1: it begins and ends at a border */
     double way[3], next[3]; /* to the two neighbours of a triangle */
 } fan_walk;
 
@@ -101,7 +101,8 @@ static int is_graph(const bvxi_corners *m, uint32_t v, int32_t any)
 
         bvxi_vec_cross(w.way, w.next, n);
         along = bvxi_vec_dot(n, sum);
-        if (!((along > 0) & (along * along > FAN_SINE * FAN_SINE * sum_square * bvxi_vec_dot(w.way, w.way) * next_square)))
+        if (!((along > 0) &
+              (along * along > FAN_SINE * FAN_SINE * sum_square * bvxi_vec_dot(w.way, w.way) * next_square)))
             return 0;
         side = bvxi_vec_dot(w.next, left);
         if (BVXI_UNLIKELY(side * side < FAN_SINE * FAN_SINE * next_square * left_square)) {
@@ -154,7 +155,8 @@ static void fans_piece(void *user, int32_t piece, int32_t worker)
 }
 
 /* Boxes over the level, and pairs that cross. */
-static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs, uint64_t *count)
+static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs,
+                               uint64_t *count)
 {
     judge_level l = {c, all, NULL};
     uint64_t fresh = 0;
@@ -243,7 +245,8 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 {
     uint64_t count = number_origin(c, o);
 
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
+    BVXI_TRY(
+        bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
                         &o->triangle));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->back));
@@ -332,7 +335,8 @@ static int add_pair(void *user, uint32_t t)
     if (list->count == list->capacity) {
         uint32_t *larger;
 
-        list->status = bvxi_alloc(list->c->ctx, BVXI_SCRATCH, list->capacity * 16 + 1024, "crossing pairs", &larger);
+        list->status = bvxi_alloc(list->c->ctx, BVXI_SCRATCH, list->capacity * 16 + 1024, "crossing pairs",
+                                  &larger);
         if (list->status != BVX_OK) return 1;
         if (list->count != 0) memcpy(larger, list->pair, (size_t)list->count * 8);
         bvxi_drop(list->c->ctx, list->pair);
@@ -394,7 +398,8 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
         uint32_t const s = list->pair[2 * --list->count], t = list->pair[2 * list->count + 1];
         uint32_t latest, went;
 
-        if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t))) continue;
+        if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t)))
+            continue;
         if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
         latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
         if (latest == BVXI_VERTEX_NONE) continue;

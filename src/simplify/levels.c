@@ -301,8 +301,8 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 
         before = bvxi_collapse_triangles(collapse);
         plan_tries(c, (double)before, part, cost);
-        BVXI_TRY(BVXI_STEP(&steps, TRY_COLLAPSE,
-                           bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
+        BVXI_TRY(
+            BVXI_STEP(&steps, TRY_COLLAPSE, bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
     } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
@@ -372,8 +372,8 @@ static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end,
 }
 
 /* The mesh as it is where it is manifold by its positions, else with its edges parted. */
-static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh, bvxi_sheets *made,
-                                bvxi_sheets_report *sheets, bvxi_collapse **collapse)
+static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
+                                bvxi_sheets *made, bvxi_sheets_report *sheets, bvxi_collapse **collapse)
 {
     uint64_t mark;
     bvx_status status;
@@ -382,7 +382,8 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
     if (c->collapse.simple) return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
     c->collapse.borders = BVXI_BORDERS_KEPT;
     mark = bvxi_scratch_begin(ctx);
-    status = bvxi_scratch_keep(ctx, mark, bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
+    status = bvxi_scratch_keep(ctx, mark,
+                               bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse));
     if (status == BVX_OK) sheets->split = bvxi_collapse_tried(*collapse)->split;
     if (status != BVX_ERR_ARGUMENT) return status;
 
@@ -391,8 +392,8 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
     return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
 }
 
-static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh, bvxi_sheets *made,
-                             bvxi_sheets_report *sheets)
+static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
+                             bvxi_sheets *made, bvxi_sheets_report *sheets)
 {
     const bvx_mesh_view *const surface = &made->view;
     double const all = cost_of_chain(c, 0, c->count, (double)surface->triangle_count);

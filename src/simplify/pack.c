@@ -16,7 +16,8 @@ static bvx_status follow_vertices(bvxi_collapse *c, const uint32_t *moved)
 {
     uint32_t *now = c->now;
 
-    if (now == NULL) BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 4, "vertices that went", &now));
+    if (now == NULL)
+        BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->first_vertices * 4, "vertices that went", &now));
     for (uint64_t v = 0; v < c->first_vertices; v++) now[v] = moved[bvxi_collapse_now(c, (uint32_t)v)];
     c->now = now;
     return BVX_OK;

@@ -214,7 +214,8 @@ static inline void check_rows(const bvxi_collapse *c)
             at = bvxi_corner_turn_left(m, at);
         } while (at != c->any[v]);
         require(lines == 0 || c->kind[v] != 0, "a vertex on a line has no kind");
-        require(lines <= 2 || (c->kind[v] & (VERTEX_JUNCTION | VERTEX_LOCKED)) != 0, "lines meet at a vertex that moves");
+        require(lines <= 2 || (c->kind[v] & (VERTEX_JUNCTION | VERTEX_LOCKED)) != 0,
+                "lines meet at a vertex that moves");
     }
 }
 

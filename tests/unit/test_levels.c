@@ -810,8 +810,8 @@ static void test_thin_walls_do_not_make_handles(void)
         TEST_ASSERT_EQUAL_INT_MESSAGE(!is_left, found.repair.thin_kept, where);
         TEST_ASSERT_EQUAL_INT64_MESSAGE(is_left ? lost.after.euler : kept.after.euler,
                                         report[0].certificate.euler, where);
-        TEST_ASSERT_TRUE_MESSAGE(
-            is_left ? report[0].distance.mean < with : report[0].distance.mean == with, where);
+        TEST_ASSERT_TRUE_MESSAGE(is_left ? report[0].distance.mean < with : report[0].distance.mean == with,
+                                 where);
     }
     TEST_ASSERT_TRUE(left >= 3 && left < 6);
 }

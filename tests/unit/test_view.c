@@ -361,7 +361,12 @@ static void test_packed_view_is_the_one_written_out(void)
 {
     static const float xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const uint32_t corners[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-    bvx_mesh_view const expected = {.positions = xyz, .indices = corners, .vertex_count = 4, .triangle_count = 4, .position_type = BVX_F32, .index_type = BVX_U32};
+    bvx_mesh_view const expected = {.positions = xyz,
+                                    .indices = corners,
+                                    .vertex_count = 4,
+                                    .triangle_count = 4,
+                                    .position_type = BVX_F32,
+                                    .index_type = BVX_U32};
     bvx_mesh_view const view = bvx_mesh_view_packed(xyz, 4, corners, 4);
     bvx_lattice lattice;
 
