@@ -22,6 +22,7 @@ enum {
 #define CRUMPLED_LITTLE 0.1
 #define CRUMPLED_MOST   (2.0 / 3.0)
 #define CRUMPLED_STEP   1.6
+#define CRUMPLED_ANY    1e6
 #define EVEN_LITTLE     1e-3
 
 /* Spans within which squares of normals of small triangles are numbers: beyond them every collapse would count
@@ -67,8 +68,8 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
 {
     uint32_t order;
 
-    /* A strong pull towards even triangles is measured as a distance, too. */
-    c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_MOST;
+    /* A strong pull towards even triangles would be measured as a distance, too. */
+    c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
     BVXI_TRY(collapse_within(c, target, from, to));
     order = c->order;
     while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
