@@ -134,7 +134,7 @@ static uint64_t number_rows(const bvxi_collapse *c, uint32_t *index, uint32_t *a
 /* Number the vertices of rows that are used: those of one vertex that differ in texture coordinates alone share it.
  * Rows lie in the order of vertices. Returns how many. */
 static uint64_t number_shared_rows(const bvxi_collapse *c, const uint32_t *index, const uint32_t *at,
-                              uint32_t *place)
+                                   uint32_t *place)
 {
     uint32_t count = 0;
 
