@@ -91,6 +91,7 @@ make_files() {
         quiet convert small.ply -o plain.obj
         awk '/^v / { $0 = $0 " 1 0.5 " ($2 > 0) } { print }' plain.obj >painted.obj
         quiet convert painted.obj -o painted.ply
+        quiet convert painted.obj -o helmet.glb
     )
 }
 
