@@ -626,10 +626,10 @@ static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collap
     return bvxi_collapse_crosses(c, plan->u, plan->v, star->link, star->count, p) ? STAR_CROSSES : STAR_SAFE;
 }
 
-/* Where the best position turns triangles over, the ends and the middle may not, at no more than twice the
- * cost. */
-static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const collapse_star *star, int needles,
-                           double p[3])
+/* Where the best position turns triangles over, the ends and the middle may not, at no more than twice the cost
+ * that the edge has, which rises when it is refused. */
+static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const collapse_star *star, double cost,
+                           int needles, double p[3])
 {
     const double *const offset = plan->offset;
 
@@ -637,7 +637,7 @@ static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const colla
     for (int i = 0; i < 3; i++) {
         double const d[3] = {0.5 * i * offset[0], 0.5 * i * offset[1], 0.5 * i * offset[2]};
 
-        if (quadric_at(&plan->all, d) > 2 * plan->cost) continue;
+        if (quadric_at(&plan->all, d) > 2 * cost) continue;
         memcpy(plan->d, d, sizeof plan->d);
         if (judge_at(s, plan, star, d, needles, p) == STAR_SAFE) return STAR_SAFE;
     }
@@ -701,7 +701,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     /* What was refused once may leave needles: thin plates cannot do without. */
     needles = plan.cost * 2 < (double)c->least[v];
     verdict = judge_at(s, &plan, &r->star, plan.d, needles, p);
-    if (verdict != STAR_SAFE && judge_elsewhere(s, &plan, &r->star, needles, p) == STAR_SAFE)
+    if (verdict != STAR_SAFE && judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE)
         verdict = STAR_SAFE;
     if (verdict == STAR_SAFE && !is_crumpled(s, &plan, plan.d)) {
         apply(c, &plan, p, r);
