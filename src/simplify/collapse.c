@@ -13,7 +13,7 @@
  *
  * Guarantee: a mesh that is closed, manifold and oriented stays so, and keeps its handles and borders. Whether
  * triangles cross is judged afterwards (judge.c), which undoes what made them. */
-#include "simplify/collapse_state.h"
+#include "simplify/edge_costs.h"
 #include "bits/bits.h"
 #include "core/vec3.h"
 
@@ -39,351 +39,6 @@ enum {
     COSTS_GRAIN = 4096         /* triangles or vertices of a task */
 };
 
-/* ---- Cost ---- */
-
-/* A quadric while it is computed with. */
-typedef struct quadric {
-    double a[6], b[3], c;
-} quadric;
-
-/* A d + b: half the gradient at d. */
-static void half_gradient(const quadric *q, const double d[3], double g[3])
-{
-    g[0] = q->a[0] * d[0] + q->a[1] * d[1] + q->a[2] * d[2] + q->b[0];
-    g[1] = q->a[1] * d[0] + q->a[3] * d[1] + q->a[4] * d[2] + q->b[1];
-    g[2] = q->a[2] * d[0] + q->a[4] * d[1] + q->a[5] * d[2] + q->b[2];
-}
-
-static double quadric_at(const quadric *q, const double d[3])
-{
-    double g[3], value;
-
-    half_gradient(q, d, g);
-    value = (g[0] + q->b[0]) * d[0] + (g[1] + q->b[1]) * d[1] + (g[2] + q->b[2]) * d[2] + q->c;
-    return value > 0 ? value : 0;
-}
-
-/* The sum of both vertices' quadrics about u; offset leads from u to v. */
-BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex *v,
-                                      const double offset[3], quadric *q)
-{
-    double const x = offset[0], y = offset[1], z = offset[2];
-    double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
-                           v->a[2] * x + v->a[4] * y + v->a[5] * z};
-
-    /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
-    for (int i = 0; i < 6; i++) q->a[i] = u->a[i] + v->a[i];
-    q->c = u->c + v->c;
-    for (int i = 0; i < 3; i++) {
-        q->b[i] = u->b[i] + (v->b[i] - way[i]);
-        q->c += offset[i] * (way[i] - 2 * v->b[i]);
-    }
-}
-
-/* Of A d = g, with the largest diagonal first: the upper half of A, and g. */
-BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x,
-                                 double y, double z, double least, double *dx, double *dy, double *dz)
-{
-    double const by_x = 1 / xx, to_y = xy * by_x, to_z = xz * by_x;
-    double const a = yy - to_y * xy, b = yz - to_y * xz, c = zz - to_z * xz;
-    double const g = y - to_y * x, h = z - to_z * x;
-    double s, t;
-
-    if (a > c) {
-        double const by_a = 1 / a, share = b * by_a, last = c - share * b;
-
-        if (!((xx > least) & (a > least) & (last > least))) return 0;
-        t = (h - share * g) / last;
-        s = g * by_a - share * t;
-    } else {
-        double const by_c = 1 / c, share = b * by_c, last = a - share * b;
-
-        if (!((xx > least) & (c > least) & (last > least))) return 0;
-        s = (g - share * h) / last;
-        t = h * by_c - share * s;
-    }
-    *dx = (x - xy * s - xz * t) * by_x;
-    *dy = s;
-    *dz = t;
-    return 1;
-}
-
-/* Solve A d = -b by elimination with the largest remaining diagonal first, which keeps small eigenvalues
- * apart from rounding; 0: A is singular within it. A is symmetric and not negative, so each pivot bounds its
- * row, and the rows need no pivoting of their own. A pivot within rounding of the trace is a direction that no
- * plane fixes: then the caller takes an end of the edge, which lies on the surface. NaN fails the comparison
- * too. */
-BVXI_VECTOR_INLINE int solve_least(const double a[6], const double b[3], double d[3])
-{
-    double const least = (a[0] + a[3] + a[5]) * 1e-13;
-
-    if (a[5] > a[0] && a[5] > a[3])
-        return eliminate(a[5], a[4], a[2], a[3], a[1], a[0], -b[2], -b[1], -b[0], least, &d[2], &d[1], &d[0]);
-    if (a[3] > a[0])
-        return eliminate(a[3], a[1], a[4], a[0], a[2], a[5], -b[1], -b[0], -b[2], least, &d[1], &d[0], &d[2]);
-    return eliminate(a[0], a[1], a[2], a[3], a[4], a[5], -b[0], -b[1], -b[2], least, &d[0], &d[1], &d[2]);
-}
-
-static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
-{
-    for (int k = 0; k < 3; k++) offset[k] = (c->mesh.at[v].p[k] - c->mesh.at[u].p[k]) * c->scale;
-}
-
-/* How an edge would collapse. */
-typedef struct edge_plan {
-    int32_t edge;     /* corner opposite to it, with u next and v previous */
-    uint32_t u, v;    /* the vertex that stays, and the one that goes */
-    int32_t still;    /* 1: u stays where it is */
-    quadric q;        /* of both, about u */
-    quadric all;      /* and what their attributes cost */
-    double offset[3]; /* from u to v */
-    double d[3];      /* the new position from u, in units of 1 / scale */
-    double cost;
-} edge_plan;
-
-int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
-{
-    return bvxi_corner_is_ghost(&c->mesh, edge) ||
-           bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) ||
-           bvxi_attributes_part(c, edge);
-}
-
-enum { FREE_NOWHERE, FREE_JUNCTION, FREE_LINE, FREE_ALL };
-
-static int freedom(const bvxi_collapse *c, uint32_t v)
-{
-    uint8_t const kind = c->kind[v];
-
-    if (kind == 0) return FREE_ALL;
-    if (kind == VERTEX_LINE) return FREE_LINE;
-    /* A junction takes attributes along that no vertex has which was given. */
-    return kind == VERTEX_JUNCTION && c->options.vertices != BVX_VERTICES_KEPT ? FREE_JUNCTION : FREE_NOWHERE;
-}
-
-/* Where an edge's ends may meet at all; 0: nowhere. */
-static int plan_ends(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
-{
-    const bvxi_corners *const m = &c->mesh;
-    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
-    uint32_t const v = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
-    int free_u, free_v;
-
-    if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return 0;
-    plan->edge = edge;
-    plan->u = u;
-    plan->v = v;
-    plan->still = 0;
-    if ((c->kind[u] | c->kind[v]) == 0) return 1;
-
-    free_u = freedom(c, u);
-    free_v = freedom(c, v);
-    if (free_u + free_v == FREE_NOWHERE) return 0;
-    if (free_u != FREE_ALL && free_v != FREE_ALL) {
-        if (!bvxi_collapse_is_feature(c, edge)) return 0;
-        if (c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
-    }
-
-    /* The end that is less free stays, where it is. */
-    if (free_v < free_u) {
-        plan->edge = bvxi_corner_opposite(m, edge);
-        plan->u = v;
-        plan->v = u;
-    }
-    plan->still = free_u != free_v || free_u == FREE_JUNCTION;
-    return 1;
-}
-
-/* Either end may stay. */
-static int may_swap(const bvxi_collapse *c, const edge_plan *plan)
-{
-    return freedom(c, plan->u) == freedom(c, plan->v);
-}
-
-/* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
-static void join_ends(const bvxi_collapse *c, edge_plan *plan)
-{
-    offset_between(c, plan->u, plan->v, plan->offset);
-    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], plan->offset, &plan->q);
-    plan->all = plan->q;
-    if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
-        bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
-    memset(plan->d, 0, sizeof plan->d);
-    plan->cost = plan->all.c > 0 ? plan->all.c : 0;
-}
-
-/* Where an edge's ends would meet, and what it costs; 0: nowhere. */
-static int plan_edge(const bvxi_collapse *c, int32_t edge, edge_plan *plan)
-{
-    int const kept = c->options.vertices == BVX_VERTICES_KEPT;
-    double at_v;
-
-    if (!plan_ends(c, edge, plan)) return 0;
-    join_ends(c, plan);
-    if (plan->still && !may_swap(c, plan)) return 1;
-
-    /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
-    if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
-        double reach = 0, length = 0;
-
-        for (int k = 0; k < 3; k++) {
-            double const way = plan->d[k] - 0.5 * plan->offset[k];
-
-            length += plan->offset[k] * plan->offset[k];
-            reach += way * way;
-        }
-        if (reach <= 4 * length) {
-            double const cost = plan->all.c + bvxi_vec_dot(plan->all.b, plan->d);
-
-            plan->cost = cost > 0 ? cost : 0;
-            return 1;
-        }
-        memset(plan->d, 0, sizeof plan->d);
-    }
-
-    /* Where the planes leave it open: the better end, which stays on the surface. */
-    at_v = quadric_at(&plan->all, plan->offset);
-    if (!(at_v < plan->cost)) return 1;
-    plan->cost = at_v;
-    if (kept || plan->still) {
-        uint32_t const u = plan->u;
-
-        plan->edge = bvxi_corner_opposite(&c->mesh, plan->edge);
-        plan->u = plan->v;
-        plan->v = u;
-        join_ends(c, plan);
-    } else {
-        memcpy(plan->d, plan->offset, sizeof plan->d);
-    }
-    return 1;
-}
-
-/* ---- Costs beside the edges ---- */
-
-/* The same as plan_edge finds, of two ends that may both move anywhere. */
-static float free_cost(const bvxi_collapse *c, uint32_t u, uint32_t v)
-{
-    double offset[3], d[3], length = 0, reach = 0, cost, at_v;
-    quadric q;
-
-    offset_between(c, u, v, offset);
-    join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, &q);
-    if (BVXI_LIKELY(solve_least(q.a, q.b, d))) {
-        for (int k = 0; k < 3; k++) {
-            double const way = d[k] - 0.5 * offset[k];
-
-            length += offset[k] * offset[k];
-            reach += way * way;
-        }
-        if (BVXI_LIKELY(reach <= 4 * length)) {
-            cost = q.c + bvxi_vec_dot(q.b, d);
-            return (float)(cost > 0 ? cost : 0);
-        }
-    }
-    cost = q.c > 0 ? q.c : 0;
-    at_v = quadric_at(&q, offset);
-    return (float)(at_v < cost ? at_v : cost);
-}
-
-static float cost_of(const bvxi_collapse *c, int32_t edge)
-{
-    uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
-    uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
-    edge_plan plan;
-    float cost = COLLAPSE_NEVER;
-
-    if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return COLLAPSE_NEVER;
-    if ((c->kind[u] | c->kind[v]) == 0 && c->attributes.row == NULL) cost = free_cost(c, u, v);
-    else if (plan_edge(c, edge, &plan)) cost = (float)plan.cost;
-
-    /* No more than the type holds, and nothing that compares with nothing. */
-    return cost < COLLAPSE_NEVER ? cost : COLLAPSE_NEVER;
-}
-
-static void put_cost(bvxi_corners *m, int32_t edge, float cost)
-{
-    int32_t const across = bvxi_corner_opposite(m, edge);
-
-    m->triangle[edge >> 2].cost[edge & 3] = cost;
-    m->triangle[across >> 2].cost[across & 3] = cost;
-}
-
-static float edge_cost(const bvxi_corners *m, int32_t edge)
-{
-    return m->triangle[edge >> 2].cost[edge & 3];
-}
-
-/* The cheapest edge of a vertex, by the costs beside them. */
-static void find_least(bvxi_collapse *c, uint32_t v)
-{
-    const bvxi_corners *const m = &c->mesh;
-    int32_t const start = c->any[v];
-    int32_t at = start, best = -1;
-    float least = COLLAPSE_NEVER;
-
-    do {
-        int32_t const edge = bvxi_corner_previous(at);
-        float const cost = edge_cost(m, edge);
-
-        if (cost < least) {
-            least = cost;
-            best = edge;
-        }
-        at = bvxi_corner_next(bvxi_corner_opposite(m, bvxi_corner_next(at)));
-    } while (at != start);
-    c->least[v] = least;
-    c->edge[v] = best;
-}
-
-static void evaluate_piece(void *user, int32_t index, int32_t worker)
-{
-    bvxi_collapse *const c = user;
-    bvxi_corners *const m = &c->mesh;
-    uint64_t begin, end;
-    (void)worker;
-
-    bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
-    for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
-        if (bvxi_corner_gone(m, 4 * t)) continue;
-        /* Each edge once, from the smaller corner: ghosts have none. */
-        for (int32_t edge = 4 * t; edge < 4 * t + 3; edge++)
-            if (edge < bvxi_corner_opposite(m, edge)) put_cost(m, edge, cost_of(c, edge));
-    }
-}
-
-static void least_piece(void *user, int32_t index, int32_t worker)
-{
-    bvxi_collapse *const c = user;
-    uint64_t begin, end;
-    (void)worker;
-
-    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
-    for (uint64_t v = begin; v < end; v++)
-        if (!bvxi_collapse_is_gone(c, (uint32_t)v)) find_least(c, (uint32_t)v);
-}
-
-void bvxi_collapse_index(bvxi_collapse *c)
-{
-    bvxi_corners *const m = &c->mesh;
-
-    for (uint64_t v = 0; v < m->vertices; v++) c->edge[v] = -1;
-    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
-        for (int k = 0; k < 3; k++)
-            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
-                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
-}
-
-void bvxi_collapse_find_least(bvxi_collapse *c)
-{
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), least_piece, c);
-}
-
-bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
-{
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
-    bvxi_collapse_find_least(c);
-    return BVX_OK;
-}
-
 /* ---- The star of an edge ---- */
 
 /* Triangle i of the star is at corner[i], which is its corner at v for the first of them and at u for the
@@ -407,7 +62,7 @@ static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int
 }
 
 /* 0: the collapse would change the topology, or the star is too large. */
-static int gather_star(const bvxi_corners *m, const edge_plan *plan, collapse_star *star)
+static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, collapse_star *star)
 {
     int32_t const across = bvxi_corner_opposite(m, plan->edge);
 
@@ -437,7 +92,7 @@ static double sides_of(const double *a, const double *b, const double *c)
 enum { STAR_SAFE, STAR_TURNS, STAR_NEEDLE, STAR_CROSSES };
 
 /* Do the triangles of the star keep their sides when their vertex moves to p? */
-static int judge_shapes(const bvxi_corners *m, const edge_plan *plan, const collapse_star *star,
+static int judge_shapes(const bvxi_corners *m, const bvxi_edge_planned *plan, const collapse_star *star,
                         const double *p, int needles)
 {
     for (int32_t i = 0; i < star->count; i++) {
@@ -492,24 +147,6 @@ typedef struct collapse_range {
     bvxi_collapse_counts counts;
 } collapse_range;
 
-/* Both ends' quadric, moved to the new position. */
-static void settle_vertex(bvxi_collapse *c, const edge_plan *plan, const double *p)
-{
-    bvxi_corner_vertex *const at = &c->mesh.at[plan->u];
-    double d[3], g[3];
-
-    /* The quadric is kept about its own vertex, so it moves with it: A stays, b becomes half the gradient
-     * there. */
-    for (int k = 0; k < 3; k++) {
-        d[k] = (p[k] - at->p[k]) * c->scale;
-        at->p[k] = p[k];
-    }
-    half_gradient(&plan->q, d, g);
-    for (int i = 0; i < 6; i++) at->a[i] = plan->q.a[i];
-    for (int i = 0; i < 3; i++) at->b[i] = g[i];
-    at->c = quadric_at(&plan->q, d);
-}
-
 /* Take a triangle out from between its two other edges, which become one; corner is opposite to the
  * collapsing edge. Returns 1 unless it is a ghost. */
 static int drop_triangle(bvxi_corners *m, int32_t corner)
@@ -529,9 +166,9 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
 
     for (int32_t i = 0; i < star->count; i++) {
         int32_t const edge = bvxi_corner_previous(star->corner[i]);
-        float const cost = cost_of(c, edge);
+        float const cost = bvxi_edge_evaluate(c, edge);
 
-        put_cost(m, edge, cost);
+        bvxi_edge_put_cost(m, edge, cost);
         if (cost < least) {
             least = cost;
             best = edge;
@@ -549,15 +186,15 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
         old = c->edge[w];
         if (old < 0 || bvxi_corner_gone(m, old) || bvxi_corner_vertex_of(m, bvxi_corner_next(old)) == u ||
             bvxi_corner_vertex_of(m, bvxi_corner_previous(old)) == u) {
-            find_least(c, w);
-        } else if (edge_cost(m, edge) < c->least[w]) {
-            c->least[w] = edge_cost(m, edge);
+            bvxi_edge_find_least(c, w);
+        } else if (bvxi_edge_cost(m, edge) < c->least[w]) {
+            c->least[w] = bvxi_edge_cost(m, edge);
             c->edge[w] = edge;
         }
     }
 }
 
-static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, collapse_range *r)
+static void apply(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p, collapse_range *r)
 {
     bvxi_corners *const m = &c->mesh;
     const collapse_star *const star = &r->star;
@@ -579,7 +216,7 @@ static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, coll
         for (int k = 0; k < 3; k++) d[k] = (p[k] - m->at[u].p[k]) * c->scale;
         bvxi_attributes_merge(c, plan->edge, plan->offset, d, star->corner, star->of_v);
     }
-    settle_vertex(c, plan, p);
+    bvxi_edge_settle(c, plan, p);
     r->triangles += (uint64_t)drop_triangle(m, plan->edge);
     r->triangles += (uint64_t)drop_triangle(m, across);
     for (int32_t i = 0; i < star->of_v; i++)
@@ -601,18 +238,18 @@ static void apply(bvxi_collapse *c, const edge_plan *plan, const double *p, coll
 
 /* 1 when the new vertex would be further from its planes, by the mean square over their area, than triangles
  * of the mesh can show as it is now. */
-static int is_crumpled(const collapse_sweep *s, const edge_plan *plan, const double d[3])
+static int is_crumpled(const collapse_sweep *s, const bvxi_edge_planned *plan, const double d[3])
 {
     double const trace = plan->q.a[0] + plan->q.a[3] + plan->q.a[5];
 
     /* Both sides are multiplied by the count of triangles and the trace, so that nothing is divided by an
      * area of 0. */
-    return quadric_at(&plan->q, d) * (double)s->left >
+    return bvxi_quadric_at(&plan->q, d) * (double)s->left >
            s->c->crumpled * s->c->crumpled * EDGE_SQUARE * s->c->area * trace;
 }
 
 /* May the edge collapse to an offset from u? p becomes the position, rounded as the caller gets it. */
-static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collapse_star *star,
+static int judge_at(const collapse_sweep *s, const bvxi_edge_planned *plan, const collapse_star *star,
                     const double d[3], int needles, double p[3])
 {
     const bvxi_collapse *const c = s->c;
@@ -628,8 +265,8 @@ static int judge_at(const collapse_sweep *s, const edge_plan *plan, const collap
 
 /* Where the best position turns triangles over, the ends and the middle may not, at no more than twice the cost
  * that the edge has, which rises when it is refused. */
-static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const collapse_star *star, double cost,
-                           int needles, double p[3])
+static int judge_elsewhere(const collapse_sweep *s, bvxi_edge_planned *plan, const collapse_star *star,
+                           double cost, int needles, double p[3])
 {
     const double *const offset = plan->offset;
 
@@ -637,7 +274,7 @@ static int judge_elsewhere(const collapse_sweep *s, edge_plan *plan, const colla
     for (int i = 0; i < 3; i++) {
         double const d[3] = {0.5 * i * offset[0], 0.5 * i * offset[1], 0.5 * i * offset[2]};
 
-        if (quadric_at(&plan->all, d) > 2 * cost) continue;
+        if (bvxi_quadric_at(&plan->all, d) > 2 * cost) continue;
         memcpy(plan->d, d, sizeof plan->d);
         if (judge_at(s, plan, star, d, needles, p) == STAR_SAFE) return STAR_SAFE;
     }
@@ -650,9 +287,9 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
     bvxi_collapse *const c = s->c;
     float const more = 4 * (cost > s->threshold ? cost : s->threshold) + 1e-37f;
 
-    put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
-    find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge)));
-    find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge)));
+    bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
+    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge)));
+    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge)));
 }
 
 static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)
@@ -679,7 +316,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     int32_t const edge = c->edge[v];
     uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
     uint32_t const y = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
-    edge_plan plan;
+    bvxi_edge_planned plan;
     double p[3];
     int verdict, needles;
 
@@ -688,7 +325,7 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
         return;
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
-    if (!plan_edge(c, edge, &plan) || !gather_star(m, &plan, &r->star)) {
+    if (!bvxi_edge_plan(c, edge, &plan) || !gather_star(m, &plan, &r->star)) {
         r->counts.link++;
         refuse(s, edge, c->least[v]);
         return;
@@ -701,7 +338,8 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     /* What was refused once may leave needles: thin plates cannot do without. */
     needles = plan.cost * 2 < (double)c->least[v];
     verdict = judge_at(s, &plan, &r->star, plan.d, needles, p);
-    if (verdict != STAR_SAFE && judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE)
+    if (verdict != STAR_SAFE &&
+        judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE)
         verdict = STAR_SAFE;
     if (verdict == STAR_SAFE && !is_crumpled(s, &plan, plan.d)) {
         apply(c, &plan, p, r);
@@ -878,120 +516,4 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     bvxi_drop(c->ctx, r);
     *done = c->counts.collapsed - begun;
     return BVX_OK;
-}
-
-/* ---- Undoing ---- */
-
-/* The collapse made last of those that touch a vertex: the vertex that went in it. */
-static uint32_t latest_around(const bvxi_collapse *c, uint32_t u)
-{
-    const bvxi_corners *const m = &c->mesh;
-    uint32_t latest = c->last[u];
-    int32_t at = c->any[u];
-
-    do {
-        uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
-        uint32_t const went = w != BVXI_VERTEX_GHOST ? c->last[w] : BVXI_VERTEX_NONE;
-
-        if (went != BVXI_VERTEX_NONE &&
-            (latest == BVXI_VERTEX_NONE || c->undo[went].order > c->undo[latest].order))
-            latest = went;
-        at = bvxi_corner_turn_left(m, at);
-    } while (at != c->any[u]);
-    return latest;
-}
-
-/* A triangle that went is back between its neighbours. */
-static void restore_triangle(bvxi_collapse *c, int32_t corner)
-{
-    bvxi_corners *const m = &c->mesh;
-    bvxi_corner_triangle *const t = &m->triangle[corner >> 2];
-
-    t->vertex[1] = ~t->vertex[1];
-    for (int k = 0; k < 3; k++) {
-        t->cost[k] = COLLAPSE_NEVER;
-        m->triangle[t->opposite[k] >> 2].opposite[t->opposite[k] & 3] = (corner & ~3) + k;
-    }
-    m->left += !bvxi_corner_is_ghost(m, corner);
-}
-
-static void move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
-{
-    bvxi_corner_vertex *const at = &c->mesh.at[u];
-    edge_plan plan = {.u = u};
-
-    memcpy(plan.q.a, at->a, sizeof at->a);
-    memcpy(plan.q.b, at->b, sizeof at->b);
-    plan.q.c = at->c;
-    settle_vertex(c, &plan, p);
-}
-
-/* The costs of all edges around a vertex, and the cheapest of it and its neighbours. */
-static void renew_vertex(bvxi_collapse *c, uint32_t v)
-{
-    bvxi_corners *const m = &c->mesh;
-    int32_t at = c->any[v];
-
-    do {
-        int32_t const edge = bvxi_corner_previous(at);
-
-        put_cost(m, edge, cost_of(c, edge));
-        at = bvxi_corner_turn_left(m, at);
-    } while (at != c->any[v]);
-    do {
-        uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
-
-        if (w != BVXI_VERTEX_GHOST) find_least(c, w);
-        at = bvxi_corner_turn_left(m, at);
-    } while (at != c->any[v]);
-    find_least(c, v);
-}
-
-static void undo_one(bvxi_collapse *c, uint32_t v)
-{
-    bvxi_corners *const m = &c->mesh;
-    collapse_undo *const undo = &c->undo[v];
-    int32_t const edge = undo->edge, across = bvxi_corner_opposite(m, edge);
-    uint32_t const u = undo->stayed;
-
-    restore_triangle(c, edge);
-    restore_triangle(c, across);
-    for (int32_t at = bvxi_corner_turn_left(m, bvxi_corner_next(across)); at >> 2 != edge >> 2;
-         at = bvxi_corner_turn_left(m, at))
-        m->triangle[at >> 2].vertex[at & 3] = v;
-
-    if (c->attributes.row != NULL) {
-        double back[3];
-
-        for (int k = 0; k < 3; k++) back[k] = (undo->p[k] - m->at[u].p[k]) * c->scale;
-        bvxi_attributes_restore(c, edge, back);
-    }
-    move_quadric(c, u, undo->p);
-    c->any[u] = bvxi_corner_next(edge);
-    c->any[v] = bvxi_corner_previous(edge);
-    c->last[u] = undo->before;
-    c->edge[v] = -1;
-    c->fresh[u] = c->fresh[v] = 1;
-    c->alive++;
-    renew_vertex(c, u);
-    renew_vertex(c, v);
-}
-
-uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v)
-{
-    uint32_t next;
-
-    /* What it went into may be gone itself: that came later. */
-    while (bvxi_collapse_is_gone(c, c->undo[v].stayed)) v = c->undo[v].stayed;
-
-    /* The last one of those that touch it; their order rises, so that this ends. */
-    while ((next = latest_around(c, c->undo[v].stayed)) != v) v = next;
-    undo_one(c, v);
-    return v;
-}
-
-void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order)
-{
-    for (uint32_t v = 0; v < c->mesh.vertices; v++)
-        while (bvxi_collapse_is_gone(c, v) && c->undo[v].order >= order) bvxi_collapse_undo(c, v);
 }

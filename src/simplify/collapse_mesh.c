@@ -578,18 +578,6 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_drop(c->ctx, c);
 }
 
-bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
-{
-    uint32_t next = 0;
-
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices * 4, "the vertices' indices", index));
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
-        (*index)[v] = next;
-        next += !bvxi_collapse_is_gone(c, (uint32_t)v);
-    }
-    return BVX_OK;
-}
-
 uint64_t bvxi_collapse_triangles(const bvxi_collapse *c)
 {
     return c->mesh.left;

@@ -5,7 +5,7 @@
 
 #include "simplify/collapse.h"
 #include "simplify/corners.h"
-#include "simplify/crossings.h"
+#include "simplify/level_crossings.h"
 
 enum {
     COLLAPSE_GONE = -2, /* in place of a vertex's edge */
@@ -100,12 +100,12 @@ static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
     return c->edge[v] == COLLAPSE_GONE;
 }
 
-/* collapse.c: 1 along borders and seams, which vertices on lines may collapse along. */
+/* edge_costs.c: 1 along borders and seams, which vertices on lines may collapse along. */
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
-/* collapse.c: a corner of each vertex; its cheapest edge by the costs that stand beside the edges. */
+/* edge_costs.c: a corner of each vertex; its cheapest edge by the costs that stand beside the edges. */
 void bvxi_collapse_index(bvxi_collapse *c);
 void bvxi_collapse_find_least(bvxi_collapse *c);
-/* collapse.c: evaluate all edges, and the cheapest of each vertex. */
+/* edge_costs.c: evaluate all edges, and the cheapest of each vertex. */
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
@@ -140,12 +140,12 @@ int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other);
 void bvxi_attributes_give(const bvxi_collapse *c, uint32_t row, int moved, float uv[2], float uv2[2],
                           float normal[3], uint8_t colour[4]);
 
-/* pack.c: close the gaps in all arrays where they are a third. What was collapsed before can no more be undone. */
+/* pack_level.c: close the gaps in all arrays where they are a third. What was collapsed before can no more be undone. */
 bvx_status bvxi_collapse_pack(bvxi_collapse *c);
 /* The vertex that one of the mesh is part of now. */
 uint32_t bvxi_collapse_now(const bvxi_collapse *c, uint32_t v);
 
-/* collapse_mesh.c: the new index of each vertex that is left. */
+/* pack_level.c: the new index of each vertex that is left. */
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
 
 /* judge.c: undo collapses until no two triangles cross but beside those of the mesh that do; *undone counts
@@ -153,7 +153,9 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
  * collapses are looked at one by one, until the end is called. */
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone);
 void bvxi_collapse_end_careful(bvxi_collapse *c);
-/* judge.c: 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
+/* careful.c: 1 where triangles of the mesh crossed that are part of this one. */
+int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle);
+/* careful.c: 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
  * once u and v are gone. */
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
                           const double *p);

@@ -279,7 +279,7 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count, double at)
 {
     const bvxi_corners *const m = &c->mesh;
-    judge_origin o = {NULL};
+    judge_origin o = {.now = NULL};
     uint32_t *crossing;
     uint64_t found;
 
@@ -309,13 +309,6 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
     return BVX_OK;
 }
 
-static int has_come(const bvxi_collapse *c, uint32_t triangle)
-{
-    const uint32_t *const v = c->mesh.triangle[triangle].vertex;
-
-    return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
-}
-
 /* ---- Undoing ---- */
 
 /* Pairs that are still to be looked at. */
@@ -331,7 +324,9 @@ static int add_pair(void *user, uint32_t t)
 {
     judge_found *const list = user;
 
-    if (t == list->triangle || (has_come(list->c, t) && has_come(list->c, list->triangle))) return 0;
+    if (t == list->triangle ||
+        (bvxi_collapse_has_come(list->c, t) && bvxi_collapse_has_come(list->c, list->triangle)))
+        return 0;
     if (list->count == list->capacity) {
         uint32_t *larger;
 
@@ -442,52 +437,6 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     bvxi_drop(c->ctx, list.pair);
     bvxi_drop(c->ctx, pairs);
     return BVX_OK;
-}
-
-/* ---- Collapses that are looked at one by one ---- */
-
-/* A new triangle of a star, and whether its like crossed in the mesh. */
-typedef struct new_triangle {
-    const bvxi_collapse *c;
-    int came;
-} new_triangle;
-
-static int is_new_crossing(void *user, uint32_t t)
-{
-    const new_triangle *const n = user;
-
-    return !(n->came && has_come(n->c, t));
-}
-
-int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
-                          const double *p)
-{
-    const bvxi_corner_vertex *const at = c->mesh.at;
-    int came = 0;
-
-    for (int32_t i = 0; i < count && c->came != NULL; i++)
-        came |= link[i] != BVXI_VERTEX_GHOST && c->came[link[i]] != 0;
-    if (c->came != NULL) came |= (c->came[u] | c->came[v]) != 0;
-
-    for (int32_t i = 0; i < count; i++) {
-        const double *a[3] = {p, NULL, NULL};
-        new_triangle n = {c, came};
-
-        if (link[i] == BVXI_VERTEX_GHOST || link[i + 1] == BVXI_VERTEX_GHOST) continue;
-        a[1] = at[link[i]].p;
-        a[2] = at[link[i + 1]].p;
-        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, is_new_crossing, &n)) return 1;
-
-        for (int32_t j = 0; j < i && !came; j++) {
-            const double *b[3] = {p, NULL, NULL};
-
-            if (link[j] == BVXI_VERTEX_GHOST || link[j + 1] == BVXI_VERTEX_GHOST) continue;
-            b[1] = at[link[j]].p;
-            b[2] = at[link[j + 1]].p;
-            if (bvxi_triangles_cross(a, b)) return 1;
-        }
-    }
-    return 0;
 }
 
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)

@@ -418,7 +418,7 @@ static int visit_one(void *user, uint32_t t)
     return 0;
 }
 
-/* Vertices move; each triangle is asked for what it crosses, against all of them. */
+/* Vertices move; each triangle is requested what it crosses, against all of them. */
 static void test_boxes_follow_what_moves(void)
 {
     crossing_tree tree;

@@ -1,4 +1,4 @@
-/* crossings.h - triangles of a level that cross, and boxes over them that follow collapses. Only simplify/
+/* level_crossings.h - triangles of a level that cross, and boxes over them that follow collapses. Only simplify/
  * includes this. Not installed. */
 #ifndef BVXI_CROSSINGS_H
 #define BVXI_CROSSINGS_H

@@ -1,4 +1,4 @@
-/* crossings.c - pairs of triangles of a level that cross.
+/* level_crossings.c - pairs of triangles of a level that cross.
  *
  * Boxes in whole steps, eight to a node, lie over the triangles in their order, which is one of space. Each
  * node of eight triangles goes down that tree to those after it whose boxes meet its own. Triangles with a
@@ -10,7 +10,7 @@
  *
  * A first run counts and marks the nodes that have crossings, a second one visits these and writes the pairs to
  * where the counts say: no thread shows. */
-#include "simplify/crossings.h"
+#include "simplify/level_crossings.h"
 #include "bits/bits.h"
 #include "core/simd_shorts.h"
 #include "mesh/cross.h"

@@ -1,14 +1,19 @@
-/* pack.c - the gaps that collapses left are closed, so that what remains lies together in memory.
+/* pack_level.c - the gaps that collapses left are closed, so that what remains lies together in memory.
  *
  * Vertices and triangles keep their order. A level that has been judged is the new beginning: what was collapsed
  * before can no more be undone. */
 #include "simplify/collapse_state.h"
 
-uint32_t bvxi_collapse_now(const bvxi_collapse *c, uint32_t v)
+bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index)
 {
-    if (c->now != NULL) v = c->now[v];
-    while (bvxi_collapse_is_gone(c, v)) v = c->undo[v].stayed;
-    return v;
+    uint32_t next = 0;
+
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices * 4, "the vertices' indices", index));
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
+        (*index)[v] = next;
+        next += !bvxi_collapse_is_gone(c, (uint32_t)v);
+    }
+    return BVX_OK;
 }
 
 /* Where each vertex of the mesh is after packing. */

@@ -1,0 +1,325 @@
+/* edge_costs.c - where an edge would collapse to, and what that costs: the squared distance to the planes that both of
+ * its ends stand for, and what moving their attributes costs.
+ *
+ * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997. */
+#include "simplify/edge_costs.h"
+#include "core/vec3.h"
+
+enum { COSTS_GRAIN = 4096 }; /* triangles or vertices of a task */
+
+/* ---- Cost ---- */
+
+/* The sum of both vertices' quadrics about u; offset leads from u to v. */
+BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex *v,
+                                      const double offset[3], bvxi_quadric *q)
+{
+    double const x = offset[0], y = offset[1], z = offset[2];
+    double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
+                           v->a[2] * x + v->a[4] * y + v->a[5] * z};
+
+    /* About u the other one has b - A offset, and c - 2 b' offset + offset' A offset. */
+    for (int i = 0; i < 6; i++) q->a[i] = u->a[i] + v->a[i];
+    q->c = u->c + v->c;
+    for (int i = 0; i < 3; i++) {
+        q->b[i] = u->b[i] + (v->b[i] - way[i]);
+        q->c += offset[i] * (way[i] - 2 * v->b[i]);
+    }
+}
+
+/* Of A d = g, with the largest diagonal first: the upper half of A, and g. */
+BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x,
+                                 double y, double z, double least, double *dx, double *dy, double *dz)
+{
+    double const by_x = 1 / xx, to_y = xy * by_x, to_z = xz * by_x;
+    double const a = yy - to_y * xy, b = yz - to_y * xz, c = zz - to_z * xz;
+    double const g = y - to_y * x, h = z - to_z * x;
+    double s, t;
+
+    if (a > c) {
+        double const by_a = 1 / a, share = b * by_a, last = c - share * b;
+
+        if (!((xx > least) & (a > least) & (last > least))) return 0;
+        t = (h - share * g) / last;
+        s = g * by_a - share * t;
+    } else {
+        double const by_c = 1 / c, share = b * by_c, last = a - share * b;
+
+        if (!((xx > least) & (c > least) & (last > least))) return 0;
+        s = (g - share * h) / last;
+        t = h * by_c - share * s;
+    }
+    *dx = (x - xy * s - xz * t) * by_x;
+    *dy = s;
+    *dz = t;
+    return 1;
+}
+
+/* Solve A d = -b by elimination with the largest remaining diagonal first, which keeps small eigenvalues
+ * apart from rounding; 0: A is singular within it. A is symmetric and not negative, so each pivot bounds its
+ * row, and the rows need no pivoting of their own. A pivot within rounding of the trace is a direction that no
+ * plane fixes: then the caller takes an end of the edge, which lies on the surface. NaN fails the comparison
+ * too. */
+BVXI_VECTOR_INLINE int solve_least(const double a[6], const double b[3], double d[3])
+{
+    double const least = (a[0] + a[3] + a[5]) * 1e-13;
+
+    if (a[5] > a[0] && a[5] > a[3])
+        return eliminate(a[5], a[4], a[2], a[3], a[1], a[0], -b[2], -b[1], -b[0], least, &d[2], &d[1], &d[0]);
+    if (a[3] > a[0])
+        return eliminate(a[3], a[1], a[4], a[0], a[2], a[5], -b[1], -b[0], -b[2], least, &d[1], &d[0], &d[2]);
+    return eliminate(a[0], a[1], a[2], a[3], a[4], a[5], -b[0], -b[1], -b[2], least, &d[0], &d[1], &d[2]);
+}
+
+static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
+{
+    for (int k = 0; k < 3; k++) offset[k] = (c->mesh.at[v].p[k] - c->mesh.at[u].p[k]) * c->scale;
+}
+
+int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge)
+{
+    return bvxi_corner_is_ghost(&c->mesh, edge) ||
+           bvxi_corner_is_ghost(&c->mesh, bvxi_corner_opposite(&c->mesh, edge)) ||
+           bvxi_attributes_part(c, edge);
+}
+
+enum { FREE_NOWHERE, FREE_JUNCTION, FREE_LINE, FREE_ALL };
+
+static int freedom(const bvxi_collapse *c, uint32_t v)
+{
+    uint8_t const kind = c->kind[v];
+
+    if (kind == 0) return FREE_ALL;
+    if (kind == VERTEX_LINE) return FREE_LINE;
+    /* A junction takes attributes along that no vertex has which was given. */
+    return kind == VERTEX_JUNCTION && c->options.vertices != BVX_VERTICES_KEPT ? FREE_JUNCTION : FREE_NOWHERE;
+}
+
+/* Where an edge's ends may meet at all; 0: nowhere. */
+static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
+{
+    const bvxi_corners *const m = &c->mesh;
+    uint32_t const u = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
+    uint32_t const v = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
+    int free_u, free_v;
+
+    if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return 0;
+    plan->edge = edge;
+    plan->u = u;
+    plan->v = v;
+    plan->still = 0;
+    if ((c->kind[u] | c->kind[v]) == 0) return 1;
+
+    free_u = freedom(c, u);
+    free_v = freedom(c, v);
+    if (free_u + free_v == FREE_NOWHERE) return 0;
+    if (free_u != FREE_ALL && free_v != FREE_ALL) {
+        if (!bvxi_collapse_is_feature(c, edge)) return 0;
+        if (c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
+    }
+
+    /* The end that is less free stays, where it is. */
+    if (free_v < free_u) {
+        plan->edge = bvxi_corner_opposite(m, edge);
+        plan->u = v;
+        plan->v = u;
+    }
+    plan->still = free_u != free_v || free_u == FREE_JUNCTION;
+    return 1;
+}
+
+/* Either end may stay. */
+static int may_swap(const bvxi_collapse *c, const bvxi_edge_planned *plan)
+{
+    return freedom(c, plan->u) == freedom(c, plan->v);
+}
+
+/* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
+static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
+{
+    offset_between(c, plan->u, plan->v, plan->offset);
+    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], plan->offset, &plan->q);
+    plan->all = plan->q;
+    if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
+        bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
+    memset(plan->d, 0, sizeof plan->d);
+    plan->cost = plan->all.c > 0 ? plan->all.c : 0;
+}
+
+/* Where an edge's ends would meet, and what it costs; 0: nowhere. */
+int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
+{
+    int const kept = c->options.vertices == BVX_VERTICES_KEPT;
+    double at_v;
+
+    if (!plan_ends(c, edge, plan)) return 0;
+    join_ends(c, plan);
+    if (plan->still && !may_swap(c, plan)) return 1;
+
+    /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
+    if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
+        double reach = 0, length = 0;
+
+        for (int k = 0; k < 3; k++) {
+            double const way = plan->d[k] - 0.5 * plan->offset[k];
+
+            length += plan->offset[k] * plan->offset[k];
+            reach += way * way;
+        }
+        if (reach <= 4 * length) {
+            double const cost = plan->all.c + bvxi_vec_dot(plan->all.b, plan->d);
+
+            plan->cost = cost > 0 ? cost : 0;
+            return 1;
+        }
+        memset(plan->d, 0, sizeof plan->d);
+    }
+
+    /* Where the planes leave it open: the better end, which stays on the surface. */
+    at_v = bvxi_quadric_at(&plan->all, plan->offset);
+    if (!(at_v < plan->cost)) return 1;
+    plan->cost = at_v;
+    if (kept || plan->still) {
+        uint32_t const u = plan->u;
+
+        plan->edge = bvxi_corner_opposite(&c->mesh, plan->edge);
+        plan->u = plan->v;
+        plan->v = u;
+        join_ends(c, plan);
+    } else {
+        memcpy(plan->d, plan->offset, sizeof plan->d);
+    }
+    return 1;
+}
+
+/* ---- Costs beside the edges ---- */
+
+/* The same as plan_edge finds, of two ends that may both move anywhere. */
+static float free_cost(const bvxi_collapse *c, uint32_t u, uint32_t v)
+{
+    double offset[3], d[3], length = 0, reach = 0, cost, at_v;
+    bvxi_quadric q;
+
+    offset_between(c, u, v, offset);
+    join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, &q);
+    if (BVXI_LIKELY(solve_least(q.a, q.b, d))) {
+        for (int k = 0; k < 3; k++) {
+            double const way = d[k] - 0.5 * offset[k];
+
+            length += offset[k] * offset[k];
+            reach += way * way;
+        }
+        if (BVXI_LIKELY(reach <= 4 * length)) {
+            cost = q.c + bvxi_vec_dot(q.b, d);
+            return (float)(cost > 0 ? cost : 0);
+        }
+    }
+    cost = q.c > 0 ? q.c : 0;
+    at_v = bvxi_quadric_at(&q, offset);
+    return (float)(at_v < cost ? at_v : cost);
+}
+
+float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge)
+{
+    uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
+    uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
+    bvxi_edge_planned plan;
+    float cost = COLLAPSE_NEVER;
+
+    if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return COLLAPSE_NEVER;
+    if ((c->kind[u] | c->kind[v]) == 0 && c->attributes.row == NULL) cost = free_cost(c, u, v);
+    else if (bvxi_edge_plan(c, edge, &plan)) cost = (float)plan.cost;
+
+    /* No more than the type holds, and nothing that compares with nothing. */
+    return cost < COLLAPSE_NEVER ? cost : COLLAPSE_NEVER;
+}
+
+/* The cheapest edge of a vertex, by the costs beside them. */
+void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
+{
+    const bvxi_corners *const m = &c->mesh;
+    int32_t const start = c->any[v];
+    int32_t at = start, best = -1;
+    float least = COLLAPSE_NEVER;
+
+    do {
+        int32_t const edge = bvxi_corner_previous(at);
+        float const cost = bvxi_edge_cost(m, edge);
+
+        if (cost < least) {
+            least = cost;
+            best = edge;
+        }
+        at = bvxi_corner_next(bvxi_corner_opposite(m, bvxi_corner_next(at)));
+    } while (at != start);
+    c->least[v] = least;
+    c->edge[v] = best;
+}
+
+static void evaluate_piece(void *user, int32_t index, int32_t worker)
+{
+    bvxi_collapse *const c = user;
+    bvxi_corners *const m = &c->mesh;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
+    for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
+        if (bvxi_corner_gone(m, 4 * t)) continue;
+        /* Each edge once, from the smaller corner: ghosts have none. */
+        for (int32_t edge = 4 * t; edge < 4 * t + 3; edge++)
+            if (edge < bvxi_corner_opposite(m, edge))
+                bvxi_edge_put_cost(m, edge, bvxi_edge_evaluate(c, edge));
+    }
+}
+
+static void least_piece(void *user, int32_t index, int32_t worker)
+{
+    bvxi_collapse *const c = user;
+    uint64_t begin, end;
+    (void)worker;
+
+    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++)
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v)) bvxi_edge_find_least(c, (uint32_t)v);
+}
+
+void bvxi_collapse_index(bvxi_collapse *c)
+{
+    bvxi_corners *const m = &c->mesh;
+
+    for (uint64_t v = 0; v < m->vertices; v++) c->edge[v] = -1;
+    for (uint64_t t = m->triangles + m->ghosts; t-- > 0;)
+        for (int k = 0; k < 3; k++)
+            if (m->triangle[t].vertex[k] != BVXI_VERTEX_GHOST)
+                c->any[m->triangle[t].vertex[k]] = (int32_t)(4 * t) + k;
+}
+
+void bvxi_collapse_find_least(bvxi_collapse *c)
+{
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), least_piece, c);
+}
+
+bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
+{
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
+    bvxi_collapse_find_least(c);
+    return BVX_OK;
+}
+
+/* Both ends' quadric, moved to the new position. */
+void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p)
+{
+    bvxi_corner_vertex *const at = &c->mesh.at[plan->u];
+    double d[3], g[3];
+
+    /* The quadric is kept about its own vertex, so it moves with it: A stays, b becomes half the gradient
+     * there. */
+    for (int k = 0; k < 3; k++) {
+        d[k] = (p[k] - at->p[k]) * c->scale;
+        at->p[k] = p[k];
+    }
+    bvxi_half_gradient(&plan->q, d, g);
+    for (int i = 0; i < 6; i++) at->a[i] = plan->q.a[i];
+    for (int i = 0; i < 3; i++) at->b[i] = g[i];
+    at->c = bvxi_quadric_at(&plan->q, d);
+}

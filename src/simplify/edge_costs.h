@@ -1,0 +1,63 @@
+/* edge_costs.h - where an edge would collapse to, and what that costs. Only simplify/ includes this. Not installed. */
+#ifndef BVXI_EDGE_COSTS_H
+#define BVXI_EDGE_COSTS_H
+
+#include "simplify/collapse_state.h"
+
+/* A quadric while it is computed with. */
+typedef struct bvxi_quadric {
+    double a[6], b[3], c;
+} bvxi_quadric;
+
+/* A d + b: half the gradient at d. */
+static inline void bvxi_half_gradient(const bvxi_quadric *q, const double d[3], double g[3])
+{
+    g[0] = q->a[0] * d[0] + q->a[1] * d[1] + q->a[2] * d[2] + q->b[0];
+    g[1] = q->a[1] * d[0] + q->a[3] * d[1] + q->a[4] * d[2] + q->b[1];
+    g[2] = q->a[2] * d[0] + q->a[4] * d[1] + q->a[5] * d[2] + q->b[2];
+}
+
+static inline double bvxi_quadric_at(const bvxi_quadric *q, const double d[3])
+{
+    double g[3], value;
+
+    bvxi_half_gradient(q, d, g);
+    value = (g[0] + q->b[0]) * d[0] + (g[1] + q->b[1]) * d[1] + (g[2] + q->b[2]) * d[2] + q->c;
+    return value > 0 ? value : 0;
+}
+
+/* How an edge would collapse. */
+typedef struct bvxi_edge_planned {
+    int32_t edge;     /* corner opposite to it, with u next and v previous */
+    uint32_t u, v;    /* the vertex that stays, and the one that goes */
+    int32_t still;    /* 1: u stays where it is */
+    bvxi_quadric q;   /* of both, about u */
+    bvxi_quadric all; /* and what their attributes cost */
+    double offset[3]; /* from u to v */
+    double d[3];      /* the new position from u, in units of 1 / scale */
+    double cost;
+} bvxi_edge_planned;
+
+/* Plan the collapse of the edge opposite to a corner; 0: its ends may meet nowhere. */
+int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan);
+/* What that costs; COLLAPSE_NEVER where they may not. */
+float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge);
+/* Find the cheapest edge of a vertex, by the costs beside them. */
+void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v);
+/* Move the vertex that stays to p, with the quadric of both. */
+void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p);
+
+static inline void bvxi_edge_put_cost(bvxi_corners *m, int32_t edge, float cost)
+{
+    int32_t const across = bvxi_corner_opposite(m, edge);
+
+    m->triangle[edge >> 2].cost[edge & 3] = cost;
+    m->triangle[across >> 2].cost[across & 3] = cost;
+}
+
+static inline float bvxi_edge_cost(const bvxi_corners *m, int32_t edge)
+{
+    return m->triangle[edge >> 2].cost[edge & 3];
+}
+
+#endif
