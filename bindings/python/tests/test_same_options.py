@@ -24,6 +24,7 @@ ELSEWHERE = {
     "-o": "each row has it", "--output-dir": "tests/program/test_files.sh", "--format": "tests/program/test_files.sh",
     "--threads": "test_running.py", "--memory-limit": "test_running.py", "--json": "test_same_bytes.py", "--progress": "test_running.py",
     "--quiet": "each row has it", "--help": "tests/program/test_commands.sh",
+    "--up": "tests/program/test_files.sh", "--input-up": "tests/program/test_files.sh", "--quantize": "tests/program/test_files.sh",
 }
 # Of one command: they look and report, or write a second file, which test_same_bytes.py or tests/program compare.
 REPORTS = {
