@@ -36,7 +36,6 @@ enum {
     THRESHOLD_WANTED = 16384,
     THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
     THRESHOLD_FEW = 64,        /* the share of those wanted that are the cheapest */
-    COSTS_GRAIN = 4096         /* triangles or vertices of a task */
 };
 
 /* ---- The star of an edge ---- */
