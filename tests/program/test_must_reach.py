@@ -85,10 +85,11 @@ def check(name, path, truth, right):
         if report is None or report['warnings']:
             counts['passed'] += 1
             continue
-        # Edges that collapse leave the volume of an open mesh undefined.
+        # Edges that collapse leave the volume of an open mesh undefined. The program warns from 5 % of the mesh's volume on,
+        # which is up to half a percent off the truth.
         if truth is not None and words[0] in ('repair', 'lod') and len(report['meshes']) > 0:
             for m in report['meshes']:
-                judge(name, ' '.join(w for w in words if w != path), abs(m['volume'] / truth - 1) <= 0.05,
+                judge(name, ' '.join(w for w in words if w != path), abs(m['volume'] / truth - 1) <= 0.055,
                       'volume %g, in truth %g, no warning' % (m['volume'], truth))
         allowed = parts + (words[0] == 'boolean')
         for m in report['meshes']:
