@@ -161,7 +161,7 @@ ROWS = {
          lambda at: [only(level, normals=True, origin=(1, 2, 3)) for level in bitvox.simplify(at.small, error=("1%",), error_kind="max", strict=True)]),
         ("colored.ply --triangles 400 --attributes 5 --even 0.01", "ply",
          lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), attribute_weight=5, even=0.01)),
-        ("torn.ply --triangles 400 --lock-border", "ply", lambda at: bitvox.simplify(at / "torn.ply", triangles=(400,), lock_border=True)),
+        ("torn.ply --count 2 --lock-border", "ply", lambda at: bitvox.simplify(at / "torn.ply", count=2, lock_border=True)),
         ("colored.ply --triangles 400 --keep-vertices", "ply", lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), vertices="kept")),
     ),
     "repair": (
