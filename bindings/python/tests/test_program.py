@@ -50,7 +50,7 @@ NAMES = {
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
 }
-OF_THE_PROGRAM = {"format", "json", "quiet", "help", "output-dir"}  # files and reports
+OF_THE_PROGRAM = {"format", "json", "quiet", "help", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
 
 
 def test_every_command_is_known_here():
