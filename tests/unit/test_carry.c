@@ -317,7 +317,7 @@ static void test_carry_refuses_sources(void)
     source = good;
     source.position_type = 9, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.position_type is 9"),
     source = good;
-    source.reserved[3] = 1, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.reserved[3]"), source = good;
+    source.reserved[1] = 1, expect_refusal(BVX_ERR_ARGUMENT, "source: mesh.reserved[1]"), source = good;
     source.frame[1] = HUGE_VAL, expect_refusal(BVX_ERR_RANGE, "source: mesh.frame"), source = good;
     source.vertex_count = 3, expect_refusal(BVX_ERR_RANGE, "source: triangle 1 has vertex index 3"),
     source = good;
