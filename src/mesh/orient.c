@@ -3,18 +3,20 @@
  * A determinant is linear in each of its columns, so the coordinates along each axis may have a unit of their
  * own: the lowest binary digit that any of them has. In these units they are whole numbers, their differences
  * too, and the sign of a sum of products of differences is that of what is added less that of what is
- * subtracted, both kept as numbers without a sign. Coordinates of few digits (grids, floats that lie near
- * each other) fit 64 bits; the others take as many limbs as their range needs.
+ * subtracted, both kept as numbers without a sign. Coordinates of few digits (grids, most floats) fit 64 bits
+ * and their products 128; the others take as many limbs as their range needs.
  *
  * Bits: a finite double is a multiple of 2^-1074 below 2^1024, so it has at most 2098 binary digits, a
  * difference 2099 (66 limbs of 32), a product of three 6297, and six of them 6300 (3 * 66 + 1 limbs). */
 #include "mesh/orient.h"
+#include "lattice/wide.h"
 
 enum {
     ORIENT_LIMBS = 66,
     ORIENT_SUM_LIMBS = 3 * ORIENT_LIMBS + 1,
-    /* of all axes together: differences have one more each, six products of them three more */
-    ORIENT_FEW_BITS = 57
+    /* Differences have one more. Of two axes together: products of two differences fit 63, and three products with the
+     * third axis 126. */
+    ORIENT_FEW_BITS = 60
 };
 
 /* mantissa * 2^exponent; odd, or 0 */
@@ -98,11 +100,10 @@ static void orient_open_axis(const double *const points[], int count, int k, ori
 
 /* ---- Few digits ---- */
 
-/* Difference of value i to value last, of an axis of at most 57 bits. */
+/* Difference of value i to value last, of an axis of few bits. */
 static int64_t orient_small_difference(const orient_axis *axis, int i, int last)
 {
     const orient_double *const a = &axis->value[i], *const b = &axis->value[last];
-    /* As multiples of the unit, the values of at most 57 bits and their difference fit 64. */
     int64_t const x = a->mantissa != 0 ? a->mantissa * (INT64_C(1) << (a->exponent - axis->low)) : 0;
     int64_t const y = b->mantissa != 0 ? b->mantissa * (INT64_C(1) << (b->exponent - axis->low)) : 0;
     return x - y;
@@ -244,24 +245,32 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
 {
     const double *const points[4] = {a, b, c, d};
     orient_axis axis[3];
-    int64_t u[3], v[3], w[3], sum;
+    int64_t u[3], v[3], w[3];
+    bvxi_wide sum;
+    int x = 0, y, z;
 
     /* Facets along the axes are common, and need no digits. */
     for (int k = 0; k < 3; k++)
         if (a[k] == d[k] && b[k] == d[k] && c[k] == d[k]) return 0;
 
     for (int k = 0; k < 3; k++) orient_open_axis(points, 4, k, &axis[k]);
-    if (axis[0].bits + axis[1].bits + axis[2].bits > ORIENT_FEW_BITS) return orient_large(axis);
+    /* The axis of most digits is multiplied last. */
+    for (int k = 1; k < 3; k++)
+        if (axis[k].bits > axis[x].bits) x = k;
+    y = (x + 1) % 3;
+    z = (x + 2) % 3;
+    if (axis[x].bits > ORIENT_FEW_BITS || axis[y].bits + axis[z].bits > ORIENT_FEW_BITS)
+        return orient_large(axis);
 
-    /* Few digits: three differences and their products fit 64 bits, so whole numbers decide. */
-    for (int k = 0; k < 3; k++) {
-        u[k] = orient_small_difference(&axis[k], 0, 3);
-        v[k] = orient_small_difference(&axis[k], 1, 3);
-        w[k] = orient_small_difference(&axis[k], 2, 3);
+    for (int i = 0; i < 3; i++) {
+        u[i] = orient_small_difference(&axis[x], i, 3);
+        v[i] = orient_small_difference(&axis[y], i, 3);
+        w[i] = orient_small_difference(&axis[z], i, 3);
     }
-    sum = u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
-          u[2] * (v[0] * w[1] - v[1] * w[0]);
-    return (sum > 0) - (sum < 0);
+    sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
+    sum = bvxi_wide_add(sum, bvxi_wide_mul(u[1], v[2] * w[0] - v[0] * w[2]));
+    sum = bvxi_wide_add(sum, bvxi_wide_mul(u[2], v[0] * w[1] - v[1] * w[0]));
+    return bvxi_wide_sign(sum);
 }
 
 static int orient_flat_large(const orient_axis axis[2])
@@ -283,14 +292,13 @@ int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[
 {
     const double *const points[3] = {a, b, c};
     orient_axis along[2];
-    int64_t sum;
 
     /* The two axes that remain, the next one first, so that left stays left. */
     orient_open_axis(points, 3, (axis + 1) % 3, &along[0]);
     orient_open_axis(points, 3, (axis + 2) % 3, &along[1]);
-    if (along[0].bits + along[1].bits > ORIENT_FEW_BITS) return orient_flat_large(along);
+    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) return orient_flat_large(along);
 
-    sum = orient_small_difference(&along[0], 0, 2) * orient_small_difference(&along[1], 1, 2) -
-          orient_small_difference(&along[1], 0, 2) * orient_small_difference(&along[0], 1, 2);
-    return (sum > 0) - (sum < 0);
+    return bvxi_wide_sign(bvxi_wide_add(
+        bvxi_wide_mul(orient_small_difference(&along[0], 0, 2), orient_small_difference(&along[1], 1, 2)),
+        bvxi_wide_mul(-orient_small_difference(&along[1], 0, 2), orient_small_difference(&along[0], 1, 2))));
 }
