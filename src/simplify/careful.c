@@ -10,17 +10,11 @@ int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle)
     return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
 }
 
-/* A new triangle of a star, and whether its like crossed in the mesh. */
-typedef struct new_triangle {
-    const bvxi_collapse *c;
-    int came;
-} new_triangle;
-
-static int is_new_crossing(void *user, uint32_t t)
+static int any_crossing(void *user, uint32_t t)
 {
-    const new_triangle *const n = user;
-
-    return !(n->came && bvxi_collapse_has_come(n->c, t));
+    (void)user;
+    (void)t;
+    return 1;
 }
 
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
@@ -35,12 +29,12 @@ int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const 
 
     for (int32_t i = 0; i < count; i++) {
         const double *a[3] = {p, NULL, NULL};
-        new_triangle n = {c, came};
 
         if (link[i] == BVXI_VERTEX_GHOST || link[i + 1] == BVXI_VERTEX_GHOST) continue;
         a[1] = at[link[i]].p;
         a[2] = at[link[i + 1]].p;
-        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, is_new_crossing, &n)) return 1;
+        /* Where triangles crossed in the mesh they may go on. */
+        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, any_crossing, NULL)) return 1;
 
         for (int32_t j = 0; j < i && !came; j++) {
             const double *b[3] = {p, NULL, NULL};

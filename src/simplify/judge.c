@@ -324,9 +324,7 @@ static int add_pair(void *user, uint32_t t)
 {
     judge_found *const list = user;
 
-    if (t == list->triangle ||
-        (bvxi_collapse_has_come(list->c, t) && bvxi_collapse_has_come(list->c, list->triangle)))
-        return 0;
+    if (t == list->triangle) return 0;
     if (list->count == list->capacity) {
         uint32_t *larger;
 
@@ -362,7 +360,8 @@ static void look_around(judge_found *list, uint32_t v)
                 const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
 
                 list->triangle = t;
-                bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, add_pair, list);
+                bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE,
+                                         bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
             }
             at = bvxi_corner_turn_left(m, at);
         } while (at != c->any[v]);
@@ -395,6 +394,7 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 
         if (bvxi_corner_gone(&c->mesh, (int32_t)(4 * s)) || bvxi_corner_gone(&c->mesh, (int32_t)(4 * t)))
             continue;
+        if (bvxi_collapse_has_come(c, s) && bvxi_collapse_has_come(c, t)) continue;
         if (!bvxi_crossing_pair(&c->tree, s, t)) continue;
         latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
         if (latest == BVXI_VERTEX_NONE) continue;

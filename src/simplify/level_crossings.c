@@ -8,8 +8,8 @@
  * Source: Brinkhoff, Kriegel, Seeger. Efficient Processing of Spatial Joins Using R-trees. 1993. Kamel,
  * Faloutsos. On Packing R-trees. 1993.
  *
- * A first run counts and marks the nodes that have crossings, a second one visits these and writes the pairs to
- * where the counts say: no thread shows. */
+ * Each piece of the nodes writes its pairs to a part of its own and counts them; where they are too many for these
+ * parts it looks for them again and writes them to where the counts say: no thread shows. */
 #include "simplify/level_crossings.h"
 #include "bits/bits.h"
 #include "core/simd_shorts.h"
@@ -19,7 +19,8 @@
 enum {
     WIDTH = CROSSING_WIDTH,
     BOX_HIGHEST = 32767,
-    CROSSING_GRAIN = 64 /* nodes of a task, at least */
+    CROSSING_GRAIN = 64, /* nodes of a task, at least */
+    CROSSING_KEYS = 8192 /* pairs that there is room for before they are counted */
 };
 
 typedef crossing_node box_node;
@@ -30,9 +31,10 @@ typedef struct crossing_job {
     int32_t pieces;
     uint32_t
         *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
-    uint64_t *counts; /* of each piece, then where its pairs begin */
-    uint8_t *marks;   /* of each node of level 0 */
-    uint64_t *keys;   /* lower index << 32 | higher one, or NULL */
+    uint64_t *counts; /* of each piece */
+    uint64_t *begins; /* of each piece's pairs in keys, one more than there are pieces */
+    uint64_t *keys;   /* lower index << 32 | higher one */
+    uint8_t *written; /* 1: all keys of the piece are */
 } crossing_job;
 
 /* ---- Boxes ---- */
@@ -247,12 +249,11 @@ static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint3
     return 0;
 }
 
-/* Pairs between two nodes, or within one. */
+/* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
 static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *held, uint64_t first,
-                               uint64_t second, uint64_t *keys)
+                               uint64_t second, uint64_t *keys, uint64_t room, uint64_t found)
 {
     const crossing_tree *const tree = job->tree;
-    uint64_t found = 0;
     uint32_t near = 0xff;
 
     /* The second node's box shows which triangles of the first one may meet any of it. */
@@ -280,7 +281,7 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
             /* Each pair once: from its first triangle, or from the only one that is fresh. */
             if (!job->all && t < s && is_fresh(tree, v)) continue;
             if (!crosses(tree, &held[i].plane, held[i].p, t)) continue;
-            if (keys != NULL) keys[found] = t < s ? t << 32 | s : s << 32 | t;
+            if (found < room) keys[found] = t < s ? t << 32 | s : s << 32 | t;
             found++;
         }
     }
@@ -344,19 +345,19 @@ static int share_a_fan(const crossing_job *job, uint64_t a, uint64_t b)
     return job->common[a] != BVXI_VERTEX_NONE && job->common[a] == job->common[b];
 }
 
-/* Pairs of a node's triangles with each other and with all after them. */
-static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *keys)
+/* Pairs of a node's triangles with each other and with all after them, on from found. */
+static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *keys, uint64_t room,
+                              uint64_t found)
 {
     const crossing_tree *const tree = job->tree;
     held_triangle held[WIDTH];
     box_query whole;
     uint64_t stack[WIDTH * CROSSING_LEVELS]; /* level in the low bits */
     int16_t low[3], high[3];
-    uint64_t found;
     int32_t depth = 0;
 
-    if (!hold_node(job, node, held)) return 0;
-    found = share_a_fan(job, node, node) ? 0 : pairs_of_nodes(job, held, node, node, keys);
+    if (!hold_node(job, node, held)) return found;
+    if (!share_a_fan(job, node, node)) found = pairs_of_nodes(job, held, node, node, keys, room, found);
     box_of_all(&tree->node[0][node], low, high);
     whole = query_of(low, high);
 
@@ -373,62 +374,57 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
             if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
             else if (!share_a_fan(job, node, child))
-                found += pairs_of_nodes(job, held, node, child, keys != NULL ? keys + found : NULL);
+                found = pairs_of_nodes(job, held, node, child, keys, room, found);
         }
     }
     return found;
 }
 
-static void count_range(void *user, int32_t index, int32_t worker)
+static void pairs_piece(void *user, int32_t index, int32_t worker)
 {
     const crossing_job *const job = user;
-    uint64_t begin, end, sum = 0;
+    uint64_t *const keys = job->keys + job->begins[index];
+    uint64_t const room = job->begins[index + 1] - job->begins[index];
+    uint64_t begin, end, found = 0;
     (void)worker;
 
+    if (job->written[index]) return;
     bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++) {
-        uint64_t const found = pairs_of_node(job, i, NULL);
-
-        job->marks[i] = found != 0;
-        sum += found;
-    }
-    job->counts[index] = sum;
+    for (uint64_t i = begin; i < end; i++) found = pairs_of_node(job, i, keys, room, found);
+    job->counts[index] = found;
+    job->written[index] = found <= room;
 }
 
-static void write_piece(void *user, int32_t index, int32_t worker)
+/* The keys of all pieces, side by side; those of which there were too many are looked for again. */
+static bvx_status gather_keys(bvx_context *ctx, crossing_job *job, uint64_t count)
 {
-    const crossing_job *const job = user;
-    uint64_t *to = job->keys + job->counts[index];
-    uint64_t begin, end;
-    (void)worker;
+    uint64_t *const parts = job->keys, sum = 0;
 
-    bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
-    for (uint64_t i = begin; i < end; i++)
-        if (job->marks[i]) to += pairs_of_node(job, i, to);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings' keys", &job->keys));
+    for (int32_t i = 0; i < job->pieces; i++) {
+        if (job->written[i]) memcpy(job->keys + sum, parts + job->begins[i], (size_t)job->counts[i] * 8);
+        job->begins[i] = sum;
+        sum += job->counts[i];
+    }
+    job->begins[job->pieces] = sum;
+    bvxi_drop(ctx, parts);
+    bvxi_tasks(ctx, job->pieces, pairs_piece, job);
+    return BVX_OK;
 }
 
 static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t count, uint32_t **pairs)
 {
     uint32_t *unused;
-    uint64_t sum = 0;
 
-    for (int32_t i = 0; i < job->pieces; i++) {
-        uint64_t const own = job->counts[i];
-
-        job->counts[i] = sum;
-        sum += own;
-    }
+    BVXI_TRY(gather_keys(ctx, job, count));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossing pairs", pairs));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the crossings' keys", &job->keys));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * 4, "the crossings' indices", &unused));
-    bvxi_tasks(ctx, job->pieces, write_piece, job);
     BVXI_TRY(bvxi_radix_sort(ctx, job->keys, unused, count));
     for (uint64_t i = 0; i < count; i++) {
         (*pairs)[2 * i] = (uint32_t)(job->keys[i] >> 32);
         (*pairs)[2 * i + 1] = (uint32_t)job->keys[i];
     }
     bvxi_drop(ctx, unused);
-    bvxi_drop(ctx, job->keys);
     return BVX_OK;
 }
 
@@ -439,16 +435,21 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
 
     *pairs = NULL;
     *count = 0;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job.pieces * 8, "the crossings' counts", &job.counts));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0], "the crossings' marks", &job.marks));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, ((uint64_t)job.pieces + 1) * 17, "the crossings' counts",
+                             &job.begins));
+    job.counts = job.begins + job.pieces + 1;
+    job.written = (uint8_t *)(job.counts + job.pieces + 1);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, CROSSING_KEYS * 8, "the crossings' keys", &job.keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 4, "the nodes' fans", &job.common));
+    for (int32_t i = 0; i <= job.pieces; i++)
+        job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
     bvxi_tasks(ctx, job.pieces, common_piece, &job);
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, count_range, &job));
+    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
     bvxi_drop(ctx, job.common);
-    bvxi_drop(ctx, job.marks);
-    bvxi_drop(ctx, job.counts);
+    bvxi_drop(ctx, job.keys);
+    bvxi_drop(ctx, job.begins);
     return BVX_OK;
 }
 
@@ -456,13 +457,13 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
 
 static int visit_node(const crossing_tree *tree, uint64_t node, const box_query *query,
                       const bvxi_orient_plane *plane, const double *const p[3], const uint32_t ends[2],
-                      crossing_visit *visit, void *user)
+                      const uint8_t *skip, crossing_visit *visit, void *user)
 {
     for (uint32_t bits = overlaps(&tree->node[0][node], query); bits != 0; bits &= bits - 1) {
         uint64_t const t = node * WIDTH + (uint64_t)bvxi_lowest(bits);
         const uint32_t *const v = tree->triangle[t].vertex;
 
-        if (!is_alive(tree, t)) continue;
+        if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
         if (crosses(tree, plane, p, t) && visit(user, (uint32_t)t)) return 1;
@@ -472,7 +473,7 @@ next:;
 }
 
 int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
-                             crossing_visit *visit, void *user)
+                             const uint8_t *skip, crossing_visit *visit, void *user)
 {
     uint32_t const ends[2] = {u, v};
     uint64_t stack[WIDTH * CROSSING_LEVELS];
@@ -490,7 +491,7 @@ int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3]
         int32_t const level = (int32_t)(top & 15);
 
         if (level == 0) {
-            if (visit_node(tree, index, &query, &plane, p, ends, visit, user)) return 1;
+            if (visit_node(tree, index, &query, &plane, p, ends, skip, visit, user)) return 1;
             continue;
         }
         for (uint32_t bits = overlaps(&tree->node[level][index], &query); bits != 0; bits &= bits - 1)
