@@ -26,7 +26,7 @@
 /* Of all vertices, those whose edges a sweep takes. */
 #define SWEEP_SHARE 0.5
 /* Times the cost that edges had so far. */
-#define DEARER 64.0f
+#define DEARER 64.0
 
 enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
@@ -365,13 +365,14 @@ static uint32_t cost_bits(float cost)
 
 /* Set the cost that about so many vertices have no cheaper edge than; bits of positive floats are in the order
  * of their values. candidates: how many have. Of many vertices some are looked at. */
-static void choose_threshold(collapse_sweep *s, uint64_t wanted)
+static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
 {
     const bvxi_collapse *const c = s->c;
     uint64_t const step = wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / THRESHOLD_VERTICES : 1;
     uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
     uint64_t const enough = (wanted + step - 1) / step, few = enough / THRESHOLD_FEW + 1;
     uint64_t before = 0;
+    double dearer = DEARER;
     float most;
 
     /* The upper twelve bits first, then the next twelve of those that are in the same bucket. */
@@ -389,7 +390,9 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted)
     /* Nothing that costs far more than the cheapest ones goes before all of these have been tried. */
     bits = (low + 1) << 20;
     memcpy(&most, &bits, sizeof bits);
-    most = DEARER * (most > COST_NOTHING ? most : COST_NOTHING);
+    for (; idle > 1; idle--) dearer *= DEARER;
+    dearer *= (double)(most > COST_NOTHING ? most : COST_NOTHING);
+    most = dearer < COLLAPSE_NEVER ? (float)dearer : COLLAPSE_NEVER;
     if (low < COST_BUCKETS && most < COLLAPSE_NEVER && high > cost_bits(most) >> 20) {
         high = cost_bits(most) >> 20;
         before = 0;
@@ -488,13 +491,13 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     int ranged;
 
     /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
-    choose_threshold(&s, wanted < share ? wanted : share);
+    choose_threshold(&s, wanted < share ? wanted : share, idle);
 
     /* Before edges that cost far more those that were refused are looked at anew. */
-    if (s.threshold > DEARER * c->reached && c->refused != 0) {
+    if ((double)s.threshold > DEARER * (double)c->reached && c->refused != 0) {
         BVXI_TRY(bvxi_collapse_evaluate(c));
         c->refused = 0;
-        choose_threshold(&s, wanted < share ? wanted : share);
+        choose_threshold(&s, wanted < share ? wanted : share, idle);
     }
     if (s.threshold > c->reached) c->reached = s.threshold;
     *done = 0;

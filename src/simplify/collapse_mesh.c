@@ -13,7 +13,7 @@
 enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
-    COLLAPSE_IDLE = 20,       /* sweeps without a collapse until all edges are looked at anew */
+    COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
     COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
 };
 
@@ -83,17 +83,19 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
 }
 
 /* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
- * one by one. */
+ * one by one, unless all were refused before. */
 static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, double from, double to)
 {
     double const middle = from + 0.8 * (to - from);
     uint64_t undone;
+    int met;
 
     c->counted = 0;
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
+    met = c->mesh.left <= target;
     BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
-    if (undone != 0) BVXI_TRY(collapse_edges(c, target, last, to, to));
+    if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
 }

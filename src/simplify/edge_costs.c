@@ -26,48 +26,34 @@ BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_co
     }
 }
 
-/* Of A d = g, with the largest diagonal first: the upper half of A, and g. */
-BVXI_VECTOR_INLINE int eliminate(double xx, double xy, double xz, double yy, double yz, double zz, double x,
-                                 double y, double z, double least, double *dx, double *dy, double *dz)
-{
-    double const by_x = 1 / xx, to_y = xy * by_x, to_z = xz * by_x;
-    double const a = yy - to_y * xy, b = yz - to_y * xz, c = zz - to_z * xz;
-    double const g = y - to_y * x, h = z - to_z * x;
-    double s, t;
-
-    if (a > c) {
-        double const by_a = 1 / a, share = b * by_a, last = c - share * b;
-
-        if (!((xx > least) & (a > least) & (last > least))) return 0;
-        t = (h - share * g) / last;
-        s = g * by_a - share * t;
-    } else {
-        double const by_c = 1 / c, share = b * by_c, last = a - share * b;
-
-        if (!((xx > least) & (c > least) & (last > least))) return 0;
-        s = (g - share * h) / last;
-        t = h * by_c - share * s;
-    }
-    *dx = (x - xy * s - xz * t) * by_x;
-    *dy = s;
-    *dz = t;
-    return 1;
-}
-
 /* Solve A d = -b by elimination with the largest remaining diagonal first, which keeps small eigenvalues
  * apart from rounding; 0: A is singular within it. A is symmetric and not negative, so each pivot bounds its
  * row, and the rows need no pivoting of their own. A pivot within rounding of the trace is a direction that no
  * plane fixes: then the caller takes an end of the edge, which lies on the surface. NaN fails the comparison
- * too. */
+ * too. Pivots are chosen by indices, since no processor foresees which one is the largest. */
 BVXI_VECTOR_INLINE int solve_least(const double a[6], const double b[3], double d[3])
 {
+    /* Of the axis that comes first: where the rows of the upper half lie in another order of axes. */
+    static const uint8_t upper[3][8] = {{0, 1, 2, 3, 4, 5}, {3, 1, 4, 0, 2, 5}, {5, 4, 2, 3, 1, 0}};
+    static const uint8_t axes[3][4] = {{0, 1, 2}, {1, 0, 2}, {2, 1, 0}};
     double const least = (a[0] + a[3] + a[5]) * 1e-13;
+    int const z_first = (a[5] > a[0]) & (a[5] > a[3]), y_first = !z_first & (a[3] > a[0]);
+    const uint8_t *const at = upper[2 * z_first + y_first], *const axis = axes[2 * z_first + y_first];
+    double const by_x = 1 / a[at[0]], to_y = a[at[1]] * by_x, to_z = a[at[2]] * by_x, x = -b[axis[0]];
+    double const rest[2] = {a[at[3]] - to_y * a[at[1]], a[at[5]] - to_z * a[at[2]]};
+    double const right[2] = {-b[axis[1]] - to_y * x, -b[axis[2]] - to_z * x};
+    double const between = a[at[4]] - to_y * a[at[2]];
+    int const first = !(rest[0] > rest[1]);
+    double const by = 1 / rest[first], share = between * by, last = rest[1 - first] - share * between;
+    double s[2];
 
-    if (a[5] > a[0] && a[5] > a[3])
-        return eliminate(a[5], a[4], a[2], a[3], a[1], a[0], -b[2], -b[1], -b[0], least, &d[2], &d[1], &d[0]);
-    if (a[3] > a[0])
-        return eliminate(a[3], a[1], a[4], a[0], a[2], a[5], -b[1], -b[0], -b[2], least, &d[1], &d[0], &d[2]);
-    return eliminate(a[0], a[1], a[2], a[3], a[4], a[5], -b[0], -b[1], -b[2], least, &d[0], &d[1], &d[2]);
+    if (!((a[at[0]] > least) & (rest[first] > least) & (last > least))) return 0;
+    s[1 - first] = (right[1 - first] - share * right[first]) / last;
+    s[first] = right[first] * by - share * s[1 - first];
+    d[axis[0]] = (x - a[at[1]] * s[0] - a[at[2]] * s[1]) * by_x;
+    d[axis[1]] = s[0];
+    d[axis[2]] = s[1];
+    return 1;
 }
 
 static void offset_between(const bvxi_collapse *c, uint32_t u, uint32_t v, double offset[3])
