@@ -81,9 +81,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              bvxi_winding **winding);
 void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding);
 
-/* What a solid costs because of them (core/costs.h), by their diagonals. */
-double bvxi_holes_cost(const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice);
-
 /* From centre v to its neighbour along axis. [Units: lattice indices] */
 typedef struct bvxi_winding_edge {
     int32_t v[3], axis;
