@@ -140,29 +140,6 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
 #define BVXI_SHARE(ctx, from, to, work) (bvxi_share_begin(ctx, from, to), bvxi_share_end(ctx, (work)))
 void bvxi_share_begin(bvx_context *ctx, double from, double to);
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
-/* What the present work does from its fraction `from` to `to`, beginning now, turns out to take so many
- * times as long as planned: it gets more of the call's progress, and all that comes after it less. */
-void bvxi_share_costs(bvx_context *ctx, double from, double to, double times);
-/* The same by what it costs (costs.h), whatever was planned. The first who says so in a call gives all of its
- * bar a cost, that of the share that it has. */
-void bvxi_share_cost(bvx_context *ctx, double from, double to, double cost);
-/* 1: somebody looks at the bar. */
-int bvxi_is_watched(const bvx_context *ctx);
-/* What the present work would do from its fraction `from` to its end turns out not to be needed: what comes
- * after it gets that part of the bar, in place of a jump. */
-void bvxi_share_spare(bvx_context *ctx, double from);
-
-/* The steps of a work, one after the other, each with what it costs, about. What is not begun may be planned
- * anew at any time: a step gets its part of what is left of the bar, so the bar never falls. */
-typedef struct bvxi_steps {
-    bvx_context *ctx;
-    double *cost; /* of those to come [Size: count] */
-    int32_t count;
-    double at; /* where in the work the step ends that was begun last */
-} bvxi_steps;
-
-#define BVXI_STEP(steps, step, work) (bvxi_step_begin(steps, step), bvxi_share_end((steps)->ctx, (work)))
-void bvxi_step_begin(bvxi_steps *steps, int32_t step);
 /* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 
