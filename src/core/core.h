@@ -120,7 +120,12 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
  * else. */
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user);
-/* The same without reports, for what is short beside the time between two of them. */
+/* body(user, begin, end) for ranges of [0, count), each of at least grain items, one alone where count is 0. The
+ * ranges follow from the shape alone, and bodies write apart from each other. */
+typedef void bvxi_range_fn(void *user, uint64_t begin, uint64_t end);
+bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
+                    void *user);
+/* bvxi_parallel without reports, for what is short beside the time between two of them. */
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
 /* 0: none */
 uint64_t bvxi_memory_limit(const bvx_context *ctx);

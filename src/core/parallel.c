@@ -186,6 +186,31 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
     return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
 }
 
+typedef struct split_range {
+    bvxi_range_fn *body;
+    void *user;
+    uint64_t count;
+    int32_t pieces;
+} split_range;
+
+static void run_range(void *user, int32_t index, int32_t worker)
+{
+    const split_range *const r = user;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(r->count, r->pieces, index, &begin, &end);
+    r->body(r->user, begin, end);
+}
+
+bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
+                    void *user)
+{
+    split_range r = {body, user, count, bvxi_piece_count(count, grain)};
+
+    return bvxi_parallel(ctx, stage, 0.0, 1.0, r.pieces, run_range, &r);
+}
+
 int32_t bvxi_threads(const bvx_context *ctx)
 {
     return ctx->threads;

@@ -266,18 +266,13 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
 
 typedef struct negate_job {
     bvx_field *field;
-    int32_t pieces;
 } negate_job;
 
-static void negate_rows(void *user, int32_t piece, int32_t worker)
+static void negate_rows(void *user, uint64_t row, uint64_t end)
 {
     const negate_job *const job = user;
     const bvx_field *const f = job->field;
     uint64_t const words = (uint64_t)f->band.words_per_row;
-    uint64_t row, end;
-
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(&f->band), job->pieces, piece, &row, &end);
 
     /* Bits and values in the same order, so the rank is just counted along. */
     for (; row < end; row++) {
@@ -298,8 +293,8 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
     negate_job job;
     if (field->inside.words == NULL) return BVX_OK;
     job.field = field;
-    job.pieces = bvxi_piece_count(rows, 1 + MEASURE_GRAIN / (1 + each));
-    return bvxi_parallel(ctx, measure_stage, 0.97, 1.0, job.pieces, negate_rows, &job);
+    return BVXI_SHARE(ctx, 0.97, 1.0,
+                      bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, &job));
 }
 
 /* ---- all of it ---- */

@@ -197,21 +197,17 @@ typedef struct closest_query {
     const double *points;
     bvx_closest_point *found;
     uint64_t count;
-    int32_t pieces;
     uint64_t *keys;  /* of points, then used up */
     uint32_t *order; /* of points, or NULL: as they come */
     double low[3], scale[3];
 } closest_query;
 
-static void find_closest_piece(void *user, int32_t index, int32_t worker)
+static void find_closest_piece(void *user, uint64_t begin, uint64_t end)
 {
     const closest_query *const q = user;
     uint32_t hint = 0;
-    uint64_t begin, end;
-    (void)worker;
 
     /* The hint is the piece's own: threads share nothing that is written. */
-    bvxi_piece(q->count, q->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const point = q->order == NULL ? i : q->order[i];
         bvxi_closest_ask(q->closest, q->points + 3 * point, &hint, &q->found[point]);
@@ -253,12 +249,12 @@ static void make_query_keys(closest_query *q)
 /* Up to QUERY_TOGETHER points, whose search is the share from `from` to `to` of the work. */
 static bvx_status find_closest_batch(bvx_context *ctx, closest_query *q, double from, double to)
 {
-    q->pieces = bvxi_piece_count(q->count, QUERY_GRAIN);
     if (q->order != NULL) {
         make_query_keys(q);
         BVXI_TRY(bvxi_radix_sort(ctx, q->keys, q->order, q->count));
     }
-    return bvxi_parallel(ctx, "nearest points", from, to, q->pieces, find_closest_piece, q);
+    return BVXI_SHARE(ctx, from, to,
+                      bvxi_for(ctx, "nearest points", q->count, QUERY_GRAIN, find_closest_piece, q));
 }
 
 static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)

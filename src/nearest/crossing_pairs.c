@@ -75,15 +75,11 @@ static void crossings_open_four(const crossings_job *job, uint64_t four, crossin
 }
 
 /* Task: which vertices the triangles of a piece have; those without area get none. */
-static void crossings_corners(void *user, int32_t index, int32_t worker)
+static void crossings_corners(void *user, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
     double t[3][3];
     const double *const p[3] = {t[0], t[1], t[2]};
-    uint64_t begin, end;
-    (void)worker;
-
-    bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
 
     /* Pieces are of fours, so the last may reach beyond the last triangle. */
     end = end * BVXI_CLOSEST_WIDTH < job->tree.triangle_count ? end * BVXI_CLOSEST_WIDTH
@@ -313,7 +309,8 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->pieces * sizeof *job->counts,
                         "the crossings' counts", &job->counts));
 
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.3, 0.35, job->pieces, crossings_corners, job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.35,
+                        bvxi_for(ctx, "crossings", fours, CROSSINGS_GRAIN, crossings_corners, job)));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.35, 0.9, job->pieces, count_crossings_piece, job));
 
     /* In the order of pieces, though a sum of whole numbers has no order. */

@@ -272,20 +272,16 @@ typedef struct coarsen_job {
     const bvx_octree *tree;
     const uint64_t *fine;
     uint64_t *coarse;
-    int32_t level, pieces; /* of the coarse one */
+    int32_t level; /* of the coarse one */
 } coarsen_job;
 
-static void coarsen_rows(void *user, int32_t index, int32_t worker)
+static void coarsen_rows(void *user, uint64_t begin, uint64_t end)
 {
     const coarsen_job *const job = user;
     uint64_t const ny = (uint64_t)job->tree->base[1] << job->level;
-    uint64_t const nz = (uint64_t)job->tree->base[2] << job->level;
     size_t const coarse = (size_t)bvxi_refine_row_words(job->tree, job->level);
     size_t const fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         /* Four rows of the finer level: two of one slice, two of the next. */
         const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine;
@@ -307,13 +303,15 @@ enum { COARSEN_GRAIN = 512 };
 static bvx_status coarsen_grids(bvxi_refine_job *job)
 {
     for (int32_t l = job->start - 1; l >= 0; l--) {
-        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l, 1};
+        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l};
         uint64_t const words = bvxi_refine_grid_words(job->tree, l);
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 8, "a coarser grid", &job->grids.words[l]));
         c.coarse = job->grids.words[l];
-        c.pieces = bvxi_piece_count((uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
-                                    COARSEN_GRAIN);
-        BVXI_TRY(bvxi_parallel(job->ctx, "refine", 0.95, 1.0, c.pieces, coarsen_rows, &c));
+        BVXI_TRY(
+            BVXI_SHARE(job->ctx, 0.95, 1.0,
+                       bvxi_for(job->ctx, "refine",
+                                (uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
+                                COARSEN_GRAIN, coarsen_rows, &c)));
     }
     return BVX_OK;
 }

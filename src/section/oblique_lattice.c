@@ -164,17 +164,13 @@ static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 typedef struct known_job {
     bvxi_oblique *o;
     uint32_t from;
-    int32_t pieces;
 } known_job;
 
-static void known_piece(void *user, int32_t index, int32_t worker)
+static void known_piece(void *user, uint64_t begin, uint64_t end)
 {
     const known_job *const job = user;
     bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->known_count - job->from, job->pieces, index, &begin, &end);
     for (uint64_t i = job->from + begin; i < job->from + end; i++) {
         int32_t first[3], at[3];
         float *const value = o->value + i * BVXI_BLOCK_SIZE;
@@ -245,8 +241,7 @@ static bvx_status follow_surface(bvxi_oblique *o)
         o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
         job.o = o;
         job.from = from;
-        job.pieces = bvxi_piece_count(end - from, BLOCK_GRAIN);
-        BVXI_TRY(bvxi_parallel(o->ctx, "field", 0.0, 1.0, job.pieces, known_piece, &job));
+        BVXI_TRY(bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job));
         for (uint32_t i = from; i < end; i++) BVXI_TRY(know_round(o, i));
         from = end;
     }

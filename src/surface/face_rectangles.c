@@ -27,7 +27,6 @@ typedef struct face_merge {
     uint64_t *corners;      /* used ones, rows of f->words */
     uint32_t *prefix;
     bvxi_rank rank;
-    int32_t pieces; /* of the list */
 } face_merge;
 
 /* ---- one plane ---- */
@@ -247,13 +246,10 @@ static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
     }
 }
 
-static void emit_rectangles(void *user, int32_t piece, int32_t worker)
+static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(m->f->face_count, m->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
@@ -277,7 +273,6 @@ static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
         total += n;
     }
     m->f->face_count = total;
-    m->pieces = bvxi_piece_count(total, RECTANGLE_GRAIN);
     return bvxi_faces_check_counts(ctx, m->f);
 }
 
@@ -302,7 +297,9 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
     status = bvxi_parallel(ctx, "faces", 0.6, 0.8, m->f->pieces, emit_corner_rows, m);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "faces", 0.8, 1.0, m->pieces, emit_rectangles, m);
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.8, 1.0,
+                            bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
     if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
     else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
     return status;
