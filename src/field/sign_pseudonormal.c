@@ -324,18 +324,11 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
     return bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 24, "the vertices' directions", &rule->outwards);
 }
 
-static void pseudo_close(bvx_context *ctx, pseudo_rule *rule)
-{
-    bvxi_drop(ctx, rule->outwards);
-    bvxi_drop(ctx, rule->list);
-    bvxi_drop(ctx, rule->start);
-    bvxi_drop(ctx, rule->same);
-}
-
 bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                                   bvx_grid *inside)
 {
     double const middle = call.from + (call.to - call.from) * 0.3;
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
     pseudo_rule rule = {0};
     double low[3], high[3];
 
@@ -350,8 +343,7 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
     BVXI_TRY(
         BVXI_SHARE(call.ctx, call.from, middle,
                    bvxi_for(call.ctx, call.stage, mesh->vertex_count, PSEUDO_GRAIN, sum_at_vertices, &rule)));
-    BVXI_TRY(bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule,
-                            inside));
-    pseudo_close(call.ctx, &rule);
-    return BVX_OK;
+    return bvxi_scratch_end(call.ctx, mark,
+                            bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band,
+                                           outwards_of_feature, &rule, inside));
 }

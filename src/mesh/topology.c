@@ -471,15 +471,6 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
     return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
 }
 
-static void free_topology(bvx_context *ctx, topology *c)
-{
-    bvxi_drop(ctx, c->entries);
-    bvxi_drop(ctx, c->parent);
-    bvxi_drop(ctx, c->ring);
-    bvxi_drop(ctx, c->corner_of);
-    bvxi_drop(ctx, c->bucket_end);
-}
-
 static void conclude_topology(topology *c)
 {
     bvx_certificate *const r = c->result;
@@ -493,6 +484,7 @@ static void conclude_topology(topology *c)
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     topology c;
 
     memset(&c, 0, sizeof c);
@@ -508,6 +500,5 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     BVXI_TRY(check_edges(&c));
     if (!edges_alone) BVXI_TRY(check_vertices(&c));
     if (!edges_alone) conclude_topology(&c);
-    free_topology(ctx, &c);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, BVX_OK);
 }

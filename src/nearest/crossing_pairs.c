@@ -342,17 +342,10 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
     return BVX_OK;
 }
 
-static void free_crossings(bvx_context *ctx, crossings_job *job)
-{
-    bvxi_drop(ctx, job->counts);
-    bvxi_drop(ctx, job->marks);
-    bvxi_drop(ctx, job->corner);
-    bvxi_closest_free(ctx, &job->tree);
-}
-
 bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,
                                uint64_t *count, uint32_t *pairs, uint64_t capacity)
 {
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     crossings_job job;
     bvx_status status;
 
@@ -363,9 +356,7 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view, mesh->low,
                                 mesh->high, bvxi_unit_scale(mesh->low, mesh->high), &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
-
-    free_crossings(ctx, &job);
-    return status;
+    return bvxi_scratch_end(ctx, mark, status);
 }
 
 static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,

@@ -22,15 +22,6 @@ typedef struct oblique_region_work {
     uint64_t torn_count, torn_room;
 } oblique_region_work;
 
-static uint32_t region_root(oblique_region_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) {
-        w->joined[i] = w->joined[w->joined[i]];
-        i = w->joined[i];
-    }
-    return i;
-}
-
 /* A triangle of the plane: x y z, z's side of the edge x y where that is a contour's. */
 static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane, uint32_t x, uint32_t y,
                      uint32_t z)
@@ -54,7 +45,7 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
         if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
             vote_for(o, w, plane, x, y, z);
         if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
-            uint32_t const a = region_root(w, x), b = region_root(w, y);
+            uint32_t const a = bvxi_root(w->joined, x), b = bvxi_root(w->joined, y);
             w->joined[a > b ? a : b] = a > b ? b : a;
         }
     }
@@ -90,8 +81,8 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
-            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || region_root(w, x) == x) continue;
-            w->vote[region_root(w, x)] += w->vote[x];
+            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || bvxi_root(w->joined, x) == x) continue;
+            w->vote[bvxi_root(w->joined, x)] += w->vote[x];
             w->vote[x] = 0.0;
         }
     }
@@ -99,7 +90,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
-            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[region_root(w, x)];
+            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[bvxi_root(w->joined, x)];
             if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
             /* One that lies on several planes has the first one's sign; that the others differ is
              * remembered. */
@@ -144,7 +135,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
             for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
             area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
                                  (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
-            root = region_root(w, v[v_at]);
+            root = bvxi_root(w->joined, v[v_at]);
             if (w->vote[root] == 0.0) w->kind[root] = o->vertex[v[v_at]].value;
             w->vote[root] += w->kind[root] == o->vertex[v[v_at]].value ? area : -area;
             if (w->vote[root] >= 0.0) continue;
@@ -156,7 +147,8 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
         for (int k = 0; k < 3; k++) {
             bvxi_tetra_vertex *const x = &o->vertex[v[k]];
             /* One that lies on several planes is of the first one's kind. */
-            if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane) x->value = w->kind[region_root(w, v[k])];
+            if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane)
+                x->value = w->kind[bvxi_root(w->joined, v[k])];
         }
     }
 }

@@ -109,12 +109,6 @@ typedef struct link_work {
     uint32_t count;
 } link_work;
 
-static uint32_t link_root(const link_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) i = w->joined[i];
-    return i;
-}
-
 static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
 {
     /* The number says that it is there already, without a search. */
@@ -147,8 +141,8 @@ static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
                     o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
                     continue;
                 /* The lower number is the root, whatever came first. */
-                x = link_root(w, w->number[t->v[a]]);
-                y = link_root(w, w->number[t->v[b]]);
+                x = bvxi_root(w->joined, w->number[t->v[a]]);
+                y = bvxi_root(w->joined, w->number[t->v[b]]);
                 w->joined[x > y ? x : y] = x > y ? y : x;
             }
     }
@@ -446,8 +440,8 @@ static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, u
 
     for (uint32_t i = 0; i < w->count; i++) {
         if (o->vertex[w->vertex[i]].sign != sign) continue;
-        if (found == BVXI_NONE) found = link_root(w, i);
-        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return link_root(w, i);
+        if (found == BVXI_NONE) found = bvxi_root(w->joined, i);
+        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return bvxi_root(w->joined, i);
     }
     return found;
 }
@@ -467,7 +461,7 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
             /* those inside first: to part them opens and closes nothing, to part others may */
             for (int sign = 1; sign >= -1 && wrong == BVXI_NONE; sign -= 2)
                 for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++)
-                    if (o->vertex[w->vertex[i]].sign == sign && link_root(w, i) != keep[sign > 0])
+                    if (o->vertex[w->vertex[i]].sign == sign && bvxi_root(w->joined, i) != keep[sign > 0])
                         wrong = w->vertex[i];
         }
         close_link(w);

@@ -245,16 +245,11 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
 bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
 {
     simple_work w = {NULL, NULL, NULL, NULL};
-    uint64_t const n = p->point_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
+    uint64_t const n = p->point_count, mark = bvxi_scratch_begin(s->ctx);
 
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place));
-    BVXI_TRY(check_pairs(s, p, &w));
-    bvxi_drop(s->ctx, w.place);
-    bvxi_drop(s->ctx, w.active);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    return BVX_OK;
+    return bvxi_scratch_end(s->ctx, mark, check_pairs(s, p, &w));
 }

@@ -317,7 +317,7 @@ static uint64_t plane_bits(const bvx_grid *g)
 
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
-    uint64_t const threads = (uint64_t)bvxi_threads(ctx);
+    uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
     face_merge m;
 
     memset(&m, 0, sizeof m);
@@ -329,11 +329,5 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
     BVXI_TRY(count_rectangles(ctx, &m));
     BVXI_TRY(list_rectangles(ctx, &m));
-    if (mesh != NULL) BVXI_TRY(emit_merged(ctx, &m, mesh));
-    bvxi_drop(ctx, m.prefix);
-    bvxi_drop(ctx, m.corners);
-    bvxi_drop(ctx, m.list);
-    bvxi_drop(ctx, m.scratch);
-    bvxi_drop(ctx, m.before);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }
