@@ -179,7 +179,6 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     uint64_t const starts = s->all.point_room * 4, firsts = (uint64_t)s->plane_count * 8;
     uint64_t cuts = 0;
     ring_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.s = s;
@@ -187,21 +186,17 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
     job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
-    status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first));
     cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
+    for (uint32_t i = 0; i < s->plane_count; i++) {
         job.first[i] = cuts;
         cuts += s->plane[i].cut_count;
     }
-    if (status == BVX_OK) status = make_in_job(&job);
-    cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
+    BVXI_TRY(make_in_job(&job));
     bvxi_drop(s->ctx, job.first);
     bvxi_drop(s->ctx, job.sorted);
     bvxi_drop(s->ctx, job.start);
-    return status;
+    return BVX_OK;
 }
