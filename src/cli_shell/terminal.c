@@ -160,7 +160,7 @@ static void open_stage(cli_run *run, const char *name)
     p->ended = 0.0;
     p->calls = 1;
     p->call = p->moved = 0;
-    /* A fixed part of what is left of the bar: nothing tells which stages follow. */
+    /* A fixed part of what is left of the bar, as the stages that follow are not known. */
     p->low = p->reached;
     p->high = p->low + (1.0 - p->low) * part;
 }

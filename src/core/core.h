@@ -180,6 +180,32 @@ static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *be
     *end = *begin + base + (u < rest ? 1 : 0);
 }
 
+/* Counts become places: where the items of each begin. Returns how many there are of all. */
+static inline uint64_t bvxi_place_counts(uint64_t *count, uint64_t n)
+{
+    uint64_t sum = 0;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint64_t const own = count[i];
+
+        count[i] = sum;
+        sum += own;
+    }
+    return sum;
+}
+
+static inline void bvxi_place_counts32(uint32_t *count, uint64_t n)
+{
+    uint32_t sum = 0;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t const own = count[i];
+
+        count[i] = sum;
+        sum += own;
+    }
+}
+
 enum { BVXI_MOST_PIECES = 256 }; /* for arrays with a place for each piece */
 
 /* Pieces for work over count items, at least grain items each; from the shape only, not from the threads. */
@@ -190,6 +216,9 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 }
 
 /* ---- options.c: options of callers older or newer than the library ---- */
+
+/* Refuses points [Size: count * 3] that are not finite. */
+bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
 /* Copy the caller's options over the defaults already in *options. Refuses a struct_size that is no size. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,

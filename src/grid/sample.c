@@ -86,19 +86,6 @@ static void sample_points_piece(void *user, uint64_t begin, uint64_t end)
                                     w->gradients != NULL ? w->gradients + 3 * i : unused);
 }
 
-static bvx_status check_sample_points(bvx_context *ctx, const char *function, const double *points,
-                                      uint64_t count)
-{
-    static const char axis_name[3][2] = {"x", "y", "z"};
-    for (uint64_t i = 0; i < count; i++)
-        for (int a = 0; a < 3; a++)
-            if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: point %i has %s = %g, which is not finite", function, i,
-                                     axis_name[a], points[3 * i + (uint64_t)a]);
-    return BVX_OK;
-}
-
 static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points,
                                   uint64_t count, double *values, double *gradients)
 {
@@ -113,7 +100,7 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     if (count > SIZE_MAX / 24)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_sample_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count));
     return bvxi_for(context, "sample", count, SAMPLE_GRAIN, sample_points_piece, &w);
 }
 

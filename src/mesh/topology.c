@@ -165,18 +165,13 @@ static void fill_buckets(void *user, int32_t range, int32_t worker)
 static void fill_edge_buckets(topology *c)
 {
     bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
-    uint32_t sum = 0;
 
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
     /* Counted by the lower vertex first, so that every bucket has its place. */
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
     /* ends as they are before anything is filled in: the starts */
-    for (uint64_t v = 0; v < c->vertex_count; v++) {
-        uint32_t const n = c->bucket_end[v];
-        c->bucket_end[v] = sum;
-        sum += n;
-    }
+    bvxi_place_counts32(c->bucket_end, c->vertex_count);
     bvxi_tasks(c->ctx, r.count, fill_buckets, &r);
 }
 

@@ -288,21 +288,6 @@ static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
     return BVX_OK;
 }
 
-static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points,
-                                     uint64_t count)
-{
-    static const char axis_name[3][2] = {"x", "y", "z"};
-
-    /* x - x is 0 for finite numbers and NaN for all others. */
-    for (uint64_t i = 0; i < count; i++)
-        for (int a = 0; a < 3; a++)
-            if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: point %i has %s = %g, which is not finite", function, i,
-                                     axis_name[a], points[3 * i + (uint64_t)a]);
-    return BVX_OK;
-}
-
 static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                    uint64_t count, bvx_closest_point *found)
 {
@@ -316,7 +301,7 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     if (count > SIZE_MAX / sizeof *found)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_query_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count));
     return find_all_closest(context, &q);
 }
 

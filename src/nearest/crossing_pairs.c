@@ -270,16 +270,9 @@ static void write_crossings_piece(void *user, int32_t index, int32_t worker)
 static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t count, uint32_t *pairs)
 {
     uint32_t *numbers = NULL;
-    uint64_t sum = 0;
 
-    /* Counts become places, so that pieces write side by side and no thread shows. */
-    for (int32_t i = 0; i < job->pieces; i++) {
-        uint64_t const own = job->counts[i];
-
-        job->counts[i] = sum;
-        sum += own;
-    }
-
+    /* Pieces write side by side, and no thread shows. */
+    (void)bvxi_place_counts(job->counts, (uint64_t)job->pieces);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job));

@@ -153,20 +153,6 @@ static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, 
     return bvxi_parallel(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
-/* Counts become places, the total stands after the last. */
-static uint64_t place_start_lists(uint64_t *offset, uint64_t voxels)
-{
-    uint64_t total = 0;
-
-    for (uint64_t v = 0; v < voxels; v++) {
-        uint64_t const n = offset[v];
-        offset[v] = total;
-        total += n;
-    }
-    offset[voxels] = total;
-    return total;
-}
-
 /* offset, list and slots of the front; last is scratch for touching. */
 static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine_front *front)
 {
@@ -181,7 +167,7 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
 
     /* Counted, then filled: the lists lie one after the other in one array. */
     BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
-    front->pairs = place_start_lists(front->offset, front->slots);
+    front->pairs = front->offset[front->slots] = bvxi_place_counts(front->offset, front->slots);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, front->pairs * 4, "the start's triangle lists", &front->list));
     surface->list = front->list;
     memset(surface->last, 0, (size_t)front->slots * 4);

@@ -59,24 +59,34 @@ static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
         if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
 }
 
-/* Joins and votes first, then the votes to the roots, then signs. */
-static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+/* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
+ * votes. */
+static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
 {
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
     uint32_t v[3];
 
-    /* Arrays over all vertices, made ready for this plane's alone: others may have used them. */
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             w->joined[v[k]] = v[k];
             w->vote[v[k]] = 0.0;
+            if (o->body_count != 0) w->kind[v[k]] = 0.0F;
         }
     }
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         look_at_plane_face(o, w, plane, v);
     }
+}
+
+/* Joins and votes first, then the votes to the roots, then signs. */
+static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+{
+    uint64_t const begin = w->first[plane], end = w->first[plane + 1];
+    uint32_t v[3];
+
+    vote_on_plane(o, w, plane);
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
@@ -112,18 +122,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
     uint32_t v[3];
 
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        for (int k = 0; k < 3; k++) {
-            w->joined[v[k]] = v[k];
-            w->vote[v[k]] = 0.0;
-            w->kind[v[k]] = 0.0F;
-        }
-    }
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        look_at_plane_face(o, w, plane, v);
-    }
+    vote_on_plane(o, w, plane);
 
     /* The one with more than half of the area, if any, is the last to lead (Boyer, Moore 1981). */
     for (uint32_t v_at = 0; v_at < 3; v_at++)

@@ -25,15 +25,9 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
 /* Cuts by segment in start[], then in order along each; few lie on one. */
 static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 {
-    uint32_t sum = 0;
-
     /* Counted by segment; counts become places, and cuts go there in their order. */
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
-    for (uint32_t i = 0; i < p->point_count; i++) {
-        uint32_t const n = start[i];
-        start[i] = sum;
-        sum += n;
-    }
+    bvxi_place_counts32(start, p->point_count);
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
     /* Filling moved each start to its segment's end; they are moved back by one segment. */
     for (uint32_t i = p->point_count; i-- > 0;) start[i] = i == 0 ? 0 : start[i - 1];

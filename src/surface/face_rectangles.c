@@ -264,15 +264,8 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 {
     /* Counts become places. */
-    uint64_t total = 0;
-
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
-    for (int32_t t = 0; t < m->tasks; t++) {
-        uint64_t const n = m->before[t];
-        m->before[t] = total;
-        total += n;
-    }
-    m->f->face_count = total;
+    m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
     return bvxi_faces_check_counts(ctx, m->f);
 }
 

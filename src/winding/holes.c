@@ -196,6 +196,28 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
     return bvxi_scratch_end(ctx, mark, BVX_OK);
 }
 
+uint64_t bvxi_sheet_triangles(const bvxi_holes *holes, uint32_t *corner)
+{
+    uint64_t count = 0, begin = 0, i, j;
+
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        bvxi_sheet_walk w;
+        w.count = 0;
+        bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
+        /* As fill_sheet walks it, so the triangles are those of the sums. */
+        while (bvxi_sheet_take(&w, &i, &j)) {
+            uint64_t const m = i + (j - i) / 2;
+            if (j - i < 2) continue;
+            corner[3 * count] = (uint32_t)i;
+            corner[3 * count + 1] = (uint32_t)m;
+            corner[3 * count++ + 2] = (uint32_t)j;
+            bvxi_sheet_push(&w, i, m);
+            bvxi_sheet_push(&w, m, j);
+        }
+    }
+    return count;
+}
+
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)
 {
     bvxi_drop(ctx, holes->loop_end);

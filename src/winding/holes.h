@@ -68,6 +68,9 @@ static inline int bvxi_sheet_take(bvxi_sheet_walk *w, uint64_t *i, uint64_t *j)
     return 1;
 }
 
+/* The triangles of the sheet over the holes, by the points of their loops; returns how many. */
+uint64_t bvxi_sheet_triangles(const bvxi_holes *holes, uint32_t *corner);
+
 /* ---- Generalized winding numbers between centres, for surfaces over holes ---- */
 
 /* What the holes of a mesh look like from any centre of a lattice. */
