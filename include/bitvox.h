@@ -161,8 +161,8 @@ typedef void *bvx_alloc_fn(void *user, size_t size, size_t align);
 /** Frees what bvx_alloc_fn returned, with the same size and align. */
 typedef void bvx_free_fn(void *user, void *block, size_t size, size_t align);
 /** Called on the calling thread between pieces of work. fraction is the share of the whole call that is done,
- *  roughly by time: it never falls, and stays below 1 while there is work. stage names what is being done, or
- *  the function where it reports nothing finer.
+ *  in fixed shares of its steps, whatever they take: it never falls, and stays below 1 while there is work.
+ *  stage names what is being done, or the function where it reports nothing finer.
  *  A result other than 0 cancels: the call returns BVX_CANCELLED. The last report of a call that succeeds is
  *  exactly 1, and its result is ignored; a call that fails makes no report of 1.
  *  These calls are too small and report nothing: bvx_lattice_make, bvx_grid_create, bvx_octree_lattice,

@@ -238,11 +238,6 @@ const char *cli_nearest(const char *word, const char *(*next)(const void *user, 
 /* 1 when --triangles or --error is given. */
 int cli_reduces(const cli_run *run);
 
-/* ---- plan.c: the stages of a command ---- */
-
-/* The share of the run that the stage which begins now has; 0 when it is not in the command's plan. */
-int cli_plan_stage(cli_run *run, const char *name, double *low, double *high);
-
 /* ---- manual.c: the man page and the completion of bash, from the same tables ---- */
 
 /* NULL stands after the last command. */

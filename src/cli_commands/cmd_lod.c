@@ -343,7 +343,7 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
     made->untitled = 1;
     if (status == CLI_DONE) status = check_lod_options(run, c);
     /* Known before the first stage, so that the bar knows how many rounds follow. */
-    run->progress.made = run->progress.measured = c->asked;
+    run->progress.rounds = c->asked;
     if (status == CLI_DONE) status = cli_open_levels(run, c->asked, c->path);
     if (status == CLI_DONE) status = cli_open_chain(run, c);
     for (int i = 0; i < c->asked && status == CLI_DONE; i++) status = make_level(run, c, i, made);

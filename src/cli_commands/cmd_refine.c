@@ -176,14 +176,6 @@ static int write_refined(cli_run *run, void *work)
     return cli_write_tree(run, work);
 }
 
-/* How much longer than usual the file takes: text, bits, triangles. */
-static void plan_writing(cli_run *run)
-{
-    int32_t const format = bvx_format_of_name(run->options->output);
-
-    run->progress.writing = format == BVX_FORMAT_VTU ? 100.0 : format == BVX_FORMAT_BVX ? 0.25 : 3.0;
-}
-
 static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
@@ -193,7 +185,6 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
     made->write = write_refined;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));
-    plan_writing(run);
     CLI_TRY(cli_open_tree_output(run, t));
     return make_tree(run, kind, t);
 }

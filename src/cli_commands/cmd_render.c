@@ -355,7 +355,7 @@ static int make_render(cli_run *run, void *work, cli_made *made)
     made->write = write_pictures;
     made->untitled = 1;
     if (status != CLI_DONE) return status;
-    run->progress.made = own->turntable;
+    run->progress.rounds = own->turntable;
     return own->turntable != 0 ? render_turntable(run, &job->scene, &job->sheet)
                                : render_sheet(run, &job->scene, &job->sheet);
 }

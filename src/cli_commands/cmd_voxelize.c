@@ -560,12 +560,8 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(check_voxelize_options(run, &job->window));
     /* The lattice is wider than the mesh by what lies around its surface. */
-    if (own->mode == CLI_MODE_FIELD) {
-        run->progress.writing = 5.0;
-        choose_field_padding(run);
-    } else {
-        make_room_for_surface(run);
-    }
+    if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
+    else make_room_for_surface(run);
     CLI_TRY(cli_open_voxels(run));
     CLI_TRY(read_meshes(run, job));
     return make_all(run, job, made);

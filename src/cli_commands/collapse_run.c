@@ -113,8 +113,6 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
 
     if (!known) c->count = usual_count(c->input.triangle_count);
     choose_targets(run, c);
-    run->progress.made = 1; /* one call makes all */
-    run->progress.measured = c->count;
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
 

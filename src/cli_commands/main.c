@@ -102,7 +102,6 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) {
         run->start = cli_seconds();
         /* From here on there is something to measure, to interrupt and to tidy up. */
-        run->progress.row = -1;
         cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
             return cli_run_batch(run);
@@ -163,7 +162,6 @@ int main(int count, char **word)
     run.options = &options;
     run.general = &options.general;
     run.commands = cli_commands;
-    run.plan_stage = cli_plan_stage;
     /* Before any file is opened and any thread started. */
     hold_standard_streams();
     cli_watch_start();

@@ -222,9 +222,7 @@ typedef struct cli_progress_state {
     double low, high;    /* its share of the run */
     int calls, call;     /* of the library in it: how many, and which one runs */
     int moved;           /* it has reported something */
-    int row, time;       /* of the plan; row -1: before the first */
-    int made, measured;  /* levels or pictures, for the plan: made one after the other, measured likewise */
-    double writing;      /* for the plan: how much longer than usual the file takes; 0: as usual */
+    int rounds;          /* levels or pictures that stages are repeated for; 0: one */
     double start, ended; /* of the stage, seconds; ended 0: it still runs */
     double reached;      /* of the run */
     double told;         /* when the last line or bar was shown */
@@ -280,9 +278,6 @@ struct cli_run {
     const struct cli_argument *row[CLI_MAX_OPTIONS]; /* of the command's options */
     int rows;
     unsigned char given[CLI_MAX_OPTIONS]; /* by row */
-    /* The share of the run that the stage which begins now has; 0 when it
-     * is not in the command's plan. NULL: no plan. */
-    int (*plan_stage)(struct cli_run *run, const char *name, double *low, double *high);
     cli_report report;
     bvx_context *context;
     uint64_t context_limit; /* of its memory, when one was requested; 0: none */

@@ -139,9 +139,20 @@ static void close_stage(cli_run *run, int done)
     p->stage[0] = 0;
 }
 
+/* What takes little beside that for which a command is called. */
+static int is_short_stage(const char *name)
+{
+    static const char *const starts[] = {"read", "parse", "threshold", "check"};
+
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++)
+        if (strncmp(name, starts[i], strlen(starts[i])) == 0) return 1;
+    return 0;
+}
+
 static void open_stage(cli_run *run, const char *name)
 {
     cli_progress_state *const p = &run->progress;
+    double const part = is_short_stage(name) ? 0.1 : 0.5 / (p->rounds > 1 ? p->rounds : 1);
 
     close_stage(run, 1);
     snprintf(p->stage, sizeof p->stage, "%s", name);
@@ -149,10 +160,9 @@ static void open_stage(cli_run *run, const char *name)
     p->ended = 0.0;
     p->calls = 1;
     p->call = p->moved = 0;
-    /* A stage outside the plan stands where the run is. */
-    if (run->plan_stage == NULL || !run->plan_stage(run, name, &p->low, &p->high))
-        p->low = p->high = p->reached;
-    if (p->low > p->reached) p->reached = p->low;
+    /* A fixed part of what is left of the bar, as the stages that follow are not known. */
+    p->low = p->reached;
+    p->high = p->low + (1.0 - p->low) * part;
 }
 
 void cli_stage_begin(cli_run *run, const char *format, ...)

@@ -185,7 +185,7 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     c->parallel_user = o.parallel_user;
     c->progress = o.progress;
     c->progress_user = o.progress_user;
-    c->share[0].knee = c->share[0].high = c->share[0].bend = 1.0;
+    c->share[0].high = 1.0;
     c->error.function = "";
     c->error.message = c->error.text = c->message;
     c->error.index = -1;

@@ -21,12 +21,9 @@ enum { BVXI_SCRATCH_ROOM = 64 }; /* of the table behind the context */
 
 typedef struct bvxi_pool bvxi_pool;
 
-/* Where in a public call, from 0 to 1, a work reports: at low what is its fraction `from`, at knee its
- * fraction `bend`, at high the end of it. */
+/* The part of a public call, from 0 to 1, in which a work reports. */
 typedef struct bvxi_share {
-    double low, knee, high;
-    double from, bend;
-    double to; /* the fraction of the work around it at which it ends */
+    double low, high;
 } bvxi_share;
 
 enum { BVXI_SHARES = 12 }; /* more works in each other than calls have */
@@ -52,7 +49,6 @@ struct bvx_context {
     bvxi_share share[BVXI_SHARES]; /* the first is the call's */
     const char *stage;             /* reported last; the function's name before */
     double reached;                /* reported last */
-    double bar_cost;               /* of all of the bar, as planned (costs.h); 0: nobody has said */
     int32_t calls, shares;         /* public calls in each other; shares in the call's */
     const char *function;          /* the outermost public one */
     bvx_error error;               /* the last failure; its text points into message */

@@ -120,7 +120,12 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
  * else. */
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user);
-/* The same without reports, for what is short beside the time between two of them. */
+/* body(user, begin, end) for ranges of [0, count), each of at least grain items, one alone where count is 0. The
+ * ranges follow from the shape alone, and bodies write apart from each other. */
+typedef void bvxi_range_fn(void *user, uint64_t begin, uint64_t end);
+bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
+                    void *user);
+/* bvxi_parallel without reports, for what is short beside the time between two of them. */
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
 /* 0: none */
 uint64_t bvxi_memory_limit(const bvx_context *ctx);
@@ -140,29 +145,6 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
 #define BVXI_SHARE(ctx, from, to, work) (bvxi_share_begin(ctx, from, to), bvxi_share_end(ctx, (work)))
 void bvxi_share_begin(bvx_context *ctx, double from, double to);
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status);
-/* What the present work does from its fraction `from` to `to`, beginning now, turns out to take so many
- * times as long as planned: it gets more of the call's progress, and all that comes after it less. */
-void bvxi_share_costs(bvx_context *ctx, double from, double to, double times);
-/* The same by what it costs (costs.h), whatever was planned. The first who says so in a call gives all of its
- * bar a cost, that of the share that it has. */
-void bvxi_share_cost(bvx_context *ctx, double from, double to, double cost);
-/* 1: somebody looks at the bar. */
-int bvxi_is_watched(const bvx_context *ctx);
-/* What the present work would do from its fraction `from` to its end turns out not to be needed: what comes
- * after it gets that part of the bar, in place of a jump. */
-void bvxi_share_spare(bvx_context *ctx, double from);
-
-/* The steps of a work, one after the other, each with what it costs, about. What is not begun may be planned
- * anew at any time: a step gets its part of what is left of the bar, so the bar never falls. */
-typedef struct bvxi_steps {
-    bvx_context *ctx;
-    double *cost; /* of those to come [Size: count] */
-    int32_t count;
-    double at; /* where in the work the step ends that was begun last */
-} bvxi_steps;
-
-#define BVXI_STEP(steps, step, work) (bvxi_step_begin(steps, step), bvxi_share_end((steps)->ctx, (work)))
-void bvxi_step_begin(bvxi_steps *steps, int32_t step);
 /* Report how far the present work is, 0 to 1; BVX_CANCELLED when the caller wants to stop. */
 bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction);
 
@@ -198,6 +180,32 @@ static inline void bvxi_piece(uint64_t count, int32_t n, int32_t i, uint64_t *be
     *end = *begin + base + (u < rest ? 1 : 0);
 }
 
+/* Counts become places: where the items of each begin. Returns how many there are of all. */
+static inline uint64_t bvxi_place_counts(uint64_t *count, uint64_t n)
+{
+    uint64_t sum = 0;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint64_t const own = count[i];
+
+        count[i] = sum;
+        sum += own;
+    }
+    return sum;
+}
+
+static inline void bvxi_place_counts32(uint32_t *count, uint64_t n)
+{
+    uint32_t sum = 0;
+
+    for (uint64_t i = 0; i < n; i++) {
+        uint32_t const own = count[i];
+
+        count[i] = sum;
+        sum += own;
+    }
+}
+
 enum { BVXI_MOST_PIECES = 256 }; /* for arrays with a place for each piece */
 
 /* Pieces for work over count items, at least grain items each; from the shape only, not from the threads. */
@@ -208,6 +216,9 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 }
 
 /* ---- options.c: options of callers older or newer than the library ---- */
+
+/* Refuses points [Size: count * 3] that are not finite. */
+bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
 /* Copy the caller's options over the defaults already in *options. Refuses a struct_size that is no size. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,

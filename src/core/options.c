@@ -141,3 +141,16 @@ bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void
     }
     return BVX_OK;
 }
+
+bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count)
+{
+    static const char axis_name[3][2] = {"x", "y", "z"};
+
+    /* x - x is 0 for finite numbers and NaN for all others. */
+    for (uint64_t i = 0; i < 3 * count; i++)
+        if (points[i] - points[i] != 0.0)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                 "%s: point %i has %s = %g, which is not finite", function, i / 3,
+                                 axis_name[i % 3], points[i]);
+    return BVX_OK;
+}

@@ -26,10 +26,7 @@ static const bvxi_share *present_share(const bvx_context *ctx)
 /* Where a work's fraction lies in the call. */
 static double place_in(const bvxi_share *s, double fraction)
 {
-    if (fraction > s->bend && s->bend < 1.0)
-        return s->knee + (s->high - s->knee) * ((fraction - s->bend) / (1.0 - s->bend));
-    if (fraction <= s->from) return s->low;
-    return s->low + (s->knee - s->low) * ((fraction - s->from) / (s->bend - s->from));
+    return s->low + (s->high - s->low) * fraction;
 }
 
 void bvxi_call_begin(bvx_context *ctx, const char *function)
@@ -41,8 +38,8 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
     /* Without a callback nobody looks at shares. */
     if (ctx->progress == NULL) return;
     ctx->shares = 0;
-    ctx->share[0] = (bvxi_share){.knee = BEFORE_END, .high = BEFORE_END, .bend = 1.0, .to = 1.0};
-    ctx->reached = ctx->bar_cost = 0.0;
+    ctx->share[0] = (bvxi_share){.low = 0.0, .high = BEFORE_END};
+    ctx->reached = 0.0;
 }
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
@@ -60,120 +57,12 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 void bvxi_share_begin(bvx_context *ctx, double from, double to)
 {
     const bvxi_share *const outer = present_share(ctx);
-    bvxi_share share = {.bend = 1.0, .to = to};
+    bvxi_share share;
 
     if (ctx->progress == NULL) return;
     share.low = place_in(outer, from);
-    share.knee = share.high = place_in(outer, to);
+    share.high = place_in(outer, to);
     if (++ctx->shares < BVXI_SHARES) ctx->share[ctx->shares] = share;
-}
-
-/* What the present work does from `from` to `to`, beginning now, takes `part` of the old bar. */
-static void plan_anew(bvx_context *ctx, double from, double to, double part)
-{
-    int32_t const top = ctx->shares;
-    double cost[BVXI_SHARES]; /* of what is left of each share, in shares of the call as planned before */
-    double const now = place_in(&ctx->share[top], from), rest = ctx->share[0].high - now;
-    double inner = part, old = place_in(&ctx->share[top], to) - now;
-
-    /* Nothing is left that could be shared out. */
-    if (!(rest > 0.0)) return;
-
-    /* From the inside out: what takes longer within a share makes all of it take longer. */
-    for (int32_t k = top; k >= 0; k--) {
-        double const left = ctx->share[k].high - now;
-
-        cost[k] = inner + (left - old);
-        inner = cost[k];
-        old = left;
-    }
-
-    /* From the outside in, as the call ends where it did: each gets its part of what is left, and what comes
-     * after it the rest. */
-    for (int32_t k = 0; k <= top; k++) {
-        bvxi_share *const s = &ctx->share[k];
-
-        inner = k < top ? cost[k + 1] : part;
-        s->knee = cost[k] > 0.0 ? now + (s->high - now) * (inner / cost[k]) : now;
-        s->bend = k < top ? ctx->share[k + 1].to : to;
-        if (k < top) ctx->share[k + 1].high = s->knee;
-    }
-    ctx->share[top].low = now;
-    ctx->share[top].from = from;
-    /* What is left of the bar stands for more now, or for less. */
-    ctx->bar_cost *= cost[0] / rest;
-}
-
-/* Without a callback there is no bar, and shares deeper than the stack are not known. */
-static int is_planned(const bvx_context *ctx)
-{
-    return ctx->progress != NULL && ctx->shares < BVXI_SHARES;
-}
-
-void bvxi_share_costs(bvx_context *ctx, double from, double to, double times)
-{
-    const bvxi_share *const share = present_share(ctx);
-    double bar;
-
-    if (!is_planned(ctx)) return;
-    bar = place_in(share, to) - place_in(share, from);
-    if (bar > 0.0) plan_anew(ctx, from, to, times * bar);
-}
-
-void bvxi_share_cost(bvx_context *ctx, double from, double to, double cost)
-{
-    const bvxi_share *const share = present_share(ctx);
-    double bar;
-
-    if (!is_planned(ctx) || !(from < to) || !(cost > 0.0)) return;
-    bar = place_in(share, to) - place_in(share, from);
-    if (ctx->bar_cost > 0.0) plan_anew(ctx, from, to, cost / ctx->bar_cost);
-    else if (bar > 0.0) ctx->bar_cost = cost / bar;
-}
-
-int bvxi_is_watched(const bvx_context *ctx)
-{
-    return ctx->progress != NULL;
-}
-
-void bvxi_share_spare(bvx_context *ctx, double from)
-{
-    const bvxi_share *const share = present_share(ctx);
-    double const cost = ctx->bar_cost;
-
-    /* Where the call ends with this work nothing comes after it: the bar waits for the end. */
-    if (!is_planned(ctx) || !(place_in(share, 1.0) < ctx->share[0].high)) return;
-    plan_anew(ctx, from, 1.0, 0.0);
-    if (!(ctx->bar_cost > 0.0)) ctx->bar_cost = cost;
-}
-
-void bvxi_step_begin(bvxi_steps *steps, int32_t step)
-{
-    bvx_context *const ctx = steps->ctx;
-    bvxi_share *const outer = ctx->shares < BVXI_SHARES ? &ctx->share[ctx->shares] : NULL;
-    double const from = steps->at;
-    double left = 0.0, part;
-
-    if (ctx->progress == NULL) return;
-    /* What comes after this work hears of all that is left of it. */
-    for (int32_t i = step; i < steps->count; i++) left += steps->cost[i];
-    bvxi_share_cost(ctx, from, 1.0, left);
-
-    /* Half of the fractions do for the step, whatever its part of the bar: the others stay for steps that
-     * turn out to cost something. */
-    part = left > 0.0 ? steps->cost[step] / left : 0.0;
-    steps->at = step + 1 == steps->count ? 1.0
-                : outer != NULL          ? 0.5 * from + 0.5
-                                         : from + (1.0 - from) * part;
-    if (outer != NULL && step + 1 < steps->count) {
-        outer->low = place_in(outer, from);
-        outer->from = from;
-        outer->knee = outer->low + (outer->high - outer->low) * part;
-        outer->bend = steps->at;
-    }
-    bvxi_share_begin(ctx, from, steps->at);
-    /* A step that has been taken costs nothing any more. */
-    steps->cost[step] = 0.0;
 }
 
 bvx_status bvxi_share_end(bvx_context *ctx, bvx_status status)
@@ -295,6 +184,31 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
 {
     if (ctx->progress == NULL) return run_all(ctx, count, task, user);
     return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
+}
+
+typedef struct split_range {
+    bvxi_range_fn *body;
+    void *user;
+    uint64_t count;
+    int32_t pieces;
+} split_range;
+
+static void run_range(void *user, int32_t index, int32_t worker)
+{
+    const split_range *const r = user;
+    uint64_t begin, end;
+
+    (void)worker;
+    bvxi_piece(r->count, r->pieces, index, &begin, &end);
+    r->body(r->user, begin, end);
+}
+
+bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
+                    void *user)
+{
+    split_range r = {body, user, count, bvxi_piece_count(count, grain)};
+
+    return bvxi_parallel(ctx, stage, 0.0, 1.0, r.pieces, run_range, &r);
 }
 
 int32_t bvxi_threads(const bvx_context *ctx)

@@ -6,7 +6,6 @@
  * Everything is checked first. Then the centres near the mesh are found and counted (nearest.h), so the
  * arrays have their exact sizes; then values are filled in by rank, the sign rule sets the grid of inside
  * centres (signs.h), and distances of centres inside become negative. */
-#include "core/costs.h"
 #include "field/room.h"
 #include "nearest/nearest.h"
 #include "field/signs.h"
@@ -267,18 +266,13 @@ static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, meas
 
 typedef struct negate_job {
     bvx_field *field;
-    int32_t pieces;
 } negate_job;
 
-static void negate_rows(void *user, int32_t piece, int32_t worker)
+static void negate_rows(void *user, uint64_t row, uint64_t end)
 {
     const negate_job *const job = user;
     const bvx_field *const f = job->field;
     uint64_t const words = (uint64_t)f->band.words_per_row;
-    uint64_t row, end;
-
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(&f->band), job->pieces, piece, &row, &end);
 
     /* Bits and values in the same order, so the rank is just counted along. */
     for (; row < end; row++) {
@@ -299,8 +293,8 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
     negate_job job;
     if (field->inside.words == NULL) return BVX_OK;
     job.field = field;
-    job.pieces = bvxi_piece_count(rows, 1 + MEASURE_GRAIN / (1 + each));
-    return bvxi_parallel(ctx, measure_stage, 0.97, 1.0, job.pieces, negate_rows, &job);
+    return BVXI_SHARE(ctx, 0.97, 1.0,
+                      bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, &job));
 }
 
 /* ---- all of it ---- */
@@ -313,39 +307,21 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
     return make_values(ctx, job);
 }
 
-enum { FIELD_SOLID, FIELD_DISTANCES, FIELD_STEPS };
-
-/* The band is not known before; its centres lie beside the surface, on both sides. */
-static void plan_field(const measure_job *job, int solid, double cost[FIELD_STEPS])
-{
-    const int32_t *const size = job->window.size;
-    double const n = (double)job->mesh->triangle_count, sides = bvxi_sides_of(size);
-    double const all = (double)size[0] * size[1] * size[2];
-    double const band = 2.0 * job->o.half_width * BVXI_BAND_OF_SIDE * sides;
-
-    cost[FIELD_SOLID] = solid ? 2.0 * (BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides) : 0.0;
-    cost[FIELD_DISTANCES] = BVXI_COST_MEASURE_MESH * n + BVXI_COST_VALUE * (band < all ? band : all);
-}
-
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    double cost[FIELD_STEPS];
-    bvxi_steps steps = {ctx, cost, FIELD_STEPS, 0.0};
     int solid;
 
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
 
-    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes: it comes first,
-     * so that the rest of the bar is there for the distances when that is known. */
+    /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
     solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
-    plan_field(job, solid, cost);
     /* What distances refuse is refused before. */
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
-    if (solid) BVXI_TRY(BVXI_STEP(&steps, FIELD_SOLID, make_inside(ctx, lattice, job)));
-    BVXI_TRY(BVXI_STEP(&steps, FIELD_DISTANCES, measure_distances_of(ctx, lattice, job)));
+    if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
+    BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));
     if (!solid) BVXI_TRY(make_inside(ctx, lattice, job));
     return negate_inside(ctx, f);
 }

@@ -29,7 +29,6 @@ typedef struct side_job {
     const void *rule;
     bvx_grid *inside;
     double scale; /* power of two that brings mesh and window into [-1, 1] */
-    int32_t pieces;
 } side_job;
 
 static int is_rounding(double v)
@@ -69,14 +68,11 @@ static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_
     return is_behind(outwards, away);
 }
 
-static void decide_sides(void *user, int32_t piece, int32_t worker)
+static void decide_sides(void *user, uint64_t row, uint64_t end)
 {
     const side_job *const job = user;
     const bvx_grid *const g = &job->band->where;
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         uint64_t const at = row * (uint64_t)g->words_per_row;
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
@@ -123,8 +119,8 @@ bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_
     job.rule = rule;
     job.inside = inside;
     BVXI_TRY(side_scale(call.ctx, call.function, mesh, &band->where, &job.scale));
-    job.pieces = bvxi_piece_count(rows, 1 + SIDE_GRAIN / (1 + each));
-    return bvxi_parallel(call.ctx, call.stage, call.from, call.to, job.pieces, decide_sides, &job);
+    return BVXI_SHARE(call.ctx, call.from, call.to,
+                      bvxi_for(call.ctx, call.stage, rows, 1 + SIDE_GRAIN / (1 + each), decide_sides, &job));
 }
 
 /* ---- Inside by the plane of the closest triangle ---- */
@@ -189,7 +185,6 @@ typedef struct pseudo_rule {
     uint32_t *list;   /* triangles by vertex, ascending [Size: triangle_count * 3] */
     double *outwards; /* of such a vertex [Size: vertex_count * 3] */
     double scale;
-    int32_t pieces;
 } pseudo_rule;
 
 /* ---- triangles ---- */
@@ -275,13 +270,10 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
     else memcpy(outwards, rule->outwards + 3 * (size_t)c[feature - 4], 3 * sizeof outwards[0]);
 }
 
-static void sum_at_vertices(void *user, int32_t piece, int32_t worker)
+static void sum_at_vertices(void *user, uint64_t v, uint64_t end)
 {
     const pseudo_rule *const rule = user;
-    uint64_t v, end;
 
-    (void)worker;
-    bvxi_piece(rule->mesh->vertex_count, rule->pieces, piece, &v, &end);
     for (; v < end; v++) {
         double *const sum = rule->outwards + 3 * (size_t)v;
         memset(sum, 0, 3 * sizeof *sum);
@@ -332,18 +324,11 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
     return bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 24, "the vertices' directions", &rule->outwards);
 }
 
-static void pseudo_close(bvx_context *ctx, pseudo_rule *rule)
-{
-    bvxi_drop(ctx, rule->outwards);
-    bvxi_drop(ctx, rule->list);
-    bvxi_drop(ctx, rule->start);
-    bvxi_drop(ctx, rule->same);
-}
-
 bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
                                   bvx_grid *inside)
 {
     double const middle = call.from + (call.to - call.from) * 0.3;
+    uint64_t const mark = bvxi_scratch_begin(call.ctx);
     pseudo_rule rule = {0};
     double low[3], high[3];
 
@@ -355,10 +340,10 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
     rule.mesh = mesh;
     rule.scale = bvxi_unit_scale(low, high);
     BVXI_TRY(pseudo_open(call.ctx, &rule));
-    rule.pieces = bvxi_piece_count(rule.mesh->vertex_count, PSEUDO_GRAIN);
-    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, call.from, middle, rule.pieces, sum_at_vertices, &rule));
-    BVXI_TRY(bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule,
-                            inside));
-    pseudo_close(call.ctx, &rule);
-    return BVX_OK;
+    BVXI_TRY(
+        BVXI_SHARE(call.ctx, call.from, middle,
+                   bvxi_for(call.ctx, call.stage, mesh->vertex_count, PSEUDO_GRAIN, sum_at_vertices, &rule)));
+    return bvxi_scratch_end(call.ctx, mark,
+                            bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band,
+                                           outwards_of_feature, &rule, inside));
 }

@@ -4,7 +4,6 @@
  * Each rule fills in turn; of all of them only the union and the intersection are kept. Off the conservative
  * surface a voxel in one but not in the other is disputed. A voxel of the surface with no solid voxel beside
  * it, not even at a corner, belongs to a wall that no centre lies in. */
-#include "core/costs.h"
 #include "fill/fills.h"
 #include "components/room.h"
 
@@ -58,23 +57,6 @@ static void close_fills(bvx_context *ctx, fills_work *w)
     bvxi_drop(ctx, w->memory);
 }
 
-enum { FILLS_VOTE, FILLS_SURFACE, FILLS_RULE, FILLS_LOST = FILLS_RULE + FILL_RULES, FILLS_STEPS };
-
-/* known: once there are the vote and the surface, or NULL. */
-static void plan_fills(const fills_work *w, const bvx_solid_report *known, double cost[FILLS_STEPS])
-{
-    double const n = (double)w->job.view->triangle_count, sides = bvxi_sides_of(w->vote.size);
-    double const rows = BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides;
-
-    cost[FILLS_VOTE] = 3.5 * rows;
-    cost[FILLS_SURFACE] = BVXI_COST_TOUCH * n + BVXI_COST_TOUCH_SIDE * sides;
-    cost[FILLS_RULE + BVX_FILL_PARITY] = rows;
-    cost[FILLS_RULE + BVX_FILL_NONZERO] = rows;
-    cost[FILLS_RULE + BVX_FILL_VOTE] = 0.0;
-    cost[FILLS_RULE + BVX_FILL_FLOOD] = bvxi_flood_cost(&w->surface, known);
-    cost[FILLS_RULE + BVX_FILL_REGIONS] = cost[FILLS_LOST] = bvxi_regions_cost(&w->surface);
-}
-
 /* ---- The rules ---- */
 
 static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid *to)
@@ -103,15 +85,13 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
     return bvxi_flood(ctx, fills_name, &walls, &w->filled, &unused, &w->result.flood_leaked);
 }
 
-static bvx_status fill_all(bvxi_steps *steps, fills_work *w)
+static bvx_status fill_all(bvx_context *ctx, fills_work *w)
 {
-    bvx_context *const ctx = steps->ctx;
-
     /* The union begins empty, the intersection full. */
     memset(w->any.words, 0, (size_t)w->words * 8);
     memset(w->all.words, 255, (size_t)w->words * 8);
     for (int32_t rule = 0; rule < FILL_RULES; rule++) {
-        BVXI_TRY(BVXI_STEP(steps, FILLS_RULE + rule, fill_one(ctx, w, rule)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5 + 0.08 * rule, 0.58 + 0.08 * rule, fill_one(ctx, w, rule)));
         BVXI_TRY(bvx_grid_count(ctx, &w->filled, &w->result.set[rule]));
         /* A flood that leaked filled nothing: its grid would call everything disputed. */
         if (rule == BVX_FILL_FLOOD && w->result.flood_leaked) continue;
@@ -176,23 +156,18 @@ static bvx_status count_lost(bvx_context *ctx, fills_work *w)
 
 static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_work *w)
 {
-    double cost[FILLS_STEPS];
-    bvxi_steps steps = {ctx, cost, FILLS_STEPS, 0.1}; /* after snapping */
     bvx_surface_options o;
 
-    plan_fills(w, NULL, cost);
     bvx_surface_options_init(&o, sizeof o);
     /* Votes and surface are needed by more than one rule. */
-    BVXI_TRY(BVXI_STEP(
-        &steps, FILLS_VOTE,
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.1, 0.4,
         bvxi_vote(bvxi_solid_step(ctx, &w->job, 0.0, 1.0), &w->job, 1, &w->vote, w->sure.words, &w->report)));
-    BVXI_TRY(
-        BVXI_STEP(&steps, FILLS_SURFACE, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.4, 0.5, bvx_voxelize_surface(ctx, mesh, &w->vote.lattice, &o, &w->surface)));
     BVXI_TRY(bvx_grid_count(ctx, &w->surface, &w->result.surface_voxels));
     w->report.surface_voxels = w->result.surface_voxels;
-    plan_fills(w, &w->report, cost);
-    BVXI_TRY(fill_all(&steps, w));
-    return BVXI_STEP(&steps, FILLS_LOST, count_lost(ctx, w));
+    BVXI_TRY(fill_all(ctx, w));
+    return BVXI_SHARE(ctx, 0.9, 1.0, count_lost(ctx, w));
 }
 
 /* A grid for the caller, where he wants one; on failure what was made for the other goes too. */

@@ -9,7 +9,6 @@
  *
  * Guarantee: the choice follows from mesh and lattice, whatever the window; a sound closed mesh has parity's
  * bits. */
-#include "core/costs.h"
 #include "nearest/closest.h"
 #include "mesh/topology.h"
 #include "fill/fills.h"
@@ -217,7 +216,6 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     bvx_status status;
 
     /* Counted first without a list: most meshes have none, and then no memory is needed for it. */
-    bvxi_share_cost(ctx, AUTO_EDGES, 1.0, BVXI_COST_CROSSED * (double)w->patches.triangles);
     BVXI_TRY(BVXI_SHARE(ctx, AUTO_EDGES, 1.0,
                         bvxi_mesh_crossings(ctx, w->job.function, &welded, &pairs, NULL, 0)));
     if (pairs == 0) {
@@ -255,23 +253,12 @@ static void double_voxels(bvx_lattice *lattice)
     if (lattice->fraction_bits < 16) lattice->fraction_bits++;
 }
 
-static double cost_of_edges(const auto_work *w)
-{
-    return BVXI_COST_WELD * (double)w->choice.view.triangle_count;
-}
-
-static double cost_of_rows_of(const auto_work *w, const int32_t size[3])
-{
-    return BVXI_COST_ROWS * (double)w->choice.view.triangle_count + BVXI_COST_ROWS_SIDE * bvxi_sides_of(size);
-}
-
 static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice, int32_t *depths)
 {
     bvx_lattice coarse = *lattice;
     bvxi_solid_job job = {0};
     bvx_status status;
 
-    bvxi_share_cost(ctx, 0.0, AUTO_DEPTHS, cost_of_rows_of(w, lattice->dims));
     if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths);
 
     while (has_more_rows(&coarse)) double_voxels(&coarse);
@@ -286,26 +273,20 @@ static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depth
 {
     if (depths == 0 || depths == BVXI_DEPTH_UP || depths == BVXI_DEPTH_DOWN) {
         choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-        bvxi_share_spare(ctx, AUTO_DEPTHS);
         return BVX_OK;
     }
 
     /* What such sides part into patches is one surface, and is not turned patch by patch. */
     if (w->cracked) {
         choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-        bvxi_share_spare(ctx, AUTO_DEPTHS);
         return BVX_OK;
     }
 
-    if (w->representative == NULL) {
-        bvxi_share_cost(ctx, AUTO_DEPTHS, AUTO_EDGES, cost_of_edges(w));
-        BVXI_TRY(look_at_edges(ctx, w, 0));
-    }
+    if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
     if (count_parts(&w->patches) == 1) {
         choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-        bvxi_share_spare(ctx, AUTO_EDGES);
         return BVX_OK;
     }
     return choose_for_parts(ctx, w, depths);
@@ -325,12 +306,10 @@ static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_la
     /* Before holes: a winding number means nothing where a patch has no sides. */
     if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
         choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
-        bvxi_share_spare(ctx, 0.0);
         return BVX_OK;
     }
     if (w->patches.open_edges != 0) {
         choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN);
-        bvxi_share_spare(ctx, 0.0);
         return BVX_OK;
     }
     return choose_closed(ctx, w, lattice);
@@ -338,7 +317,6 @@ static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_la
 
 static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
-    bvxi_share_cost(ctx, 0.0, AUTO_EDGES, cost_of_edges(w));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, AUTO_EDGES, look_at_edges(ctx, w, 1)));
     return BVXI_SHARE(ctx, AUTO_EDGES, 1.0, choose_by_patches(ctx, w, lattice));
 }
@@ -354,11 +332,9 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
     BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
     if (depths != 0) return choose_by_depths(ctx, w, depths);
 
-    bvxi_share_cost(ctx, AUTO_DEPTHS, AUTO_EDGES, cost_of_edges(w));
     BVXI_TRY(look_at_edges(ctx, w, 1));
     if (w->choice.doubles != 0 && w->patches.odd_edges == 0)
         return BVXI_SHARE(ctx, AUTO_EDGES, 1.0, choose_by_patches(ctx, w, lattice));
-    bvxi_share_spare(ctx, AUTO_EDGES);
 
     w->choice.view = given;
     w->choice.turned = w->choice.doubles = 0;
@@ -368,75 +344,38 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 
 /* ---- The whole ---- */
 
-enum { AUTO_COVER, AUTO_PARITY, AUTO_CHOOSE, AUTO_FILL, AUTO_STEPS };
+#define AUTO_CHOSEN 0.6 /* of the bar, when the rule is known */
 
-#define AUTO_MOMENT 2000.0 /* what nobody sees the bar of (core/costs.h) */
-
-/* Whether the first try is the last is known after it only. One that is over in a moment is no loss for the
- * bar: then it is kept for what may follow. */
-static double cost_of_choice(double rows, double triangles)
-{
-    return rows + (rows < AUTO_MOMENT ? (BVXI_COST_WELD + BVXI_COST_CROSSED) * triangles : 0.0);
-}
-
-static bvx_status choose_or_fill(bvxi_steps *steps, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
+static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid, bvx_solid_report *report,
                                  int32_t *filled)
 {
-    double const n = (double)w->choice.view.triangle_count;
-    double const rows = cost_of_rows_of(w, solid->size);
-    bvx_context *const ctx = steps->ctx;
     int32_t balanced;
 
     BVXI_TRY(bvxi_edges_balance(ctx, &w->job, 0.1, &balanced));
     if (!balanced) {
-        steps->cost[AUTO_COVER] = BVXI_COST_HOLES * n;
-        steps->cost[AUTO_CHOOSE] = cost_of_edges(w) + cost_of_choice(rows, n);
-        /* Mostly what does not balance is open. */
-        steps->cost[AUTO_FILL] = rows + BVXI_COST_HOLES * n +
-                                 BVXI_COST_HOLES_SIDE * bvxi_sides_of(solid->size);
-        BVXI_TRY(BVXI_STEP(steps, AUTO_COVER, cover_each_other(ctx, w, &w->cracked)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.2, cover_each_other(ctx, w, &w->cracked)));
         balanced = w->cracked;
     }
-    if (!balanced) return BVXI_STEP(steps, AUTO_CHOOSE, choose_unbalanced(ctx, w, &solid->lattice));
+    if (!balanced) return BVXI_SHARE(ctx, 0.2, AUTO_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
     choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-    steps->cost[AUTO_PARITY] = rows;
-    steps->cost[AUTO_CHOOSE] = cost_of_choice(rows, n);
-    steps->cost[AUTO_FILL] = 0.0;
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
-        BVXI_TRY(BVXI_STEP(steps, AUTO_PARITY, try_parity(ctx, w, solid, report, filled)));
-    if (*filled) {
-        bvxi_share_spare(ctx, steps->at);
-        return BVX_OK;
-    }
-
-    steps->cost[AUTO_CHOOSE] = rows + cost_of_choice(rows, n);
-    steps->cost[AUTO_FILL] = rows;
-    return BVXI_STEP(steps, AUTO_CHOOSE, choose_balanced(ctx, w, &solid->lattice));
-}
-
-double bvxi_fill_auto_cost(double triangles, double sides)
-{
-    double const rows = BVXI_COST_ROWS * triangles + BVXI_COST_ROWS_SIDE * sides;
-
-    return rows + cost_of_choice(rows, triangles);
+        BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.4, try_parity(ctx, w, solid, report, filled)));
+    return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
 }
 
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                           bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report)
 {
-    double cost[AUTO_STEPS] = {0.0};
-    bvxi_steps steps = {ctx, cost, AUTO_STEPS, 0.1}; /* after snapping */
     int32_t filled = 0;
     auto_work w;
 
     /* The view may be replaced by a turned one. */
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
-    bvxi_share_cost(ctx, 0.0, steps.at, BVXI_COST_SNAP * (double)mesh->triangle_count);
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));
-    BVXI_TRY(choose_or_fill(&steps, &w, solid, report, &filled));
+    BVXI_TRY(choose_or_fill(ctx, &w, solid, report, &filled));
 
     /* All that the choice needed goes before the fill begins, whose memory is then that of the rule only. */
     bvxi_patches_close(ctx, &w.patches);
@@ -444,7 +383,8 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     bvxi_solid_close(ctx, &w.job);
 
     if (!filled)
-        BVXI_TRY(BVXI_STEP(&steps, AUTO_FILL, by_name(ctx, &w.choice.view, w.choice.fill, solid, report)));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, AUTO_CHOSEN, 1.0, by_name(ctx, &w.choice.view, w.choice.fill, solid, report)));
     bvxi_drop(ctx, w.choice.index);
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;

@@ -24,9 +24,6 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
 
 /* regions.c, flood.c: solid holds the vote and becomes the rule's; surface is the mesh's conservative one.
  * solid and surface cover the whole lattice. */
-/* What both cost (core/costs.h); known: the report once there are the vote and the surface, or NULL. */
-double bvxi_regions_cost(const bvx_grid *surface);
-double bvxi_flood_cost(const bvx_grid *surface, const bvx_solid_report *known);
 bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,
                         bvx_grid *solid, bvx_solid_report *report);
 /* What a flood runs into: closing gaps adds to surface. */
@@ -78,7 +75,5 @@ typedef bvx_status bvxi_fill_by_name_fn(bvx_context *ctx, const bvx_mesh_view *m
                                         bvx_grid *solid, bvx_solid_report *report);
 bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                           bvxi_fill_by_name_fn *by_name, bvx_grid *solid, bvx_solid_report *report);
-/* What that costs (core/costs.h), before anything is known but the sizes. */
-double bvxi_fill_auto_cost(double triangles, double sides);
 
 #endif

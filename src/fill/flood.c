@@ -6,7 +6,6 @@
  * closing added vote like those of the surface. A space that the first flood does not reach stays inside as a
  * whole, so closing gaps never takes from it. Cavities are filled up to their walls.
  * Guarantee: exact, global. A conservative surface of a mesh without holes holds the flood. */
-#include "core/costs.h"
 #include "fill/fills.h"
 #include "components/room.h"
 
@@ -151,7 +150,6 @@ static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64
     uint64_t voxels = 0;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.0, look_along_rim(ctx, &work, RIM_NONE, &voxels)));
-    bvxi_share_cost(ctx, 0.0, 1.0, BVXI_COST_RIM * (double)voxels);
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
     BVXI_TRY(spread_rim(ctx, &work, voxels));
@@ -218,56 +216,20 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     return BVX_OK;
 }
 
-enum { FLOOD_FIRST, FLOOD_GAPS, FLOOD_SECOND, FLOOD_RIM, FLOOD_STEPS };
-
-/* Whether anything is filled against the vote, and so has a rim, is known after the flood: mostly where the
- * surface holds it. */
-#define FLOOD_MAYBE_RIM 0.5
-#define FLOOD_HELD_RIM  0.9
-#define FLOOD_LEAK_RIM  0.15
-
-/* known: after the vote and the surface, or NULL. */
-static void plan_flood(const bvx_grid *surface, const bvx_solid_report *known, int32_t close_gaps,
-                       double cost[FLOOD_STEPS])
-{
-    double const once = bvxi_regions_cost(surface);
-    double const voxels = known == NULL ? BVXI_ENDS_OF_SIDE * bvxi_sides_of(surface->size)
-                                        : (double)known->surface_voxels;
-    double const rim = known == NULL                 ? FLOOD_MAYBE_RIM
-                       : known->unbalanced_rows == 0 ? FLOOD_HELD_RIM
-                                                     : FLOOD_LEAK_RIM;
-
-    cost[FLOOD_FIRST] = once;
-    cost[FLOOD_GAPS] = close_gaps > 0 ? 2.0 * once : 0.0;
-    cost[FLOOD_SECOND] = close_gaps > 0 ? once : 0.0;
-    /* Half of the surface's voxels vote outside. */
-    cost[FLOOD_RIM] = rim * BVXI_COST_RIM * 0.5 * voxels;
-}
-
-double bvxi_flood_cost(const bvx_grid *surface, const bvx_solid_report *known)
-{
-    double cost[FLOOD_STEPS], sum = 0.0;
-
-    plan_flood(surface, known, 0, cost);
-    for (int i = 0; i < FLOOD_STEPS; i++) sum += cost[i];
-    return sum;
-}
-
-static bvx_status flood_twice(bvxi_steps *steps, const char *function, const bvxi_flood_walls *walls,
+static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
                               flood_work *work, uint64_t *closed)
 {
-    bvx_context *const ctx = steps->ctx;
     uint64_t before = 0, after = 0;
 
-    BVXI_TRY(BVXI_STEP(steps, FLOOD_FIRST, flood_spaces(ctx, function, work)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, flood_spaces(ctx, function, work)));
     if (walls->close_gaps > 0) {
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
-        BVXI_TRY(BVXI_STEP(steps, FLOOD_GAPS, bvxi_close_gaps(ctx, walls->surface, walls->close_gaps)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, walls->surface, walls->close_gaps)));
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &after));
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
-        BVXI_TRY(BVXI_STEP(steps, FLOOD_SECOND, flood_spaces(ctx, function, work)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, flood_spaces(ctx, function, work)));
     }
     *closed = after - before;
     return BVX_OK;
@@ -279,14 +241,11 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     flood_work work = {
         .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
-    double cost[FLOOD_STEPS];
-    bvxi_steps steps = {ctx, cost, FLOOD_STEPS, 0.0};
 
-    plan_flood(walls->surface, report, walls->close_gaps, cost);
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    BVXI_TRY(flood_twice(&steps, function, walls, &work, &report->closed_voxels));
+    BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
     if (work.filled_voxels != 0)
-        BVXI_TRY(BVXI_STEP(&steps, FLOOD_RIM, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
     bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;

@@ -9,7 +9,6 @@
  * row is outvoted by its region. Where a hole joins inside and outside the region has both; then each
  * centre keeps its own vote.
  * Guarantee: exact, global. */
-#include "core/costs.h"
 #include "fill/fills.h"
 #include "components/room.h"
 
@@ -57,11 +56,6 @@ static void settle_run(void *user, uint32_t region, int32_t begin, int32_t end, 
         /* Both sides, or neither: centres keep their own votes. */
         w->report->mixed_voxels += (uint64_t)(end - begin);
     }
-}
-
-double bvxi_regions_cost(const bvx_grid *surface)
-{
-    return BVXI_COST_SPACES_ROW * (double)bvxi_grid_rows(surface);
 }
 
 bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *surface, const uint64_t *sure,

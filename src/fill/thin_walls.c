@@ -11,7 +11,6 @@
  * from each other and lie no further apart than a voxel and a half, there is a thin wall.
  * Guarantee: what is found follows from the mesh and the lattice only. Cost: the surface, and closest points
  * at thin places. */
-#include "core/costs.h"
 #include "fill/thin_walls.h"
 
 #include "mesh/facet.h"
@@ -479,24 +478,14 @@ static int is_inside_out(const bvx_mesh_view *mesh)
     return volume < 0;
 }
 
-enum { GATHER_MARK, GATHER_NEAR, GATHER_STEPS };
-
 bvx_status bvxi_walls_gather(bvxi_walls *t)
 {
-    double const n = (double)t->mesh->triangle_count;
-    double cost[GATHER_STEPS] = {bvxi_cost_of_marks(n, bvxi_sides_of(t->solid->size)),
-                                 0.6 * BVXI_COST_WALLS * n};
-    bvxi_steps steps = {t->ctx, cost, GATHER_STEPS, 0.0};
-
     /* Places first; most bodies have none, and nothing is searched. */
-    BVXI_TRY(BVXI_STEP(&steps, GATHER_MARK, bvxi_walls_mark(t)));
+    BVXI_TRY(BVXI_SHARE(t->ctx, 0.0, 0.4, bvxi_walls_mark(t)));
     BVXI_TRY(bvxi_walls_list(t));
-    if (t->count == 0) {
-        bvxi_share_spare(t->ctx, steps.at);
-        return BVX_OK;
-    }
+    if (t->count == 0) return BVX_OK;
 
-    BVXI_TRY(BVXI_STEP(&steps, GATHER_NEAR, bvxi_walls_near(t)));
+    BVXI_TRY(BVXI_SHARE(t->ctx, 0.4, 1.0, bvxi_walls_near(t)));
     if (t->near.triangle_count == 0) bvxi_walls_drop(t);
 
     /* Only beside holes does it matter which way faces look. */

@@ -13,7 +13,6 @@
  * in whole rows near wide holes: by 0.35 % of a scanned rabbit that this gets right to the voxel.
  * Guarantee: local. Exact where the three agree; else the solid angle decides, computed to 1e-8 turns. The
  * bits follow from the snapped triangles only. */
-#include "core/costs.h"
 #include "fill/fills.h"
 #include "grid/turned_rows.h"
 #include "winding/turns.h"
@@ -199,19 +198,6 @@ static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w,
     return status;
 }
 
-/* How large the holes are is known now. */
-static void plan_asks(bvx_context *ctx, const bvxi_solid_job *job, const vote_work *w,
-                      const bvxi_holes *holes, double from, double to)
-{
-    double asks;
-
-    if (!bvxi_is_watched(ctx)) return;
-    asks = (w->want_clear ? 1.5 : 1.0) * bvxi_holes_cost(holes, &job->snapped, &w->solid->lattice);
-    bvxi_share_cost(ctx, from, to,
-                    asks + BVXI_COST_ROWS * (double)job->view->triangle_count +
-                        BVXI_COST_ROWS_SIDE * bvxi_sides_of(w->solid->size));
-}
-
 static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
                                      double to)
 {
@@ -221,19 +207,12 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
 
     /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
-    if (job->holes != NULL) {
-        plan_asks(ctx, job, w, job->holes, from, to);
-        return ask_sheet(ctx, job, w, job->holes, from, to);
-    }
+    if (job->holes != NULL) return ask_sheet(ctx, job, w, job->holes, from, to);
     BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, &holes)));
-    plan_asks(ctx, job, w, &holes, part, to);
     status = ask_sheet(ctx, job, w, &holes, part, to);
     bvxi_holes_close(ctx, &holes);
     return status;
 }
-
-/* Beside rows along three axes: about so many times as long as planned, where anything is unsure. */
-#define VOTE_ASKS_COST 12.0
 
 static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
                                      double to)
@@ -249,10 +228,7 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
 
     /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
      * votes. */
-    if (!drop_odd_rows(w)) {
-        bvxi_share_costs(ctx, from, to, VOTE_ASKS_COST);
-        BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
-    }
+    if (!drop_odd_rows(w)) BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
     bvxi_drop(ctx, w->even_z);
     bvxi_drop(ctx, w->even_y);
     return BVX_OK;

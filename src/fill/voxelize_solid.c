@@ -3,9 +3,7 @@
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
  * regions.c, below.c), the shell is added, the edges are counted where requested, and a report says what was
  * lost. */
-#include "core/costs.h"
 #include "fill/fills.h"
-#include "mesh/facet.h"
 #include "mesh/view.h"
 #include "touch/surface_voxels.h"
 #include "winding/holes.h"
@@ -130,79 +128,28 @@ static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls,
         solid_name, report->leaks, (int64_t)walls->close_gaps);
 }
 
-static double cost_of_rows(const bvx_mesh_view *mesh, const bvx_grid *solid)
-{
-    return BVXI_COST_ROWS * (double)mesh->triangle_count + BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size);
-}
-
-enum { AREA_LOOKS = 512 };
-
-/* The surface in voxels' faces, by some of its triangles. */
-static double area_in_voxels(const bvx_mesh_view *mesh, const double spacing[3])
-{
-    uint64_t const count = mesh->triangle_count, step = count / AREA_LOOKS + 1;
-    double sum = 0.0, looks = 0.0;
-
-    for (uint64_t t = 0; t < count; t += step, looks++) {
-        double p[3][3], n[3];
-        uint32_t c[3];
-
-        /* What is wrong with corners is told where all are looked at. */
-        if (!bvxi_view_triangle(mesh, t, c)) continue;
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(mesh, c[k], p[k]);
-            for (int a = 0; a < 3; a++) p[k][a] /= spacing[a];
-        }
-        sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
-    }
-    return sum * (double)count / looks;
-}
-
-static double cost_of_shell(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid)
-{
-    double area;
-
-    if (!bvxi_is_watched(ctx)) return 0.0;
-    area = area_in_voxels(mesh, solid->lattice.spacing);
-    /* Vertices may be anything before they are looked at, and the lattice may hold a part of them only. */
-    if (!(area < 64.0 * bvxi_sides_of(solid->size))) area = bvxi_sides_of(solid->size);
-    return BVXI_COST_TOUCH * (double)mesh->triangle_count + BVXI_COST_TOUCH_AREA * area;
-}
-
-enum { VOTE_ROWS, VOTE_SHELL, VOTE_SPACES, VOTE_STEPS };
-
 /* The fills that look at more than rows: a vote first. */
 static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_voxelize_options *o,
                                bvx_grid *solid, bvx_solid_report *report)
 {
     uint64_t const bytes = bvxi_grid_words(solid) * 8;
     int const more = o->fill != BVX_FILL_VOTE, flood = o->fill == BVX_FILL_FLOOD;
-    double cost[VOTE_STEPS] = {3.5 * cost_of_rows(job->view, solid)};
-    bvxi_steps steps = {ctx, cost, VOTE_STEPS, 0.1}; /* after snapping */
+    double const voted = more ? 0.6 : 1.0; /* of the bar; snapping takes a tenth */
     uint64_t *sure = NULL;
     bvx_grid shell = {0};
     bvxi_flood_walls walls = {&shell, NULL, o->close_gaps};
 
-    cost[VOTE_SHELL] = more ? cost_of_shell(ctx, job->view, solid) : 0.0;
-    cost[VOTE_SPACES] = flood                         ? bvxi_flood_cost(solid, NULL)
-                        : o->fill == BVX_FILL_REGIONS ? bvxi_regions_cost(solid)
-                                                      : 0.0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     walls.sure = sure;
-    BVXI_TRY(BVXI_STEP(&steps, VOTE_ROWS,
-                       bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, voted,
+                        bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report)));
     /* A shell parts the centres; regions and floods go by it. */
     if (more) {
-        bvx_solid_report known = *report;
-
-        known.surface_voxels = (uint64_t)(BVXI_ENDS_OF_SIDE * bvxi_sides_of(solid->size));
-        if (flood) cost[VOTE_SPACES] = bvxi_flood_cost(solid, &known);
-        BVXI_TRY(BVXI_STEP(&steps, VOTE_SHELL,
-                           bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
-        if (flood) cost[VOTE_SPACES] = bvxi_flood_cost(&shell, report);
-        BVXI_TRY(BVXI_STEP(&steps, VOTE_SPACES,
-                           flood ? flood_or_fail(ctx, &walls, solid, report)
-                                 : bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85,
+                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0,
+                            flood ? flood_or_fail(ctx, &walls, solid, report)
+                                  : bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_drop(ctx, sure);
@@ -215,8 +162,6 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     bvxi_solid_job job;
     bvx_status status;
 
-    /* Rows; what else the rule needs says so itself. */
-    bvxi_share_cost(ctx, 0.0, 1.0, cost_of_rows(mesh, solid));
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
     /* Rules of rows need no look at anything else. */
@@ -278,29 +223,13 @@ static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_s
     return BVX_OK;
 }
 
-enum { SOLID_FILL, SOLID_SHELL, SOLID_CHECK, SOLID_LOSSES, SOLID_STEPS };
-
-static void plan_solid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                       const bvx_voxelize_options *o, double cost[SOLID_STEPS])
-{
-    double const n = (double)mesh->triangle_count, sides = bvxi_sides_of(solid->size);
-    double const walls = BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides;
-
-    cost[SOLID_FILL] = o->fill == BVX_FILL_AUTO ? bvxi_fill_auto_cost(n, sides)
-                                                : 2.0 * cost_of_rows(mesh, solid);
-    cost[SOLID_SHELL] = o->add_shell ? cost_of_shell(ctx, mesh, solid) : 0.0;
-    cost[SOLID_CHECK] = o->check_edges ? bvxi_cost_of_check(n) : 0.0;
-    cost[SOLID_LOSSES] = o->report == NULL ? 0.0 : o->check_thin ? walls : BVXI_COST_ROWS * n;
-}
-
 static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
                                      const bvx_lattice *lattice, const bvx_voxelize_options *options,
                                      bvx_grid *solid)
 {
     bvx_voxelize_options o = voxelize_defaults;
     bvx_solid_report report = {0};
-    double cost[SOLID_STEPS];
-    bvxi_steps steps = {context, cost, SOLID_STEPS, 0.0};
+    double filled; /* of the bar, when the rule has filled the grid */
     bvx_window window;
     bvx_grid made;
     bvx_status status;
@@ -315,15 +244,15 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
 
-    plan_solid(context, mesh, &made, &o, cost);
-    status = BVXI_STEP(&steps, SOLID_FILL, fill_the_grid(context, mesh, &o, &made, &report));
+    filled = o.add_shell || o.check_edges || o.report != NULL ? 0.3 : 1.0;
+    status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
     if (status == BVX_OK && o.add_shell)
-        status = BVXI_STEP(&steps, SOLID_SHELL, add_the_shell(context, mesh, &made, &report));
+        status = BVXI_SHARE(context, 0.3, 0.45, add_the_shell(context, mesh, &made, &report));
     if (status == BVX_OK && o.check_edges)
-        status = BVXI_STEP(&steps, SOLID_CHECK, count_edges(context, mesh, &report));
+        status = BVXI_SHARE(context, 0.45, 0.7, count_edges(context, mesh, &report));
     if (status == BVX_OK && o.report != NULL)
-        status = BVXI_STEP(&steps, SOLID_LOSSES,
-                           bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
+        status = BVXI_SHARE(context, 0.7, 1.0,
+                            bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     if (status != BVX_OK) {
         /* The caller's own array stays the caller's. */
         if (solid->words == NULL) bvx_grid_free(context, &made);

@@ -11,7 +11,7 @@ enum { ALGEBRA_GRAIN = 8192 /* least words a piece */, ALGEBRA_BLOCK = 8 };
 typedef struct algebra_job {
     const bvx_grid *a, *b; /* complement: b is a */
     bvx_grid *result;
-    int32_t operation, pieces, cpu;
+    int32_t operation, cpu;
 } algebra_job;
 
 BVXI_VECTOR_INLINE uint64_t combine_word(uint64_t a, uint64_t b, int32_t operation)
@@ -62,15 +62,12 @@ BVXI_AVX2 static void combine_rows_avx2(const algebra_job *job, size_t from, siz
 }
 #endif
 
-static void combine_piece(void *user, int32_t index, int32_t worker)
+static void combine_piece(void *user, uint64_t begin, uint64_t end)
 {
     const algebra_job *const job = user;
     size_t const row = (size_t)job->a->words_per_row;
     uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(job->a), job->pieces, index, &begin, &end);
 #if BVXI_HAVE_AVX2
     if (job->cpu == BVX_CPU_AVX2) combine_rows_avx2(job, (size_t)begin * row, (size_t)(end - begin) * row);
     else
@@ -108,9 +105,10 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     algebra_job job = {.a = a, .b = b, .result = result, .operation = operation, .cpu = bvxi_cpu(ctx)};
 
     /* A piece is whole rows, so that the end of each is cleared by who wrote it. */
-    job.pieces = bvxi_piece_count(bvxi_grid_words(a), ALGEBRA_GRAIN);
-    if ((uint64_t)job.pieces > bvxi_grid_rows(a)) job.pieces = (int32_t)bvxi_grid_rows(a);
-    return bvxi_grid_fill_by(ctx, "combine", job.pieces, combine_piece, &job, made_here, result);
+    return bvxi_grid_made(ctx,
+                          bvxi_for(ctx, "combine", bvxi_grid_rows(a),
+                                   1 + ALGEBRA_GRAIN / (uint64_t)a->words_per_row, combine_piece, &job),
+                          made_here, result);
 }
 
 /* ---- public ---- */

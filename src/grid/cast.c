@@ -34,11 +34,6 @@ typedef struct voxel_bricks {
     int32_t size[3], words_per_row;
 } voxel_bricks;
 
-typedef struct brick_work {
-    voxel_bricks *bricks;
-    int32_t pieces;
-} brick_work;
-
 /* Bit i of the result says whether byte i of w is not 0. */
 static uint64_t bytes_to_bits(uint64_t w)
 {
@@ -67,14 +62,10 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     return w;
 }
 
-static void make_brick_rows(void *user, int32_t index, int32_t worker)
+static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
 {
-    const brick_work *const work = user;
-    voxel_bricks *const b = work->bricks;
-    uint64_t begin, end;
+    voxel_bricks *const b = user;
 
-    (void)worker;
-    bvxi_piece((uint64_t)b->size[1] * (uint64_t)b->size[2], work->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         /* Rows of bricks are eight rows of voxels along y and eight slices. */
         int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
@@ -101,7 +92,6 @@ static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
 static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
                               const bvx_grid *grid, voxel_bricks *bricks)
 {
-    brick_work w = {bricks, 1};
     bvx_status status;
 
     memset(bricks, 0, sizeof *bricks);
@@ -109,9 +99,10 @@ static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, 
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
     bricks->words_per_row = bvxi_row_words(bricks->size[0]);
     /* A piece writes rows of its own, so its bits do not depend on the others. */
-    w.pieces = bvxi_piece_count((uint64_t)bricks->size[1] * (uint64_t)bricks->size[2], BRICK_GRAIN);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, brick_bytes(bricks), "the grid's bricks", &bricks->words));
-    status = bvxi_parallel(ctx, stage, from, to, w.pieces, make_brick_rows, &w);
+    status = BVXI_SHARE(ctx, from, to,
+                        bvxi_for(ctx, stage, (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
+                                 BRICK_GRAIN, make_brick_rows, bricks));
     if (status != BVX_OK) free_bricks(ctx, bricks);
     return status;
 }
@@ -429,17 +420,12 @@ typedef struct cast_work {
     const double *rays;
     bvx_ray_hit *hits;
     double t_max;
-    uint64_t count;
-    int32_t pieces;
 } cast_work;
 
-static void cast_piece(void *user, int32_t index, int32_t worker)
+static void cast_piece(void *user, uint64_t begin, uint64_t end)
 {
     const cast_work *const w = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         const double *const ray = w->rays + 6 * i;
         cast_ray r;
@@ -480,7 +466,7 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
 {
     static const char *const function = "bvx_grid_cast";
     voxel_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
-    cast_work w = {grid, &bricks, rays, hits, t_max, count, bvxi_piece_count(count, CAST_GRAIN)};
+    cast_work w = {grid, &bricks, rays, hits, t_max};
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -497,7 +483,7 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)
         BVXI_TRY(make_bricks(context, "cast", 0.0, 0.05, grid, &bricks));
-    BVXI_TRY(bvxi_parallel(context, "cast", 0.05, 1.0, w.pieces, cast_piece, &w));
+    BVXI_TRY(BVXI_SHARE(context, 0.05, 1.0, bvxi_for(context, "cast", count, CAST_GRAIN, cast_piece, &w)));
     free_bricks(context, &bricks);
     return BVX_OK;
 }

@@ -106,19 +106,15 @@ typedef struct crop_job {
     const bvx_grid *grid;
     bvx_grid *result;
     int32_t from[3]; /* the grid's voxel at the result's first one; may lie outside */
-    int32_t pieces;
 } crop_job;
 
-static void crop_piece(void *user, int32_t index, int32_t worker)
+static void crop_piece(void *user, uint64_t begin, uint64_t end)
 {
     const crop_job *const job = user;
     const bvx_grid *const g = job->grid;
     bvx_grid *const to = job->result;
     uint64_t const rows = (uint64_t)to->size[1], tail = bvxi_tail_mask(to->size[0]);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         /* A row of the result may lie beside the grid; then it is empty. */
         int64_t const y = (int64_t)(r % rows) + job->from[1], z = (int64_t)(r / rows) + job->from[2];
@@ -149,8 +145,10 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
     job.grid = grid;
     job.result = result;
     memcpy(job.from, from, sizeof job.from);
-    job.pieces = crop_pieces(result);
-    return bvxi_grid_fill_by(ctx, "crop", job.pieces, crop_piece, &job, made_here, result);
+    return bvxi_grid_made(ctx,
+                          bvxi_for(ctx, "crop", bvxi_grid_rows(result),
+                                   1 + CROP_GRAIN / (uint64_t)result->words_per_row, crop_piece, &job),
+                          made_here, result);
 }
 
 static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,

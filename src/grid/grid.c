@@ -256,10 +256,8 @@ bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const b
                          "%s: the result's words overlap the grid's without being the same", function);
 }
 
-bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task,
-                             void *user, int mine, bvx_grid *result)
+bvx_status bvxi_grid_made(bvx_context *ctx, bvx_status status, int mine, bvx_grid *result)
 {
-    bvx_status const status = bvxi_parallel(ctx, stage, 0.0, 1.0, pieces, task, user);
     if (status != BVX_OK && mine) bvx_grid_free(ctx, result);
     return status;
 }

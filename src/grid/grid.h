@@ -28,10 +28,9 @@ bvx_status bvxi_grid_same(bvx_context *ctx, const char *function, const bvx_grid
 /* Refuse an invalid grid, and a result that is NULL or has words of the grid that it is made from. */
 bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_grid *grid,
                            const bvx_grid *result);
-/* Run the tasks that fill a grid after bvxi_grid_open; mine: its words are
- * the library's, so a cancelled one goes back to them. */
-bvx_status bvxi_grid_fill_by(bvx_context *ctx, const char *stage, int32_t pieces, bvx_task_fn *task,
-                             void *user, int mine, bvx_grid *result);
+/* How a result was filled after bvxi_grid_open; mine: its words are the
+ * library's, so after a failure they go back to it. */
+bvx_status bvxi_grid_made(bvx_context *ctx, bvx_status status, int mine, bvx_grid *result);
 
 static inline uint64_t bvxi_grid_rows(const bvx_grid *grid)
 {

@@ -19,7 +19,7 @@ typedef struct turn_job {
     const bvx_grid *turned;
     bvx_grid *grid;
     uint64_t *second;
-    int32_t use, pieces;
+    int32_t use;
     /* words of grid from voxel to voxel along the turned axis, and from slice to slice */
     size_t step, across;
 } turn_job;
@@ -53,16 +53,13 @@ static void put_turned_block(const turn_job *job, size_t at, int32_t count, uint
     }
 }
 
-static void turn_piece_back(void *user, int32_t index, int32_t worker)
+static void turn_piece_back(void *user, uint64_t begin, uint64_t end)
 {
     const turn_job *const job = user;
     const bvx_grid *const t = job->turned;
     int32_t const row_words = job->grid->words_per_row;
     uint64_t const tail = bvxi_tail_mask(job->grid->size[0]);
-    uint64_t begin, end, block[64];
-
-    (void)worker;
-    bvxi_piece((uint64_t)t->size[2], job->pieces, index, &begin, &end);
+    uint64_t block[64];
 
     /* A word of the turned axis is 64 rows of the grid: one square at a time. */
     for (int32_t k = 0; k < t->words_per_row; k++) {
@@ -87,12 +84,14 @@ bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis
     job.grid = grid;
     job.second = second;
     job.use = use;
-    job.pieces = bvxi_piece_count(bvxi_grid_words(turned), TURN_GRAIN * BVXI_WORD_BITS);
-    if (job.pieces > turned->size[2]) job.pieces = turned->size[2];
     /* Along y a step is a row and the slices are z; along z it is the other way round. */
     job.step = axis == 1 ? row : slice;
     job.across = axis == 1 ? slice : row;
-    return bvxi_parallel(ctx, "solid", progress, progress, job.pieces, turn_piece_back, &job);
+    return BVXI_SHARE(
+        ctx, progress, progress,
+        bvxi_for(ctx, "solid", (uint64_t)turned->size[2],
+                 1 + TURN_GRAIN * BVXI_WORD_BITS * (uint64_t)turned->size[2] / bvxi_grid_words(turned),
+                 turn_piece_back, &job));
 }
 
 /* ---- Axes of a grid changed and mirrored ---- */
@@ -108,7 +107,7 @@ typedef struct permute_job {
     bvx_grid *result;
     int32_t axes[3], flips[3];
     int32_t x_to; /* the result's axis that x becomes */
-    int32_t slices, pieces;
+    int32_t slices;
     size_t step[3];    /* words of grid from voxel to voxel along the result's axes; 0 where that is x */
     size_t to_step[3]; /* words of result */
 } permute_job;
@@ -144,15 +143,12 @@ static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
     }
 }
 
-static void permute_rows(void *user, int32_t index, int32_t worker)
+static void permute_rows(void *user, uint64_t begin, uint64_t end)
 {
     const permute_job *const job = user;
     bvx_grid *const to = job->result;
     size_t const words = (size_t)to->words_per_row;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const b = (int32_t)(r % (uint64_t)to->size[1]), c = (int32_t)(r / (uint64_t)to->size[1]);
         /* Steps of 0 along x leave the row's beginning; y and z may change places or turn over. */
@@ -191,15 +187,12 @@ static void permute_square(const permute_job *job, int32_t third, int32_t slice,
         to[(size_t)flipped(job, x_to, first + i) * job->to_step[x_to]] = square[i];
 }
 
-static void permute_squares(void *user, int32_t index, int32_t worker)
+static void permute_squares(void *user, uint64_t begin, uint64_t end)
 {
     const permute_job *const job = user;
     /* The axis that is neither x nor where x goes keeps its place: its slices are independent. */
     int32_t const third = 3 - job->x_to; /* 1 and 2 change places */
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece((uint64_t)job->slices, job->pieces, index, &begin, &end);
     for (uint64_t s = begin; s < end; s++)
         for (int32_t k = 0; k < job->result->words_per_row; k++)
             for (int32_t word = 0; word < job->grid->words_per_row; word++)
@@ -290,16 +283,19 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     words = bvxi_grid_words(result);
     /* Rows stay rows: memory is read and written in one order. */
     if (job.x_to == 0) {
-        job.pieces = bvxi_piece_count(words, PERMUTE_GRAIN);
-        if ((uint64_t)job.pieces > bvxi_grid_rows(result)) job.pieces = (int32_t)bvxi_grid_rows(result);
-        return bvxi_grid_fill_by(context, "permute", job.pieces, permute_rows, &job, mine, result);
+        return bvxi_grid_made(context,
+                              bvxi_for(context, "permute", bvxi_grid_rows(result),
+                                       1 + PERMUTE_GRAIN / (uint64_t)result->words_per_row, permute_rows,
+                                       &job),
+                              mine, result);
     }
 
     /* Slices across the axis that does not take part in the turn: no two tasks write one word. */
     job.slices = result->size[3 - job.x_to];
-    job.pieces = bvxi_piece_count(words, PERMUTE_GRAIN);
-    if (job.pieces > job.slices) job.pieces = job.slices;
-    return bvxi_grid_fill_by(context, "permute", job.pieces, permute_squares, &job, mine, result);
+    return bvxi_grid_made(context,
+                          bvxi_for(context, "permute", (uint64_t)job.slices,
+                                   1 + PERMUTE_GRAIN * (uint64_t)job.slices / words, permute_squares, &job),
+                          mine, result);
 }
 
 bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],

@@ -210,7 +210,8 @@ static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job
     BVXI_TRY(bvxi_grid_open(ctx, function, &job->blocks.lattice, &job->blocks.window, result));
     job->result = result;
     job->pieces = block_pieces(&job->blocks);
-    return bvxi_grid_fill_by(ctx, "downsample", job->pieces, reduce_piece, job, mine, result);
+    return bvxi_grid_made(ctx, bvxi_parallel(ctx, "downsample", 0.0, 1.0, job->pieces, reduce_piece, job),
+                          mine, result);
 }
 
 static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

@@ -22,8 +22,6 @@ typedef struct sample_work {
     const bvx_grid *grid;
     const double *points;
     double *values, *gradients;
-    uint64_t count;
-    int32_t pieces;
 } sample_work;
 
 /* The voxel below along an axis, from -1 to size - 1, and the fraction
@@ -79,36 +77,20 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
     return slice[0] + f[2] * (slice[1] - slice[0]);
 }
 
-static void sample_points_piece(void *user, int32_t index, int32_t worker)
+static void sample_points_piece(void *user, uint64_t begin, uint64_t end)
 {
     const sample_work *const w = user;
     double unused[3];
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(w->count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         w->values[i] = sample_point(w->grid, w->points + 3 * i,
                                     w->gradients != NULL ? w->gradients + 3 * i : unused);
-}
-
-static bvx_status check_sample_points(bvx_context *ctx, const char *function, const double *points,
-                                      uint64_t count)
-{
-    static const char axis_name[3][2] = {"x", "y", "z"};
-    for (uint64_t i = 0; i < count; i++)
-        for (int a = 0; a < 3; a++)
-            if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: point %i has %s = %g, which is not finite", function, i,
-                                     axis_name[a], points[3 * i + (uint64_t)a]);
-    return BVX_OK;
 }
 
 static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points,
                                   uint64_t count, double *values, double *gradients)
 {
     static const char *const function = "bvx_grid_sample";
-    sample_work w = {grid, points, values, gradients, count, bvxi_piece_count(count, SAMPLE_GRAIN)};
+    sample_work w = {grid, points, values, gradients};
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -118,8 +100,8 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     if (count > SIZE_MAX / 24)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_sample_points(context, function, points, count));
-    return bvxi_parallel(context, "sample", 0.0, 1.0, w.pieces, sample_points_piece, &w);
+    BVXI_TRY(bvxi_check_points(context, function, points, count));
+    return bvxi_for(context, "sample", count, SAMPLE_GRAIN, sample_points_piece, &w);
 }
 
 bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
@@ -144,7 +126,6 @@ typedef struct resample_job {
     /* the result's first voxel along x at or after each of the grid's [Size: grid's size + 1] */
     int32_t *first;
     uint64_t bytes; /* of all three, in one block */
-    int32_t pieces;
 } resample_job;
 
 /* The voxel that a centre of the result lies in, -1 before the window and its size after it. */
@@ -196,17 +177,14 @@ static void resample_row(const resample_job *job, int32_t y, int32_t z, uint64_t
     while (bvxi_row_runs_next(&runs, &begin, &end)) bvxi_set_run(row, job->first[begin], job->first[end]);
 }
 
-static void resample_piece(void *user, int32_t index, int32_t worker)
+static void resample_piece(void *user, uint64_t begin, uint64_t end)
 {
     const resample_job *const job = user;
     bvx_grid *const to = job->result;
     size_t const words = (size_t)to->words_per_row;
     uint64_t const rows = (uint64_t)to->size[1];
     int32_t last_y = -1, last_z = -1;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(to), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = job->source[0][r % rows], z = job->source[1][r / rows];
         uint64_t *const row = to->words + (size_t)r * words;
@@ -237,14 +215,16 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
     job.grid = grid;
     job.result = result;
-    job.pieces = bvxi_piece_count(bvxi_grid_words(result), RESAMPLE_GRAIN);
-    if ((uint64_t)job.pieces > bvxi_grid_rows(result)) job.pieces = (int32_t)bvxi_grid_rows(result);
 
     /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
     status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
-    status = bvxi_grid_fill_by(context, "resample", job.pieces, resample_piece, &job, mine, result);
+    status = bvxi_grid_made(context,
+                            bvxi_for(context, "resample", bvxi_grid_rows(result),
+                                     1 + RESAMPLE_GRAIN / (uint64_t)result->words_per_row, resample_piece,
+                                     &job),
+                            mine, result);
     bvxi_drop(context, job.source[0]);
     return status;
 }

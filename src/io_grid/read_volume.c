@@ -95,7 +95,6 @@ typedef struct turn_samples_job {
     uint8_t *to;
     const int32_t *dims;
     uint32_t to_size;
-    int32_t pieces;
 } turn_samples_job;
 
 static void turn_one(const uint8_t *p, int32_t kind, int big, uint8_t *out)
@@ -123,16 +122,13 @@ static void turn_one(const uint8_t *p, int32_t kind, int big, uint8_t *out)
     }
 }
 
-static void turn_piece(void *user, int32_t piece, int32_t worker)
+static void turn_piece(void *user, uint64_t row, uint64_t end)
 {
     const turn_samples_job *const j = user;
     const bvxi_samples *const s = j->from;
     uint64_t const nx = (uint64_t)j->dims[0], ny = (uint64_t)j->dims[1];
-    uint64_t row, end;
 
-    (void)worker;
     /* Rows are the unit, so that pieces write apart from each other. */
-    bvxi_piece(ny * (uint64_t)j->dims[2], j->pieces, piece, &row, &end);
     for (; row < end; row++) {
         const uint8_t *const p = s->first + (ptrdiff_t)((int64_t)(row % ny) * s->stride[1] +
                                                         (int64_t)(row / ny) * s->stride[2]);
@@ -151,9 +147,8 @@ static bvx_status turn_samples(bvx_context *ctx, const bvxi_samples *from, const
     job.dims = dims;
     job.to_size = to_size;
     /* Many small rows share a piece; a row longer than the grain is a piece alone. */
-    job.pieces = bvxi_piece_count((uint64_t)dims[1] * (uint64_t)dims[2],
-                                  1 + VOLUME_GRAIN / (uint64_t)dims[0]);
-    return bvxi_parallel(ctx, "read", 0, 1, job.pieces, turn_piece, &job);
+    return bvxi_for(ctx, "read", (uint64_t)dims[1] * (uint64_t)dims[2], 1 + VOLUME_GRAIN / (uint64_t)dims[0],
+                    turn_piece, &job);
 }
 
 /* ---- samples in a text ---- */

@@ -15,7 +15,6 @@ typedef struct bvx_packing {
     uint8_t *bytes; /* the file */
     uint64_t frame; /* seed of the checksums */
     uint64_t raw;   /* bytes of a slice as words */
-    int32_t pieces;
 } bvx_packing;
 
 static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, uint8_t head[BVXI_BVX_HEAD])
@@ -115,21 +114,15 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
 
 /* ---- all slices ---- */
 
-static void bvx_measure_piece(void *user, int32_t piece, int32_t worker)
+static void bvx_measure_piece(void *user, uint64_t k, uint64_t end)
 {
     bvx_packing *const job = user;
-    uint64_t k, end;
-    (void)worker;
-    bvxi_piece((uint64_t)job->grid->size[2], job->pieces, piece, &k, &end);
     for (; k < end; k++) job->place[k] = bvx_measure_slice(job, (int32_t)k);
 }
 
-static void bvx_put_piece(void *user, int32_t piece, int32_t worker)
+static void bvx_put_piece(void *user, uint64_t k, uint64_t end)
 {
     bvx_packing *const job = user;
-    uint64_t k, end;
-    (void)worker;
-    bvxi_piece((uint64_t)job->grid->size[2], job->pieces, piece, &k, &end);
     for (; k < end; k++) bvx_put_slice(job, (int32_t)k);
 }
 
@@ -153,7 +146,8 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
 {
     static const char *const stage = "write";
     uint64_t const places = ((uint64_t)grid->size[2] + 1) * sizeof(uint64_t);
-    uint64_t const grain = 8192; /* words a piece at least */
+    uint64_t const slices = (uint64_t)grid->size[2];
+    uint64_t const grain = 1 + 8192 * slices / bvxi_grid_words(grid); /* of many words, or one slice */
     bvx_packing job = {0};
     bvx_buffer made = {0};
     bvx_status status;
@@ -162,11 +156,8 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     job.frame = bvxi_bvx_frame(head);
     job.raw = (uint64_t)grid->size[1] * (uint64_t)grid->words_per_row * 8;
 
-    /* A piece has many words or is one slice. */
-    job.pieces = bvxi_piece_count(bvxi_grid_words(grid), grain);
-    if (job.pieces > grid->size[2]) job.pieces = grid->size[2];
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, places, "the places of slices", &job.place));
-    status = bvxi_parallel(ctx, stage, 0.0, 0.5, job.pieces, bvx_measure_piece, &job);
+    status = BVXI_SHARE(ctx, 0.0, 0.5, bvxi_for(ctx, stage, slices, grain, bvx_measure_piece, &job));
     if (status == BVX_OK)
         status = bvxi_make_buffer(ctx,
                                   bvx_place_slices(job.place, grid->size[2], with_head ? BVXI_BVX_HEAD : 0),
@@ -176,7 +167,7 @@ static bvx_status bvx_pack(bvx_context *ctx, const bvx_grid *grid, const uint8_t
     if (status == BVX_OK) {
         if (with_head) memcpy(made.bytes, head, BVXI_BVX_HEAD);
         job.bytes = made.bytes;
-        status = bvxi_parallel(ctx, stage, 0.5, 1.0, job.pieces, bvx_put_piece, &job);
+        status = BVXI_SHARE(ctx, 0.5, 1.0, bvxi_for(ctx, stage, slices, grain, bvx_put_piece, &job));
         if (status != BVX_OK) bvx_buffer_free(ctx, &made);
     }
     bvxi_drop(ctx, job.place);

@@ -173,19 +173,16 @@ typedef struct field_file_job {
     const bvx_field *field;
     uint8_t *bytes;
     uint64_t stride, plane; /* from centre to centre, from component to component [Units: numbers] */
-    int32_t vectors, pieces;
+    int32_t vectors;
 } field_file_job;
 
-static void write_field_rows(void *user, int32_t piece, int32_t worker)
+static void write_field_rows(void *user, uint64_t row, uint64_t end)
 {
     const field_file_job *const job = user;
     const bvx_grid *const g = &job->field->band;
     uint64_t const each = job->vectors ? 3 : 1, size = field_number_bytes(job->field);
     double numbers[3 * BVXI_WORD_BITS];
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         /* Values stand in the order of the set voxels; next is the first one of this row. */
         uint64_t next = job->field->row_values[row], voxel = row * (uint64_t)g->size[0];
@@ -236,9 +233,8 @@ static bvx_status write_field_file(bvx_context *ctx, const bvx_field *field, int
     job.stride = vectors && !kind->planes ? 3 : 1;
     job.plane = kind->planes ? voxels : 1;
     job.vectors = vectors;
-    job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band),
-                                  1 + FIELD_FILE_GRAIN / (uint64_t)field->band.size[0]);
-    status = bvxi_parallel(ctx, "write", 0, 1, job.pieces, write_field_rows, &job);
+    status = bvxi_for(ctx, "write", bvxi_grid_rows(&field->band),
+                      1 + FIELD_FILE_GRAIN / (uint64_t)field->band.size[0], write_field_rows, &job);
     if (status != BVX_OK) bvx_buffer_free(ctx, &made);
     else *file = made;
     return status;

@@ -31,14 +31,6 @@ static bvx_status fan_make_work(bvx_context *ctx, const bvxi_polygon_fan *fans, 
     return bvxi_alloc(ctx, BVXI_SCRATCH, w->room * 4, "the numbers of a polygon", &w->number);
 }
 
-static void fan_free_work(bvx_context *ctx, fan_work *w)
-{
-    bvxi_polygon_free(&w->polygon);
-    bvxi_drop(ctx, w->number);
-    bvxi_drop(ctx, w->cut);
-    bvxi_drop(ctx, w->corner);
-}
-
 /* The numbers at a fan's corners. */
 static void fan_take_numbers(const uint32_t *t, uint64_t corners, uint32_t *number)
 {
@@ -89,6 +81,7 @@ static bvx_status fan_cut(fan_work *w, bvx_mesh *mesh, const bvxi_polygon_fan *f
 bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon_fan *fans, uint64_t count)
 {
     bvx_context *const ctx = source->ctx;
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     fan_work w = {0};
 
     if (count == 0) return BVX_OK;
@@ -98,6 +91,5 @@ bvx_status bvxi_cut_fans(bvxi_source *source, bvx_mesh *mesh, const bvxi_polygon
         if (i % FANS_BETWEEN_ASKS == 0) BVXI_TRY(bvxi_progress(ctx, "read", source->reached));
         BVXI_TRY(fan_cut(&w, mesh, &fans[i]));
     }
-    fan_free_work(ctx, &w);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, BVX_OK);
 }

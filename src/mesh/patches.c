@@ -258,24 +258,12 @@ static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
 {
     uint64_t const n = w->out->triangles;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the triangles' parts", &w->out->part));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n, "the turned triangles", &w->out->turn));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w->corner));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w->numbers));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w->link));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n, "the patches' marks", &w->torn));
     return bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w->sums, "the patches' sums", &w->sums);
-}
-
-static void close_patch_work(bvx_context *ctx, patch_work *w)
-{
-    bvxi_drop(ctx, w->sums);
-    bvxi_drop(ctx, w->torn);
-    bvxi_drop(ctx, w->link);
-    bvxi_drop(ctx, w->numbers);
-    bvxi_drop(ctx, w->keys);
-    bvxi_drop(ctx, w->corner);
 }
 
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
@@ -303,6 +291,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
                              const double centre[3], int chance, bvxi_patches *patches)
 {
     patch_work w;
+    uint64_t mark;
 
     memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
@@ -319,10 +308,12 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     w.chance = chance;
     w.out = patches;
 
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 4, "the triangles' parts", &patches->part));
+    BVXI_TRY(
+        bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the turned triangles", &patches->turn));
+    mark = bvxi_scratch_begin(ctx);
     BVXI_TRY(open_patch_work(ctx, &w));
-    BVXI_TRY(find_patches(ctx, &w));
-    close_patch_work(ctx, &w);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
 }
 
 void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)

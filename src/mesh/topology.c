@@ -165,18 +165,13 @@ static void fill_buckets(void *user, int32_t range, int32_t worker)
 static void fill_edge_buckets(topology *c)
 {
     bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
-    uint32_t sum = 0;
 
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
     /* Counted by the lower vertex first, so that every bucket has its place. */
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
     /* ends as they are before anything is filled in: the starts */
-    for (uint64_t v = 0; v < c->vertex_count; v++) {
-        uint32_t const n = c->bucket_end[v];
-        c->bucket_end[v] = sum;
-        sum += n;
-    }
+    bvxi_place_counts32(c->bucket_end, c->vertex_count);
     bvxi_tasks(c->ctx, r.count, fill_buckets, &r);
 }
 
@@ -471,15 +466,6 @@ static bvx_status allocate_topology(bvx_context *ctx, topology *c)
     return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
 }
 
-static void free_topology(bvx_context *ctx, topology *c)
-{
-    bvxi_drop(ctx, c->entries);
-    bvxi_drop(ctx, c->parent);
-    bvxi_drop(ctx, c->ring);
-    bvxi_drop(ctx, c->corner_of);
-    bvxi_drop(ctx, c->bucket_end);
-}
-
 static void conclude_topology(topology *c)
 {
     bvx_certificate *const r = c->result;
@@ -493,6 +479,7 @@ static void conclude_topology(topology *c)
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     topology c;
 
     memset(&c, 0, sizeof c);
@@ -508,6 +495,5 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
     BVXI_TRY(check_edges(&c));
     if (!edges_alone) BVXI_TRY(check_vertices(&c));
     if (!edges_alone) conclude_topology(&c);
-    free_topology(ctx, &c);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, BVX_OK);
 }

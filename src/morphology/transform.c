@@ -120,17 +120,6 @@ static bvx_status open_transform(transform_job *job)
     return bvxi_alloc(ctx, BVXI_SCRATCH, job->all_scratch, "the workers' columns", &job->scratch);
 }
 
-static void close_transform(transform_job *job)
-{
-    bvx_context *const ctx = job->t->ctx;
-    bvxi_drop(ctx, job->scratch);
-    bvxi_drop(ctx, job->inverse);
-    bvxi_drop(ctx, job->has);
-    bvxi_drop(ctx, job->carry);
-    bvxi_drop(ctx, job->tile_nearest);
-    bvxi_drop(ctx, job->tile);
-}
-
 static bvxi_columns columns_of(const transform_job *job, const transform_scratch *s, int axis)
 {
     bvxi_columns c = {NULL, NULL, NULL, NULL, 0, 0, 0, 0.0, NULL, NULL, NULL, NULL};
@@ -382,12 +371,11 @@ static bvx_status run_tiles(transform_job *job)
 
 bvx_status bvxi_transform_run(const bvxi_transform *transform)
 {
+    uint64_t const mark = bvxi_scratch_begin(transform->ctx);
     transform_job job;
 
     memset(&job, 0, sizeof job);
     job.t = transform;
     BVXI_TRY(open_transform(&job));
-    BVXI_TRY(run_tiles(&job));
-    close_transform(&job);
-    return BVX_OK;
+    return bvxi_scratch_end(transform->ctx, mark, run_tiles(&job));
 }

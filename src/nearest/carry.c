@@ -18,7 +18,6 @@ typedef struct carry_work {
     bvx_closest closest;
     uint8_t *colours; /* new, or NULL */
     float *uvs;       /* new, or NULL */
-    int32_t pieces;
 } carry_work;
 
 /* ---- One vertex ---- */
@@ -65,17 +64,13 @@ static void blend_uvs(const carry_work *w, const bvx_closest_point *at, uint64_t
                                                    at->weight[2] * (double)c[2][i]);
 }
 
-static void carry_piece(void *user, int32_t index, int32_t worker)
+static void carry_piece(void *user, uint64_t begin, uint64_t end)
 {
     const carry_work *const w = user;
     bvx_closest_point at;
     uint32_t hint = 0;
-    uint64_t begin, end;
-
-    (void)worker;
 
     /* Vertices as they come: those of a mesh that was extracted follow each other in space. */
-    bvxi_piece(w->to.vertex_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         double p[3];
         bvxi_view_position(&w->to, i, p);
@@ -209,8 +204,9 @@ static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry
 
     /* New arrays are filled before old ones go: a failure leaves the target as it was. */
     status = make_carried_arrays(ctx, target, w);
-    w->pieces = bvxi_piece_count(target->vertex_count, CARRY_GRAIN);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "carry", 0.3, 1.0, w->pieces, carry_piece, w);
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.3, 1.0,
+                            bvxi_for(ctx, "carry", target->vertex_count, CARRY_GRAIN, carry_piece, w));
     if (status == BVX_OK) {
         replace_carried_arrays(ctx, target, w);
     } else {

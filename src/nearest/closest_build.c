@@ -58,17 +58,14 @@ static uint64_t curve_key(const double low[3], const double high[3])
     return key;
 }
 
-static void make_curve_keys(void *user, int32_t index, int32_t worker)
+static void make_curve_keys(void *user, uint64_t begin, uint64_t end)
 {
     const closest_builder *const b = user;
     uint64_t *const keys = b->keys;
     uint32_t *const order = b->tree->order;
     double t[3][3], low[3], high[3];
     uint32_t c[3];
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(b->tree->triangle_count, b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_view_triangle(b->view, i, c);
         for (int k = 0; k < 3; k++) {
@@ -231,15 +228,12 @@ static void copy_curve_corners(const closest_builder *b, uint64_t place)
     for (size_t k = 0; k < 3; k++) memcpy(to + k * point, bvxi_view_position_at(b->view, c[k]), point);
 }
 
-static void fill_lowest_boxes(void *user, int32_t index, int32_t worker)
+static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
 {
     const closest_builder *const b = user;
     bvxi_closest_tree *const tree = b->tree;
     double t[3][3], low[3], high[3];
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(tree->level_nodes[0], b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const first = i * BVXI_CLOSEST_WIDTH;
         int const n = bvxi_closest_children(tree->triangle_count, first);
@@ -335,7 +329,8 @@ static bvx_status sort_along_curve(bvxi_call call, closest_builder *b)
     b->pieces = bvxi_piece_count(n, CLOSEST_GRAIN);
 
     /* Keys side by side; the sort is stable, so equal keys stay in the order of their indices. */
-    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, call.from, call.to, b->pieces, make_curve_keys, b));
+    BVXI_TRY(BVXI_SHARE(call.ctx, call.from, call.to,
+                        bvxi_for(call.ctx, call.stage, n, CLOSEST_GRAIN, make_curve_keys, b)));
     BVXI_TRY(bvxi_radix_sort(call.ctx, b->keys, b->tree->order, n));
     if (b->unnumbered) BVXI_TRY(order_by_positions(call.ctx, b));
     bvxi_drop(call.ctx, b->keys);
@@ -357,8 +352,9 @@ static bvx_status build_closest_tree(bvxi_call call, closest_builder *b)
                         &tree->corners));
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, node_bytes, "the search tree's boxes", &tree->nodes));
 
-    b->pieces = bvxi_piece_count(tree->level_nodes[0], CLOSEST_GRAIN);
-    BVXI_TRY(bvxi_parallel(call.ctx, call.stage, middle, call.to, b->pieces, fill_lowest_boxes, b));
+    BVXI_TRY(BVXI_SHARE(
+        call.ctx, middle, call.to,
+        bvxi_for(call.ctx, call.stage, tree->level_nodes[0], CLOSEST_GRAIN, fill_lowest_boxes, b)));
     for (int32_t l = 1; l < tree->level_count; l++) {
         box_level level = {tree, l == 1 ? tree->triangle_count : tree->level_nodes[l - 2], l,
                            bvxi_piece_count(tree->level_nodes[l], CLOSEST_GRAIN)};

@@ -197,21 +197,17 @@ typedef struct closest_query {
     const double *points;
     bvx_closest_point *found;
     uint64_t count;
-    int32_t pieces;
     uint64_t *keys;  /* of points, then used up */
     uint32_t *order; /* of points, or NULL: as they come */
     double low[3], scale[3];
 } closest_query;
 
-static void find_closest_piece(void *user, int32_t index, int32_t worker)
+static void find_closest_piece(void *user, uint64_t begin, uint64_t end)
 {
     const closest_query *const q = user;
     uint32_t hint = 0;
-    uint64_t begin, end;
-    (void)worker;
 
     /* The hint is the piece's own: threads share nothing that is written. */
-    bvxi_piece(q->count, q->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const point = q->order == NULL ? i : q->order[i];
         bvxi_closest_ask(q->closest, q->points + 3 * point, &hint, &q->found[point]);
@@ -253,12 +249,12 @@ static void make_query_keys(closest_query *q)
 /* Up to QUERY_TOGETHER points, whose search is the share from `from` to `to` of the work. */
 static bvx_status find_closest_batch(bvx_context *ctx, closest_query *q, double from, double to)
 {
-    q->pieces = bvxi_piece_count(q->count, QUERY_GRAIN);
     if (q->order != NULL) {
         make_query_keys(q);
         BVXI_TRY(bvxi_radix_sort(ctx, q->keys, q->order, q->count));
     }
-    return bvxi_parallel(ctx, "nearest points", from, to, q->pieces, find_closest_piece, q);
+    return BVXI_SHARE(ctx, from, to,
+                      bvxi_for(ctx, "nearest points", q->count, QUERY_GRAIN, find_closest_piece, q));
 }
 
 static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
@@ -292,21 +288,6 @@ static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
     return BVX_OK;
 }
 
-static bvx_status check_query_points(bvx_context *ctx, const char *function, const double *points,
-                                     uint64_t count)
-{
-    static const char axis_name[3][2] = {"x", "y", "z"};
-
-    /* x - x is 0 for finite numbers and NaN for all others. */
-    for (uint64_t i = 0; i < count; i++)
-        for (int a = 0; a < 3; a++)
-            if (points[3 * i + (uint64_t)a] - points[3 * i + (uint64_t)a] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: point %i has %s = %g, which is not finite", function, i,
-                                     axis_name[a], points[3 * i + (uint64_t)a]);
-    return BVX_OK;
-}
-
 static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                    uint64_t count, bvx_closest_point *found)
 {
@@ -320,7 +301,7 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     if (count > SIZE_MAX / sizeof *found)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_query_points(context, function, points, count));
+    BVXI_TRY(bvxi_check_points(context, function, points, count));
     return find_all_closest(context, &q);
 }
 

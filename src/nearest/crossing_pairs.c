@@ -75,15 +75,11 @@ static void crossings_open_four(const crossings_job *job, uint64_t four, crossin
 }
 
 /* Task: which vertices the triangles of a piece have; those without area get none. */
-static void crossings_corners(void *user, int32_t index, int32_t worker)
+static void crossings_corners(void *user, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
     double t[3][3];
     const double *const p[3] = {t[0], t[1], t[2]};
-    uint64_t begin, end;
-    (void)worker;
-
-    bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
 
     /* Pieces are of fours, so the last may reach beyond the last triangle. */
     end = end * BVXI_CLOSEST_WIDTH < job->tree.triangle_count ? end * BVXI_CLOSEST_WIDTH
@@ -274,16 +270,9 @@ static void write_crossings_piece(void *user, int32_t index, int32_t worker)
 static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t count, uint32_t *pairs)
 {
     uint32_t *numbers = NULL;
-    uint64_t sum = 0;
 
-    /* Counts become places, so that pieces write side by side and no thread shows. */
-    for (int32_t i = 0; i < job->pieces; i++) {
-        uint64_t const own = job->counts[i];
-
-        job->counts[i] = sum;
-        sum += own;
-    }
-
+    /* Pieces write side by side, and no thread shows. */
+    (void)bvxi_place_counts(job->counts, (uint64_t)job->pieces);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job));
@@ -313,7 +302,8 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->pieces * sizeof *job->counts,
                         "the crossings' counts", &job->counts));
 
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.3, 0.35, job->pieces, crossings_corners, job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.35,
+                        bvxi_for(ctx, "crossings", fours, CROSSINGS_GRAIN, crossings_corners, job)));
     BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.35, 0.9, job->pieces, count_crossings_piece, job));
 
     /* In the order of pieces, though a sum of whole numbers has no order. */
@@ -345,17 +335,10 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
     return BVX_OK;
 }
 
-static void free_crossings(bvx_context *ctx, crossings_job *job)
-{
-    bvxi_drop(ctx, job->counts);
-    bvxi_drop(ctx, job->marks);
-    bvxi_drop(ctx, job->corner);
-    bvxi_closest_free(ctx, &job->tree);
-}
-
 bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvxi_welded *mesh,
                                uint64_t *count, uint32_t *pairs, uint64_t capacity)
 {
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     crossings_job job;
     bvx_status status;
 
@@ -366,9 +349,7 @@ bvx_status bvxi_mesh_crossings(bvx_context *ctx, const char *function, const bvx
     status = bvxi_closest_build(bvxi_call_of(ctx, NULL, "crossings", 0.0, 0.3), mesh->view, mesh->low,
                                 mesh->high, bvxi_unit_scale(mesh->low, mesh->high), &job.tree);
     if (status == BVX_OK) status = give_crossings(ctx, function, &job, count, pairs, capacity);
-
-    free_crossings(ctx, &job);
-    return status;
+    return bvxi_scratch_end(ctx, mark, status);
 }
 
 static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,

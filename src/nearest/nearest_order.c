@@ -21,24 +21,19 @@ typedef struct near_keys {
     const bvxi_nearest *n;
     const bvxi_near_order *order;
     uint64_t *vertex; /* coordinates of each vertex on the curve's grid, 21 bits each [Size: vertices] */
-    int32_t pieces;
 } near_keys;
 
 /* ---- Keys ---- */
 
 /* Coordinates become whole numbers of 19 bits, so that the sum of three fits 21. */
-static void place_near_vertices(void *user, int32_t index, int32_t worker)
+static void place_near_vertices(void *user, uint64_t begin, uint64_t end)
 {
     const near_keys *const b = user;
     const bvxi_nearest *const n = b->n;
     double const most = (double)((1 << (NEAR_FINE_BITS - 2)) - 1);
     double const by = b->order->grid_side > 0.0 ? most / b->order->grid_side : 0.0;
-    uint64_t begin, end;
-
-    (void)worker;
 
     /* Each vertex once: a triangle then only adds up three words. */
-    bvxi_piece(n->view.vertex_count, b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         double p[3];
         uint64_t key = 0;
@@ -53,16 +48,13 @@ static void place_near_vertices(void *user, int32_t index, int32_t worker)
 }
 
 /* Ten bits an axis above the triangle's number, or all there are. */
-static void make_near_keys(void *user, int32_t index, int32_t worker)
+static void make_near_keys(void *user, uint64_t begin, uint64_t end)
 {
     const near_keys *const b = user;
     const bvxi_nearest *const n = b->n;
     uint64_t const mask = (UINT64_C(1) << NEAR_FINE_BITS) - 1;
     int const drop = NEAR_FINE_BITS - NEAR_COARSE_BITS;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(n->triangle_count, b->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint32_t c[3];
         bvxi_view_triangle(&n->view, i, c);
@@ -126,8 +118,8 @@ static bvx_status sort_near_along_curve(bvx_context *ctx, const char *stage, dou
     uint64_t const count = o->count;
 
     /* Coarse first: three rounds over words that hold key and number together. */
-    k->pieces = bvxi_piece_count(count, NEAR_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, stage, from, (from + to) * 0.5, k->pieces, make_near_keys, k));
+    BVXI_TRY(
+        BVXI_SHARE(ctx, from, (from + to) * 0.5, bvxi_for(ctx, stage, count, NEAR_GRAIN, make_near_keys, k)));
     sort_near_keys(o->keys, o->spare, count, place);
     o->sorted = o->spare;
 
@@ -135,7 +127,8 @@ static bvx_status sort_near_along_curve(bvx_context *ctx, const char *stage, dou
     if (count_near_crowds(o->spare, count) <= count / 16) return BVX_OK;
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *o->numbers, "the search tree's order", &o->numbers));
-    BVXI_TRY(bvxi_parallel(ctx, stage, (from + to) * 0.5, to, k->pieces, make_near_keys, k));
+    BVXI_TRY(
+        BVXI_SHARE(ctx, (from + to) * 0.5, to, bvxi_for(ctx, stage, count, NEAR_GRAIN, make_near_keys, k)));
     o->sorted = o->keys;
     return bvxi_radix_sort(ctx, o->keys, o->numbers, count);
 }
@@ -145,7 +138,7 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
 {
     uint64_t const vertex_bytes = n->view.vertex_count * sizeof(uint64_t);
     uint64_t const key_bytes = n->triangle_count * sizeof *o->keys;
-    near_keys k = {n, o, NULL, bvxi_piece_count(n->view.vertex_count, NEAR_GRAIN)};
+    near_keys k = {n, o, NULL};
     double const middle = from + (to - from) * 0.25;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertex_bytes, "the search tree's vertices", &k.vertex));
@@ -153,7 +146,8 @@ bvx_status bvxi_near_order_make(bvx_context *ctx, const char *stage, double from
     o->count = n->triangle_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, key_bytes, "the search tree's keys", &o->spare));
-    BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, k.pieces, place_near_vertices, &k));
+    BVXI_TRY(BVXI_SHARE(ctx, from, middle,
+                        bvxi_for(ctx, stage, n->view.vertex_count, NEAR_GRAIN, place_near_vertices, &k)));
     BVXI_TRY(sort_near_along_curve(ctx, stage, middle, to, &k, o));
     bvxi_drop(ctx, k.vertex);
     return BVX_OK;

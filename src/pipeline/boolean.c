@@ -2,7 +2,6 @@
  * two solids, a word operation, and a surface whose vertices lie on the mesh that bounds the result there.
  *
  * Guarantee: closed, manifold and free of crossings, whatever the meshes are (surface/field_surface.c). */
-#include "core/costs.h"
 #include "nearest/nearest.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
@@ -141,20 +140,6 @@ typedef struct boolean_body {
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
 } boolean_body;
 
-/* The steps of it: those of one mesh, of the other, and of both. */
-enum { BODY_FILL, BODY_MARK, BODY_ASK, BODY_WIDEN, BODY_STEPS };
-
-enum {
-    BOOLEAN_COMBINE = 2 * BODY_STEPS,
-    BOOLEAN_JUDGE,
-    BOOLEAN_CRUMBS,
-    BOOLEAN_SHARP,
-    BOOLEAN_MEASURE,
-    BOOLEAN_EXTRACT = BOOLEAN_MEASURE + 2,
-    BOOLEAN_FLATTEN,
-    BOOLEAN_STEPS
-};
-
 typedef struct boolean_job {
     bvx_context *ctx;
     const bvx_boolean_options *options;
@@ -165,8 +150,6 @@ typedef struct boolean_job {
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
-    double cost[BOOLEAN_STEPS]; /* of steps to come (core/costs.h) */
-    bvxi_steps steps;           /* these */
 } boolean_job;
 
 /* ---- Checks ---- */
@@ -253,93 +236,6 @@ static void advise_boolean(boolean_job *job, int32_t what, double voxels, double
     if (advised > job->report.advised_resolution) job->report.advised_resolution = advised;
 }
 
-/* ---- The bar ---- */
-
-/* What a surface of so many ends costs, of which each mesh has its own. */
-static void plan_boolean_surface(boolean_job *job, double ends)
-{
-    int const sharp = job->options->sharp < 0 ? job->report.sharp : job->options->sharp;
-    double triangles = 0.0;
-
-    for (int i = 0; i < 2; i++) {
-        double const n = (double)job->body[i].mesh->triangle_count;
-
-        job->cost[BOOLEAN_MEASURE + i] = BVXI_COST_MEASURE_MESH * n + BVXI_COST_MEASURE * 0.5 * ends;
-        triangles += n;
-    }
-    job->cost[BOOLEAN_EXTRACT] = bvxi_cost_of_surface(ends, triangles, sharp);
-}
-
-/* What each step takes by what is known before the first one, about; what is learnt later replaces it. */
-static void plan_boolean(boolean_job *job)
-{
-    double const sides = bvxi_sides_of(job->lattice.dims), ends = BVXI_ENDS_OF_SIDE * sides;
-    int const look = job->options->thin == BVX_THIN_KEEP || job->options->report != NULL;
-    double *const cost = job->cost;
-
-    job->steps = (bvxi_steps){job->ctx, cost, BOOLEAN_STEPS, 0.0};
-    plan_boolean_surface(job, ends);
-    /* Each mesh for itself, as one may have a thousand times the other's triangles. */
-    for (int i = 0; i < 2; i++) {
-        double const n = (double)job->body[i].mesh->triangle_count;
-        double *const of_body = cost + i * BODY_STEPS;
-
-        of_body[BODY_FILL] = 3.0 * BVXI_COST_ROWS * n + BVXI_COST_ROWS_SIDE * sides;
-        of_body[BODY_MARK] = look ? BVXI_COST_WALLS * n + BVXI_COST_WALLS_SIDE * sides : 0.0;
-        /* What is cut off leaves more small parts than what is joined. */
-        cost[BOOLEAN_CRUMBS] += (job->operation == BVX_BOOLEAN_UNION ? 1.0 : 2.0) * BVXI_COST_CRUMBS * n;
-    }
-    cost[BOOLEAN_COMBINE] = cost[BOOLEAN_JUDGE] = 0.001 * sides;
-    cost[BOOLEAN_FLATTEN] = job->options->thin == BVX_THIN_KEEP ? BVXI_COST_MAYBE_THIN * ends : 0.0;
-}
-
-/* The second mesh is taken for one like the first: the same rule, which is looked for as long, and as many
- * thin walls. */
-static void plan_second_body(boolean_job *job)
-{
-    int32_t const fill = job->report.solid_a.fill;
-    double const n = (double)job->body[1].mesh->triangle_count, sides = bvxi_sides_of(job->lattice.dims);
-    double const walls = (double)job->report.solid_a.thin_voxels;
-    double *const cost = job->cost + BODY_STEPS;
-
-    /* Holes say what they cost when they are found. */
-    if (fill == BVX_FILL_WINDING || fill == BVX_FILL_VOTE)
-        cost[BODY_FILL] += (BVXI_COST_HOLES + BVXI_COST_WELD) * n + BVXI_COST_HOLES_SIDE * sides;
-    else if (fill == BVX_FILL_NONZERO) cost[BODY_FILL] += BVXI_COST_CROSSINGS * n;
-    if (job->options->thin != BVX_THIN_KEEP) return;
-    cost[BODY_WIDEN] = bvxi_cost_of_widening(walls, n, sides);
-}
-
-/* By the centres beside the thin walls of both, those of the second for now as many as the first one's. */
-static void plan_boolean_flatten(boolean_job *job, double centres)
-{
-    int const sharp = job->options->sharp < 0 ? job->report.sharp : job->options->sharp;
-    double const triangles = (double)job->body[0].mesh->triangle_count +
-                             (double)job->body[1].mesh->triangle_count;
-
-    job->cost[BOOLEAN_FLATTEN] = centres > 0.0 ? (sharp ? 2.0 : 1.0) * (BVXI_COST_FLATTEN * centres +
-                                                                        BVXI_COST_FLAT_MESH * triangles)
-                                               : 0.0;
-}
-
-static double centres_of_walls(const boolean_job *job)
-{
-    return (double)job->body[0].thin.near.count + (double)job->body[1].thin.near.count;
-}
-
-/* So many voxels are lost in mesh i, or may be. */
-static void plan_lost_walls(boolean_job *job, int32_t i, double voxels)
-{
-    double const known = centres_of_walls(job);
-
-    if (job->options->thin != BVX_THIN_KEEP) return;
-    job->cost[i * BODY_STEPS + BODY_WIDEN] = bvxi_cost_of_widening(
-        voxels, (double)job->body[i].mesh->triangle_count, bvxi_sides_of(job->lattice.dims));
-    plan_boolean_flatten(job, known + (2 - i) * BVXI_CENTRES_OF_WALL * voxels);
-}
-
-#define BOOLEAN_STEP(job, step, work) BVXI_STEP(&(job)->steps, step, work)
-
 /* ---- Thin walls ---- */
 
 /* Walls of a body that its solid has lost: told, and by BVX_THIN_KEEP put back into the solid. */
@@ -355,16 +251,12 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.beside = walls.parts = keep;
     status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_MARK, bvxi_walls_gather(&walls));
-    job->cost[i * BODY_STEPS + BODY_ASK] = BVXI_COST_ASK * (double)walls.count;
-    /* Of the places about half are walls. */
-    plan_lost_walls(job, i, 0.5 * (double)walls.count);
+    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls));
     if (status == BVX_OK && walls.count != 0)
-        status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_ASK, bvxi_walls_ask(&walls, 1.0));
+        status = BVXI_SHARE(job->ctx, 0.7, 0.8, bvxi_walls_ask(&walls, 1.0));
     if (status == BVX_OK) bvxi_tell_walls(&walls, r);
     if (status == BVX_OK && r->thin_voxels != 0 && keep) {
-        plan_lost_walls(job, i, (double)r->thin_voxels);
-        status = BOOLEAN_STEP(job, i * BODY_STEPS + BODY_WIDEN, bvxi_thicken(&walls, &b->solid, &b->thin));
+        status = BVXI_SHARE(job->ctx, 0.8, 1.0, bvxi_thicken(&walls, &b->solid, &b->thin));
         job->report.thin_kept |= i == 0 ? BVX_KEPT_A : BVX_KEPT_B;
     }
     bvxi_walls_close(&walls);
@@ -447,8 +339,8 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
     o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
 
     /* The exact solid first: walls are what it has lost. */
-    BVXI_TRY(BOOLEAN_STEP(job, i * BODY_STEPS + BODY_FILL,
-                          bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.0, 0.5, bvx_voxelize_solid(job->ctx, b->mesh, &job->lattice, &o, &b->solid)));
 
     if (job->options->thin != BVX_THIN_KEEP && job->options->report == NULL) return BVX_OK;
     return keep_thin_walls(job, i);
@@ -461,14 +353,11 @@ static bvx_status fill_boolean(boolean_job *job)
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
 
-    BVXI_TRY(fill_body(job, 0));
-    plan_boolean_flatten(job, 2.0 * centres_of_walls(job));
-    plan_second_body(job);
-    BVXI_TRY(fill_body(job, 1));
-    plan_boolean_flatten(job, centres_of_walls(job));
+    for (int32_t i = 0; i < 2; i++)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.45 * i, 0.45 * (i + 1), fill_body(job, i)));
 
     /* Both solids are kept: the surface needs to know which body changes its side on each edge. */
-    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_COMBINE, combine[job->operation](job->ctx, a, b, &job->inside)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.9, 0.95, combine[job->operation](job->ctx, a, b, &job->inside)));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));
@@ -477,7 +366,7 @@ static bvx_status fill_boolean(boolean_job *job)
      * answer. */
     BVXI_TRY(judge_body(job, 0, job->report.voxels_a));
     BVXI_TRY(judge_body(job, 1, job->report.voxels_b));
-    return BOOLEAN_STEP(job, BOOLEAN_JUDGE, judge_result(job));
+    return BVXI_SHARE(job->ctx, 0.95, 1.0, judge_result(job));
 }
 
 /* ---- Small parts ---- */
@@ -563,9 +452,6 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
     /* A body that does not bound the result anywhere needs no search tree. */
     if (b->values.count == 0) return BVX_OK;
-    bvxi_share_cost(ctx, from, 1.0,
-                    BVXI_COST_MEASURE_MESH * (double)b->mesh->triangle_count +
-                        BVXI_COST_MEASURE * (double)b->values.count);
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
                                &nearest));
     bvxi_nearest_prefer_planes(nearest);
@@ -633,18 +519,15 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     BVXI_TRY(choose_boolean_lattice(job, result));
     job->report.lattice = job->lattice;
     BVXI_TRY(open_boolean_grids(job));
-    plan_boolean(job);
-    BVXI_TRY(fill_boolean(job));
-    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_CRUMBS, drop_boolean_parts(job)));
-    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_SHARP, choose_boolean_sharp(job)));
-    plan_boolean_surface(job, BVXI_ENDS_OF_SIDE * bvxi_sides_of(job->lattice.dims));
-    plan_boolean_flatten(job, centres_of_walls(job));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, fill_boolean(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.55, drop_boolean_parts(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.6, choose_boolean_sharp(job)));
 
     /* Distances of each body to its own mesh, where the result keeps its surface. */
     for (int i = 0; i < 2; i++)
-        BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_MEASURE + i, measure_body(job, &job->body[i])));
-    BVXI_TRY(BOOLEAN_STEP(job, BOOLEAN_EXTRACT, extract_boolean(job, result)));
-    return BOOLEAN_STEP(job, BOOLEAN_FLATTEN, flatten_boolean(job, result));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.6 + 0.08 * i, 0.68 + 0.08 * i, measure_body(job, &job->body[i])));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.76, 0.86, extract_boolean(job, result)));
+    return BVXI_SHARE(job->ctx, 0.86, 1.0, flatten_boolean(job, result));
 }
 
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,

@@ -2,7 +2,6 @@
  *
  * The mesh is simplified as it is, since nothing is nearer to it. On request its surface is measured first: what
  * bvx_repair puts between voxels lies a hundredth of a voxel from the mesh and has its guarantee. */
-#include "core/costs.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
@@ -302,37 +301,26 @@ static int is_better_without(const bvx_repair_report *with, const bvx_repair_rep
            bvxi_absolute(a->area - b->area) <= FEW_WALLS * a->area;
 }
 
-/* What measuring costs, about, and the triangles that it will have. */
-static double expected_repair(levels_job *job, int32_t resolution, double *triangles)
-{
-    bvx_repair_options const r = repair_options(job, resolution, BVX_THIN_KEEP);
-
-    return bvxi_repair_cost(job->mesh, &job->report.before, &r, triangles);
-}
-
 /* The surface with its thin walls. They may have grown together with what is beside them, and a handle costs
  * a small level more than such walls are worth: without them it is measured once more where that may be
  * so. */
 static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh *surface)
 {
     bvx_repair_report *const report = &job->report.repair;
-    double unused;
-    double cost[2] = {expected_repair(job, resolution, &unused)}; /* once, and maybe once more */
-    bvxi_steps steps = {job->ctx, cost, 2, 0.0};
     bvx_repair_report with;
     bvx_mesh without = {0};
     uint64_t mark;
     bvx_status status;
 
-    BVXI_TRY(BVXI_STEP(&steps, 0, repair_surface(job, resolution, BVX_THIN_KEEP, surface)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.7, repair_surface(job, resolution, BVX_THIN_KEEP, surface)));
     if (!has_new_handles(job)) return BVX_OK;
 
     /* The report is written anew; the better surface's one stays. */
     with = *report;
     mark = bvxi_scratch_begin(job->ctx);
-    cost[1] = expected_repair(job, resolution, &unused);
     status = bvxi_scratch_keep(
-        job->ctx, mark, BVXI_STEP(&steps, 1, repair_surface(job, resolution, BVX_THIN_SHELL, &without)));
+        job->ctx, mark,
+        BVXI_SHARE(job->ctx, 0.7, 1.0, repair_surface(job, resolution, BVX_THIN_SHELL, &without)));
     if (status != BVX_OK && status != BVX_ERR_EMPTY) return status;
     if (status == BVX_OK && is_better_without(&with, report)) {
         bvx_mesh const kept = *surface;
@@ -346,26 +334,12 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
     return BVX_OK;
 }
 
-enum { MEASURED_SURFACE, MEASURED_LEVELS, MEASURED_STEPS };
-
-/* Measured ones take as many points as a repair would. */
-static double cost_of_levels(const levels_job *job, double triangles)
-{
-    double const each = BVXI_COST_SAMPLE * (double)job->options->measure_samples;
-
-    return BVXI_COST_COLLAPSE * triangles + each * (double)job->chain.count;
-}
-
 static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
 {
-    double triangles, cost[MEASURED_STEPS] = {expected_repair(job, resolution, &triangles)};
-    bvxi_steps steps = {job->ctx, cost, MEASURED_STEPS, 0.0};
     bvx_mesh surface = {0};
     bvx_mesh_view view;
-    bvx_status status;
+    bvx_status status = BVXI_SHARE(job->ctx, 0.0, 0.7, measure_surface(job, resolution, &surface));
 
-    cost[MEASURED_LEVELS] = cost_of_levels(job, triangles);
-    status = BVXI_STEP(&steps, MEASURED_SURFACE, measure_surface(job, resolution, &surface));
     /* Of this resolution only: a coarser one may be tried after it. */
     job->report.crumbs = 0;
 
@@ -378,8 +352,7 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
         /* Levels are made of the measured surface, in its type. */
         job->chain.collapse.position_type = surface.position_type;
         job->chain.collapse.simple = 1;
-        cost[MEASURED_LEVELS] = cost_of_levels(job, (double)view.triangle_count);
-        status = BVXI_STEP(&steps, MEASURED_LEVELS, bvxi_levels_make(job->ctx, &job->chain, &view, NULL));
+        status = BVXI_SHARE(job->ctx, 0.7, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view, NULL));
     }
     bvx_mesh_free(job->ctx, &surface);
     return status;

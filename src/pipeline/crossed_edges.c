@@ -7,7 +7,6 @@ enum { ENDS_GRAIN = 4096 /* least words a piece */ };
 typedef struct ends_job {
     const bvx_grid *inside, *body; /* body: inside itself when there is none */
     bvx_grid *where;
-    int32_t pieces;
 } ends_job;
 
 /* Bits of word i that differ from those of word n in both grids. */
@@ -23,18 +22,14 @@ static uint64_t differ_along_row(const uint64_t *row, int32_t words, int32_t k, 
     return row[k] ^ next;
 }
 
-static void mark_ends_piece(void *user, int32_t index, int32_t worker)
+static void mark_ends_piece(void *user, uint64_t begin, uint64_t end)
 {
     const ends_job *const job = user;
     const bvx_grid *const g = job->inside;
     size_t const words = (size_t)g->words_per_row, slice = words * (size_t)g->size[1];
     uint64_t const rows = (uint64_t)g->size[1];
-    uint64_t begin, end;
-
-    (void)worker;
 
     /* A piece takes rows: no two write one word. */
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++) {
         int32_t const y = (int32_t)(r % rows), z = (int32_t)(r / rows);
         size_t const at = (size_t)r * words;
@@ -62,7 +57,6 @@ bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_gr
     job.inside = inside;
     job.body = body != NULL ? body : inside;
     job.where = where;
-    job.pieces = bvxi_piece_count(bvxi_grid_words(inside), ENDS_GRAIN);
-    if ((uint64_t)job.pieces > bvxi_grid_rows(inside)) job.pieces = (int32_t)bvxi_grid_rows(inside);
-    return bvxi_parallel(ctx, "ends", 0.0, 1.0, job.pieces, mark_ends_piece, &job);
+    return bvxi_for(ctx, "ends", bvxi_grid_rows(inside), 1 + ENDS_GRAIN / (uint64_t)inside->words_per_row,
+                    mark_ends_piece, &job);
 }

@@ -551,7 +551,7 @@ static bvx_status aim_vertices(flatten_job *f)
 bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count,
                         bvx_mesh *mesh)
 {
-    uint64_t const bytes = mesh->vertex_count * 4;
+    uint64_t const bytes = mesh->vertex_count * 4, mark = bvxi_scratch_begin(ctx);
     flatten_job f;
 
     memset(&f, 0, sizeof f);
@@ -572,15 +572,5 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     if (f.count != 0)
         BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local));
     if (f.count != 0) BVXI_TRY(open_around(&f));
-    if (f.count != 0) BVXI_TRY(move_vertices(&f));
-    bvxi_drop(ctx, f.part_corner);
-    bvxi_drop(ctx, f.part);
-    bvxi_drop(ctx, f.position);
-    bvxi_drop(ctx, f.vertex);
-    bvxi_drop(ctx, f.corner);
-    bvxi_drop(ctx, f.blocks);
-    bvxi_drop(ctx, f.local);
-    bvxi_drop(ctx, f.moved);
-    bvxi_drop(ctx, f.number);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, f.count != 0 ? move_vertices(&f) : BVX_OK);
 }

@@ -6,7 +6,6 @@
  * lid over holes, so no hole is too wide, and only the centres next to the surface are measured. What
  * encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
-#include "core/costs.h"
 #include "pipeline/repair.h"
 #include "mesh/view.h"
 
@@ -116,57 +115,27 @@ static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64
     return guess <= low ? low + 1 : guess >= high ? high - 1 : guess;
 }
 
-enum { TARGET_TRY, TARGET_MORE, TARGET_STEPS };
-
-#define SQUARE_LEFT 3.0
-
-/* Tries that may still be needed: by the square law few are, by bisection as many as the way is halved. */
-static double tries_left(uint64_t tries, int32_t low, int32_t high)
-{
-    double halvings = 0.0;
-
-    for (int32_t way = high - low - 1; way > 0; way /= 2) halvings++;
-    return tries >= SQUARE_TRIES || halvings < SQUARE_LEFT ? halvings : SQUARE_LEFT;
-}
-
-static double cost_of_try(const bvxi_repair_job *job, double resolution)
-{
-    bvxi_repair_size const size = bvxi_repair_expect(job, resolution);
-
-    return bvxi_repair_inside_cost(job, &size) + BVXI_COST_MARCH * size.ends;
-}
-
-static double cost_of_search(const bvxi_repair_job *job)
-{
-    return cost_of_try(job, (double)job->options->resolution) +
-           tries_left(0, 0, job->options->resolution) *
-               cost_of_try(job, bvxi_repair_expected_resolution(job));
-}
-
 /* The largest resolution that a bisection finds to keep the target; job is then left at another one. */
 static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
 {
     uint64_t const target = job->options->target_triangles;
     int32_t low = 0, high = job->options->resolution;
     uint64_t high_count, low_count = 0;
-    double cost[TARGET_STEPS] = {cost_of_try(job, (double)high)};
-    bvxi_steps steps = {job->ctx, cost, TARGET_STEPS, 0.0};
+    double at = 0.3; /* of the bar; each try takes half of what is left */
 
     /* The largest resolution first: most targets allow it, and then the search is over. */
-    cost[TARGET_MORE] = tries_left(0, low, high) * cost_of_try(job, bvxi_repair_expected_resolution(job));
-    BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, high, &high_count)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, at, count_at(job, high, &high_count)));
     if (high_count <= target) {
         *resolution = high;
-        bvxi_share_spare(job->ctx, steps.at);
         return BVX_OK;
     }
     for (uint64_t tries = 0; high - low > 1; tries++) {
         int32_t const guess = next_guess(low, high, high_count, target, tries);
+        double const from = at;
         uint64_t count;
 
-        cost[TARGET_TRY] = cost_of_try(job, (double)guess);
-        cost[TARGET_MORE] = tries_left(tries, low, high) * cost[TARGET_TRY];
-        BVXI_TRY(BVXI_STEP(&steps, TARGET_TRY, count_at(job, guess, &count)));
+        at = 0.5 + 0.5 * from;
+        BVXI_TRY(BVXI_SHARE(job->ctx, from, at, count_at(job, guess, &count)));
         if (count <= target) {
             low = guess;
             low_count = count;
@@ -181,56 +150,7 @@ static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
             "%s: at most %u triangles are requested; resolution %d has %u, and those below keep nothing",
             bvxi_repair_name, target, (int64_t)high, high_count);
     *resolution = low;
-    bvxi_share_spare(job->ctx, steps.at);
     return BVX_OK;
-}
-
-enum {
-    REPAIR_TAKE,
-    REPAIR_NEEDS,
-    REPAIR_SEARCH,
-    REPAIR_INSIDE,
-    REPAIR_SURFACE,
-    REPAIR_FLATTEN,
-    REPAIR_MEASURE,
-    REPAIR_STEPS
-};
-
-/* What the steps cost, about: planned before the first one, and anew when more is known. Steps that have been
- * taken are not looked at. */
-static void plan_repair(const bvxi_repair_job *job, double cost[REPAIR_STEPS])
-{
-    const bvx_repair_options *const o = job->options;
-    const bvx_certificate *const c = &job->report.before;
-    bvxi_repair_size const size = bvxi_repair_expect(job, bvxi_repair_expected_resolution(job));
-    double const n = size.triangles;
-    /* Looked for crossings, and copied where there are none: before the mesh is looked at both are as likely
-     * as not. */
-    int const taken = c->triangles != 0, sound = taken && bvxi_repair_need(c) == BVX_NEEDS_NOTHING;
-    double const looked = sound ? 1.0 : taken ? 0.0 : 0.5;
-    double const maybe = o->if_needed && job->report.needs == BVX_NEEDS_NOTHING ? 1.0 - 0.5 * looked : 1.0;
-
-    cost[REPAIR_TAKE] = BVXI_COST_WELD * n + (job->known != NULL ? 0.0 : bvxi_cost_of_check(n));
-    cost[REPAIR_NEEDS] = o->report != NULL || o->if_needed
-                             ? looked * (c->components > 1 ? 0.5 : 1.0) * BVXI_COST_CROSSINGS * n
-                             : 0.0;
-    cost[REPAIR_SEARCH] = o->target_triangles != 0 ? maybe * cost_of_search(job) : 0.0;
-    cost[REPAIR_INSIDE] = maybe * bvxi_repair_inside_cost(job, &size);
-    cost[REPAIR_SURFACE] = maybe * bvxi_repair_surface_cost(job, &size);
-    cost[REPAIR_FLATTEN] = maybe * bvxi_repair_flatten_cost(job, &size);
-    cost[REPAIR_MEASURE] = o->report != NULL ? maybe * bvxi_repair_measure_cost(job, &size) : 0.0;
-}
-
-double bvxi_repair_cost(const bvx_mesh_view *mesh, const bvx_certificate *known,
-                        const bvx_repair_options *options, double *triangles)
-{
-    bvxi_repair_job const job = {.options = options, .given = mesh, .report = {.before = *known}};
-    double cost[REPAIR_STEPS], sum = 0.0;
-
-    plan_repair(&job, cost);
-    for (int i = 0; i < REPAIR_STEPS; i++) sum += cost[i];
-    *triangles = BVXI_TRIANGLES_OF_END * bvxi_repair_expect(&job, bvxi_repair_expected_resolution(&job)).ends;
-    return sum;
 }
 
 static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
@@ -246,26 +166,21 @@ static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaire
     return bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired);
 }
 
-static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
+static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     int32_t resolution = job->options->resolution;
-    double cost[REPAIR_STEPS];
-    bvxi_steps steps = {job->ctx, cost, REPAIR_STEPS, 0.0};
     uint64_t voxels;
 
-    plan_repair(job, cost);
-    BVXI_TRY(BVXI_STEP(&steps, REPAIR_TAKE, bvxi_repair_take(job)));
-    plan_repair(job, cost);
-    BVXI_TRY(BVXI_STEP(&steps, REPAIR_NEEDS, bvxi_repair_needs(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_repair_take(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, bvxi_repair_needs(job)));
 
     /* A mesh that is sound is copied before anything is measured: nothing of it may move. */
     if (job->options->if_needed && job->report.needs == BVX_NEEDS_NOTHING)
-        return BVXI_SHARE(job->ctx, steps.at, 1.0, bvxi_repair_copy(job, repaired));
+        return BVXI_SHARE(job->ctx, 0.2, 1.0, bvxi_repair_copy(job, repaired));
 
-    plan_repair(job, cost);
     if (job->options->target_triangles != 0)
-        BVXI_TRY(BVXI_STEP(&steps, REPAIR_SEARCH, search_repair(job, &resolution)));
-    BVXI_TRY(BVXI_STEP(&steps, REPAIR_INSIDE, fill_at(job, resolution)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.3, search_repair(job, &resolution)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 0.55, fill_at(job, resolution)));
 
     /* An empty result would look like success. */
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
@@ -277,11 +192,19 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
                              ? "every part is below least_part"
                              : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
-    plan_repair(job, cost);
-    BVXI_TRY(BVXI_STEP(&steps, REPAIR_SURFACE, bvxi_repair_surface(job, repaired)));
-    BVXI_TRY(BVXI_STEP(&steps, REPAIR_FLATTEN, flatten_repaired(job, repaired)));
-    if (job->options->report == NULL) return BVX_OK;
-    return BVXI_STEP(&steps, REPAIR_MEASURE, bvxi_repair_measure(job, repaired));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.75, bvxi_repair_surface(job, repaired)));
+    return BVXI_SHARE(job->ctx, 0.75, 1.0, flatten_repaired(job, repaired));
+}
+
+static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
+{
+    const bvx_repair_options *const o = job->options;
+    double const made = o->report == NULL ? 1.0 : o->measure ? 0.5 : 0.9;
+
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, made, make_repaired(job, repaired)));
+    /* A copy is measured where it is made. */
+    if (o->report == NULL || job->report.copied) return BVX_OK;
+    return BVXI_SHARE(job->ctx, made, 1.0, bvxi_repair_measure(job, repaired));
 }
 
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,

@@ -38,10 +38,6 @@ extern const char bvxi_repair_name[];
 bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_certificate *known,
                              const bvx_repair_options *options, bvx_mesh *repaired);
 
-/* What that costs, about (core/costs.h), and how many triangles it will have. */
-double bvxi_repair_cost(const bvx_mesh_view *mesh, const bvx_certificate *known,
-                        const bvx_repair_options *options, double *triangles);
-
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
 void bvxi_repair_let_go(bvxi_repair_job *job);
@@ -51,24 +47,6 @@ void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64
 
 /* repair_input.c: the lattice of a resolution, or the one that was given. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution);
-
-/* repair_costs.c: what the lattice of a resolution will have, by what is known of the mesh. */
-typedef struct bvxi_repair_size {
-    double triangles; /* of the mesh */
-    double sides, ends;
-} bvxi_repair_size;
-
-bvxi_repair_size bvxi_repair_expect(const bvxi_repair_job *job, double resolution);
-/* The resolution that the result will have: below the options' where fewer triangles are wanted. */
-double bvxi_repair_expected_resolution(const bvxi_repair_job *job);
-/* What steps cost on it (core/costs.h): the solid, all that comes before the surface, and the surface. */
-double bvxi_repair_fill_cost(const bvxi_repair_job *job, const bvxi_repair_size *size);
-double bvxi_repair_inside_cost(const bvxi_repair_job *job, const bvxi_repair_size *size);
-double bvxi_repair_surface_cost(const bvxi_repair_job *job, const bvxi_repair_size *size);
-double bvxi_repair_flatten_cost(const bvxi_repair_job *job, const bvxi_repair_size *size);
-double bvxi_repair_measure_cost(const bvxi_repair_job *job, const bvxi_repair_size *size);
-/* 1: walls too thin for the lattice are looked for. */
-int bvxi_repair_looks_for_walls(const bvxi_repair_job *job);
 
 /* repair_inside.c: solid and inside on job->lattice; grids of an earlier call are replaced. */
 bvx_status bvxi_repair_inside(bvxi_repair_job *job);

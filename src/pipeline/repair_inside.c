@@ -1,6 +1,5 @@
 /* repair_inside.c - which centres lie inside the repaired body: the solid of the sign rule, joined with
  * shells around sheets, where it has nothing. */
-#include "core/costs.h"
 #include "pipeline/repair.h"
 #include "fill/fills.h"
 
@@ -39,41 +38,18 @@ static bvx_status fill_solid(bvxi_repair_job *job, const bvx_mesh_view *mesh)
     return bvxi_fill_known(job->ctx, mesh, job->fill, &job->holes, &job->solid);
 }
 
-enum { INSIDE_FILL, INSIDE_PART, INSIDE_REFILL, INSIDE_SHELLS, INSIDE_WALLS, INSIDE_CLEAN, INSIDE_STEPS };
-
-static void plan_inside(const bvxi_repair_job *job, double cost[INSIDE_STEPS])
-{
-    bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->resolution);
-    double const sheets = (double)job->sheets.triangle_count;
-
-    cost[INSIDE_FILL] = bvxi_repair_fill_cost(job, &size);
-    cost[INSIDE_PART] = BVXI_COST_PART * size.triangles;
-    cost[INSIDE_REFILL] = sheets > 0.0 ? cost[INSIDE_FILL] : 0.0;
-    cost[INSIDE_SHELLS] = sheets > 0.0 ? BVXI_COST_MEASURE_MESH * sheets + BVXI_COST_CLEAN * size.sides : 0.0;
-    cost[INSIDE_WALLS] = bvxi_repair_looks_for_walls(job)
-                             ? BVXI_COST_WALLS * size.triangles + BVXI_COST_WALLS_SIDE * size.sides
-                             : 0.0;
-    cost[INSIDE_CLEAN] = BVXI_COST_CLEAN * size.ends;
-}
-
 bvx_status bvxi_repair_inside(bvxi_repair_job *job)
 {
-    double cost[INSIDE_STEPS];
-    bvxi_steps steps = {job->ctx, cost, INSIDE_STEPS, 0.0};
-
-    /* Whether there are sheets is not known; those of an earlier resolution speak for this one. */
-    plan_inside(job, cost);
     BVXI_TRY(open_grids(job));
-    BVXI_TRY(BVXI_STEP(&steps, INSIDE_FILL, fill_solid(job, &job->mesh)));
-    BVXI_TRY(BVXI_STEP(&steps, INSIDE_PART, bvxi_repair_part(job)));
-    plan_inside(job, cost);
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.3, fill_solid(job, &job->mesh)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.3, 0.4, bvxi_repair_part(job)));
     if (job->sheets.triangle_count != 0)
-        BVXI_TRY(BVXI_STEP(&steps, INSIDE_REFILL, fill_solid(job, &job->body)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.5, fill_solid(job, &job->body)));
     /* The body's solid stays, as shells are joined to a copy of it. */
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
     if (job->sheets.triangle_count != 0)
-        BVXI_TRY(BVXI_STEP(&steps, INSIDE_SHELLS, bvxi_repair_lay_shells(job)));
-    BVXI_TRY(BVXI_STEP(&steps, INSIDE_WALLS, bvxi_repair_thicken(job)));
-    return BVXI_STEP(&steps, INSIDE_CLEAN, bvxi_repair_clean(job));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.6, bvxi_repair_lay_shells(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.6, 0.9, bvxi_repair_thicken(job)));
+    return BVXI_SHARE(job->ctx, 0.9, 1.0, bvxi_repair_clean(job));
 }

@@ -3,7 +3,6 @@
  * The certificate says most. A mesh of several pieces is asked more: a piece that is turned inward must be
  * the cavity of another, and no piece may lie within another without being its cavity; the rules parity and
  * nonzero then fill the same voxels. Crossings are looked for last, as that takes longest. */
-#include "core/costs.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
@@ -40,15 +39,10 @@ static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
     return bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right);
 }
 
-enum { NEEDS_PIECES, NEEDS_NESTING, NEEDS_CROSSINGS, NEEDS_STEPS };
-
 bvx_status bvxi_repair_needs(bvxi_repair_job *job)
 {
     bvx_repair_report *const r = &job->report;
-    bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->options->resolution);
     int const several = r->before.components > 1;
-    double cost[NEEDS_STEPS] = {0.0};
-    bvxi_steps steps = {job->ctx, cost, NEEDS_STEPS, 0.0};
     int right = 1;
 
     r->needs = bvxi_repair_need(&r->before);
@@ -56,22 +50,16 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
         return BVX_OK;
 
     /* Cheapest first: volumes, then two fills, then crossings, which several pieces may not come to. */
-    if (several) {
-        cost[NEEDS_PIECES] = BVXI_COST_ROWS * size.triangles;
-        cost[NEEDS_NESTING] = 2.0 * (BVXI_COST_ROWS * size.triangles + BVXI_COST_ROWS_SIDE * size.sides);
-    }
-    cost[NEEDS_CROSSINGS] = BVXI_COST_CROSSINGS * size.triangles * (several ? 0.5 : 1.0);
     right = r->turned == 0;
-    if (several && right) BVXI_TRY(BVXI_STEP(&steps, NEEDS_PIECES, judge_pieces(job, &right)));
-    if (several && right) BVXI_TRY(BVXI_STEP(&steps, NEEDS_NESTING, judge_nesting(job, &right)));
+    if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
+    if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, judge_nesting(job, &right)));
     if (!right) {
         r->needs = BVX_NEEDS_OUTSIDE_IN;
         return BVX_OK;
     }
 
-    cost[NEEDS_CROSSINGS] = BVXI_COST_CROSSINGS * size.triangles;
     BVXI_TRY(
-        BVXI_STEP(&steps, NEEDS_CROSSINGS, bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0)));
+        BVXI_SHARE(job->ctx, 0.2, 1.0, bvx_mesh_crossings(job->ctx, job->given, &r->crossings, NULL, 0)));
     if (r->crossings != 0) r->needs = BVX_NEEDS_UNCROSSING;
     return BVX_OK;
 }

@@ -2,7 +2,6 @@
  *
  * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
  * crossing that the input's surface makes lies nearer. */
-#include "core/costs.h"
 #include "nearest/closest.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
@@ -165,39 +164,19 @@ static int has_other_size(const bvx_repair_report *r)
            bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
 }
 
-enum { MEASURE_CHECK, MEASURE_HOLES, MEASURE_OVERLAPS, MEASURE_DISTANCES, MEASURE_STEPS };
-
-static double cost_of_distances(const bvxi_repair_job *job)
-{
-    return job->options->measure ? BVXI_COST_SAMPLE * (double)job->options->measure_samples : 0.0;
-}
-
-double bvxi_repair_measure_cost(const bvxi_repair_job *job, const bvxi_repair_size *size)
-{
-    return BVXI_COST_CHECK_MADE * BVXI_TRIANGLES_OF_END * size->ends + cost_of_distances(job) +
-           (job->options->measure ? 2.0 * bvxi_repair_fill_cost(job, size) : 0.0);
-}
-
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
-    bvxi_repair_size const size = bvxi_repair_expect(job, (double)job->resolution);
-    double cost[MEASURE_STEPS] = {BVXI_COST_CHECK_MADE * (double)repaired->triangle_count};
-    bvxi_steps steps = {job->ctx, cost, MEASURE_STEPS, 0.0};
     bvx_mesh_view result;
 
     /* What is made is looked at as any mesh is. */
     bvx_mesh_view_of(repaired, &result);
     job->report.lattice = job->lattice;
-    cost[MEASURE_OVERLAPS] = job->options->measure ? 2.0 * bvxi_repair_fill_cost(job, &size) : 0.0;
-    cost[MEASURE_DISTANCES] = cost_of_distances(job);
-    BVXI_TRY(BVXI_STEP(&steps, MEASURE_CHECK, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
-        BVXI_TRY(BVXI_STEP(&steps, MEASURE_HOLES, find_holes(job)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.25, find_holes(job)));
 
-    if (job->options->measure || has_other_size(&job->report)) {
-        cost[MEASURE_OVERLAPS] = 2.0 * bvxi_repair_fill_cost(job, &size);
-        BVXI_TRY(BVXI_STEP(&steps, MEASURE_OVERLAPS, count_overlaps(job)));
-    }
+    if (job->options->measure || has_other_size(&job->report))
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, count_overlaps(job)));
     if (!job->options->measure) return BVX_OK;
-    return BVXI_STEP(&steps, MEASURE_DISTANCES, measure_distances(job, repaired, &result));
+    return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }

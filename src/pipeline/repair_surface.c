@@ -4,7 +4,6 @@
  * Only centres with a neighbour on the other side are measured. Where there are shells, a centre takes what
  * is nearer of the body's surface and the shell's: the union of both. Edges that no triangle comes near are
  * crossed by a lid over a hole, and the winding number says where. */
-#include "core/costs.h"
 #include "nearest/nearest.h"
 #include "pipeline/steps.h"
 #include "pipeline/repair.h"
@@ -21,8 +20,7 @@ static bvx_status measure_mesh(bvxi_repair_job *job, const bvxi_sparse *v, const
 {
     /* As far as an edge is long; a little more for rounding. */
     double const guess = (off + bvxi_largest_spacing(&job->lattice)) * (1 + 1e-6);
-    double const tree = BVXI_COST_MEASURE_MESH * (double)mesh->triangle_count;
-    double const part = from + (to - from) * (tree / (tree + BVXI_COST_MEASURE * (double)v->count));
+    double const part = 0.5 * (from + to);
     bvxi_nearest *nearest = NULL;
     bvx_status status;
 
@@ -74,7 +72,6 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
 static bvx_status open_ends(bvxi_repair_job *job, bvxi_sparse *v)
 {
     BVXI_TRY(bvxi_sparse_open(job->ctx, &job->inside, v));
-    /* In no time beside what follows, whose cost is known after it. */
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.0, bvxi_ends_mark(job->ctx, &job->inside, NULL, &v->where)));
     return bvxi_sparse_rank(job->ctx, v);
 }
@@ -141,32 +138,18 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
     return BVX_OK;
 }
 
-enum { SURFACE_MEASURE, SURFACE_EXTRACT, SURFACE_STEPS };
-
-static void plan_surface(const bvxi_repair_job *job, double ends, double cost[SURFACE_STEPS])
-{
-    double const body = (double)job->body.triangle_count, sheets = (double)job->sheets.triangle_count;
-    double const meshes = (body > 0.0) + (sheets > 0.0);
-
-    cost[SURFACE_MEASURE] = BVXI_COST_MEASURE_MESH * (body + sheets) + BVXI_COST_MEASURE * ends * meshes;
-    cost[SURFACE_EXTRACT] = bvxi_cost_of_surface(ends, body, job->report.sharp);
-}
-
 bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
 {
-    double cost[SURFACE_STEPS];
-    bvxi_steps steps = {job->ctx, cost, SURFACE_STEPS, 0.0};
     bvxi_sparse v = {.count = 0};
 
     BVXI_TRY(open_ends(job, &v));
-    plan_surface(job, (double)v.count, cost);
-    BVXI_TRY(BVXI_STEP(&steps, SURFACE_MEASURE, open_values(job, &v)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, open_values(job, &v)));
 
     /* Lids lie where the winding number is a half; parity has none. */
     if (job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
         BVXI_TRY(bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                    &job->holes, &job->winding));
-    BVXI_TRY(BVXI_STEP(&steps, SURFACE_EXTRACT, extract_repaired(job, &v, repaired)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0, extract_repaired(job, &v, repaired)));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     bvxi_sparse_close(job->ctx, &v);

@@ -1,6 +1,5 @@
 /* repair_thin.c - walls of a repaired body that are thinner than the lattice can hold: found
  * (fill/thin_walls.h), reported, and kept by thicken.c unless the options drop them. */
-#include "core/costs.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
@@ -55,26 +54,16 @@ static bvx_status tell_walls(repair_walls *t)
     return count_thin_components(t);
 }
 
-enum { WALLS_GATHER, WALLS_ASK, WALLS_WIDEN, WALLS_STEPS };
-
 static bvx_status thicken(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
-    double cost[WALLS_STEPS] = {BVXI_COST_WALLS * (double)job->body.triangle_count +
-                                BVXI_COST_WALLS_SIDE * bvxi_sides_of(job->lattice.dims)};
-    bvxi_steps steps = {job->ctx, cost, WALLS_STEPS, 0.0};
 
-    /* How many walls are thin is known step by step. */
-    BVXI_TRY(BVXI_STEP(&steps, WALLS_GATHER, bvxi_walls_gather(&t->walls)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.4, bvxi_walls_gather(&t->walls)));
     if (t->walls.count == 0) return BVX_OK;
-    cost[WALLS_ASK] = BVXI_COST_ASK * (double)t->walls.count;
-    BVXI_TRY(BVXI_STEP(&steps, WALLS_ASK, bvxi_walls_ask(&t->walls, 1.0)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.6, bvxi_walls_ask(&t->walls, 1.0)));
     BVXI_TRY(tell_walls(t));
     if (!job->report.thin_kept) return BVX_OK;
-
-    cost[WALLS_WIDEN] = bvxi_cost_of_widening(
-        (double)job->report.thin_voxels, (double)job->body.triangle_count, bvxi_sides_of(job->lattice.dims));
-    return BVXI_STEP(&steps, WALLS_WIDEN, bvxi_thicken(&t->walls, &job->inside, &job->thin));
+    return BVXI_SHARE(job->ctx, 0.6, 1.0, bvxi_thicken(&t->walls, &job->inside, &job->thin));
 }
 
 bvx_status bvxi_repair_thicken(bvxi_repair_job *job)

@@ -5,7 +5,6 @@
  * measured off the mesh, and flatten.c puts it back.
  * Guarantee: the result follows from the mesh and the lattice only. Cost: the surface, and closest points at
  * thin places. */
-#include "core/costs.h"
 #include "pipeline/thicken.h"
 
 #include "pipeline/steps.h"
@@ -113,31 +112,17 @@ static void widen_walls(thin_job *t)
             t->inside->words[t->walls->at[n] / 64] |= UINT64_C(1) << (t->walls->at[n] & 63);
 }
 
-static double cost_of_ask(const thin_job *t)
-{
-    return BVXI_COST_ASK * (double)t->walls->count;
-}
-
-/* Places that the lattice loses are marked. */
-static double cost_of_mend(const thin_job *t)
-{
-    return bvxi_cost_of_marks((double)t->walls->mesh->triangle_count, bvxi_sides_of(t->inside->size));
-}
-
-#define MEND_ASK 0.9 /* of a round: places are marked */
-
 /* What is lost still, at the ends and corners of walls, goes inside itself
  * and joins the centres of near. *more: 1 when there was any. */
 static bvx_status mend_walls(thin_job *t, uint64_t *near, int *more)
 {
     *more = 0;
     /* What the widened solid loses, near the walls only. */
-    BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, MEND_ASK, bvxi_walls_mark(t->walls)));
+    BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.5, bvxi_walls_mark(t->walls)));
     for (uint64_t n = 0; n < t->walls->bytes / 8; n++) t->walls->places.words[n] &= near[n];
     BVXI_TRY(bvxi_walls_list(t->walls));
     if (t->walls->count == 0) return BVX_OK;
-    bvxi_share_cost(t->walls->ctx, MEND_ASK, 1.0, cost_of_ask(t));
-    BVXI_TRY(BVXI_SHARE(t->walls->ctx, MEND_ASK, 1.0, bvxi_walls_ask(t->walls, 1.0)));
+    BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.5, 1.0, bvxi_walls_ask(t->walls, 1.0)));
     for (uint64_t n = 0; n < t->walls->count; n++) {
         uint64_t const bit = UINT64_C(1) << (t->walls->at[n] & 63);
 
@@ -169,24 +154,17 @@ static bvx_status keep_reach(thin_job *t)
     return BVX_OK;
 }
 
-enum { WIDEN_ASK, WIDEN_MEND, WIDEN_MORE, WIDEN_AGAIN, WIDEN_STEPS };
-
 /* Mend until nothing is lost; *mended: 1 when centres went inside that may
  * lie beyond the reach of their wall. */
-static bvx_status mend_all(thin_job *t, bvxi_steps *steps, uint64_t *near, int *mended)
+static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 {
     int more = 1;
 
     *mended = 0;
     for (int round = 0; more && round < THIN_MENDS; round++) {
-        /* One more round than is known of. */
-        steps->cost[WIDEN_MEND] = cost_of_mend(t);
-        steps->cost[WIDEN_MORE] = round + 1 < THIN_MENDS ? cost_of_mend(t) : 0.0;
-        BVXI_TRY(BVXI_STEP(steps, WIDEN_MEND, mend_walls(t, near, &more)));
+        BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.4 + 0.1 * round, 0.5 + 0.1 * round, mend_walls(t, near, &more)));
         *mended |= more;
     }
-    steps->cost[WIDEN_MORE] = 0.0;
-    if (!*mended) bvxi_share_spare(steps->ctx, steps->at);
     memcpy(t->walls->places.words, near, (size_t)t->walls->bytes);
     return BVX_OK;
 }
@@ -194,8 +172,6 @@ static bvx_status mend_all(thin_job *t, bvxi_steps *steps, uint64_t *near, int *
 /* The walls of the list of seeds. */
 static bvx_status widen(thin_job *t)
 {
-    double cost[WIDEN_STEPS] = {0.0};
-    bvxi_steps steps = {t->walls->ctx, cost, WIDEN_STEPS, 0.0};
     bvxi_walls asked;
     uint64_t *near;
     bvx_status status;
@@ -203,9 +179,7 @@ static bvx_status widen(thin_job *t)
 
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
-    cost[WIDEN_ASK] = cost[WIDEN_AGAIN] = cost_of_ask(t);
-    cost[WIDEN_MEND] = cost[WIDEN_MORE] = cost_of_mend(t);
-    BVXI_TRY(BVXI_STEP(&steps, WIDEN_ASK, bvxi_walls_ask(t->walls, THIN_BESIDE)));
+    BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));
     widen_walls(t);
 
     BVXI_TRY(
@@ -217,7 +191,7 @@ static bvx_status widen(thin_job *t)
     t->walls->at = NULL;
     t->walls->point = NULL;
     t->walls->count = 0;
-    status = mend_all(t, &steps, near, &mended);
+    status = mend_all(t, near, &mended);
     bvxi_drop(t->walls->ctx, near);
 
     /* Without that, the first answers are still those of all centres. */
@@ -229,7 +203,7 @@ static bvx_status widen(thin_job *t)
     }
     if (status != BVX_OK) return status;
     if (mended) BVXI_TRY(bvxi_walls_list(t->walls));
-    if (mended) BVXI_TRY(BVXI_STEP(&steps, WIDEN_AGAIN, bvxi_walls_ask(t->walls, 1.0)));
+    if (mended) BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.8, 1.0, bvxi_walls_ask(t->walls, 1.0)));
     drop_thin_crumbs(t);
     return keep_reach(t);
 }

@@ -9,7 +9,7 @@
 typedef struct expand_job {
     const bvx_octree *tree;
     const bvx_grid *grid;
-    int32_t level, states, pieces;
+    int32_t level, states;
     int32_t low[3], high[3];   /* the window, high exclusive */
     int32_t first[3], last[3]; /* base voxels that it meets, inclusive */
 } expand_job;
@@ -144,14 +144,11 @@ static void expand_column(const expand_job *job, int32_t y, int32_t z)
     }
 }
 
-static void expand_piece(void *user, int32_t index, int32_t worker)
+static void expand_piece(void *user, uint64_t begin, uint64_t end)
 {
     const expand_job *const job = user;
     uint64_t const ny = (uint64_t)(job->last[1] - job->first[1]) + 1;
-    uint64_t const nz = (uint64_t)(job->last[2] - job->first[2]) + 1;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
+
     for (uint64_t i = begin; i < end; i++)
         expand_column(job, job->first[1] + (int32_t)(i % ny), job->first[2] + (int32_t)(i / ny));
 }
@@ -178,6 +175,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     expand_job job = {0};
     bvx_lattice lattice;
     bvx_window w;
+    uint64_t rows;
     bvx_grid made;
     bvx_status status;
 
@@ -202,9 +200,8 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.first[a] = w.low[a] >> level;
         job.last[a] = (job.high[a] - 1) >> level;
     }
-    job.pieces = bvxi_piece_count(
-        (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1), 1);
-    status = bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, expand_piece, &job);
+    rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
+    status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
 
     /* The caller's grid stays as it was when the work was cancelled. */
     if (status == BVX_OK) *grid = made;

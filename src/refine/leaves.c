@@ -10,7 +10,7 @@ typedef struct leaves_job {
     const bvx_octree *tree;
     bvx_octree_leaf *leaves; /* NULL: count */
     int32_t states, pieces;
-    /* by piece: the first walk counts its leaves, leaf_places makes that where they begin, the second reads
+    /* by piece: the first walk counts its leaves, then that is where they begin, the second reads
      * it */
     uint64_t place[BVXI_MOST_PIECES];
 } leaves_job;
@@ -104,19 +104,6 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
     if (job->leaves == NULL) job->place[index] = place;
 }
 
-/* Counts become places; returns how many leaves there are. */
-static uint64_t leaf_places(leaves_job *job)
-{
-    uint64_t total = 0;
-
-    for (int32_t i = 0; i < job->pieces; i++) {
-        uint64_t const n = job->place[i];
-        job->place[i] = total;
-        total += n;
-    }
-    return total;
-}
-
 bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t states, bvx_octree_leaf *leaves,
                               uint64_t capacity, uint64_t *count)
 {
@@ -132,7 +119,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
     BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
-    total = leaf_places(&job);
+    total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
     *count = total;
 
     /* Nothing is written where the array is too small: count and message have the number that is needed. */

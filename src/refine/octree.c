@@ -268,13 +268,21 @@ static void find_octree_points(void *user, int32_t index, int32_t worker)
 
 enum { PLACE_GRAIN = 4096 };
 
-static bvx_status find_octree_places(bvx_context *ctx, octree_places *job, bvx_task_fn *task, uint64_t *bad)
+/* given: the job's voxels or points, under this name. *bad: the first of them that is none, or their count. */
+static bvx_status find_octree_places(bvx_context *ctx, const char *function, const void *given,
+                                     const char *name, octree_places *job, uint64_t *bad)
 {
+    bvx_task_fn *const task = job->points != NULL ? find_octree_points : find_octree_voxels;
+
+    *bad = job->count;
+    BVXI_TRY(bvxi_octree_check(ctx, function, job->tree));
+    if (job->count == 0) return BVX_OK;
+    if (given == NULL) return bvxi_fail_null(ctx, function, name);
+    if (job->leaves == NULL) return bvxi_fail_null(ctx, function, "leaves");
     job->pieces = bvxi_piece_count(job->count, PLACE_GRAIN);
     BVXI_TRY(bvxi_parallel(ctx, "octree", 0.0, 1.0, job->pieces, task, job));
 
     /* From the last piece down, so that the first bad place stays. */
-    *bad = job->count;
     for (int32_t i = job->pieces; i-- > 0;)
         if (job->bad[i] != job->count) *bad = job->bad[i];
     return BVX_OK;
@@ -284,19 +292,11 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
                                 uint64_t count, bvx_octree_leaf *leaves)
 {
     static const char *const function = "bvx_octree_at";
-    octree_places job = {0};
+    octree_places job = {.tree = tree, .voxels = voxels, .leaves = leaves, .count = count};
     uint64_t bad;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvxi_octree_check(context, function, tree));
-    if (count == 0) return BVX_OK;
-    if (voxels == NULL) return bvxi_fail_null(context, function, "voxels");
-    if (leaves == NULL) return bvxi_fail_null(context, function, "leaves");
-    job.tree = tree;
-    job.voxels = voxels;
-    job.count = count;
-    job.leaves = leaves;
-    BVXI_TRY(find_octree_places(context, &job, find_octree_voxels, &bad));
+    BVXI_TRY(find_octree_places(context, function, voxels, "voxels", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
                          "%s: voxel %u (%d, %d, %d) is beyond the lattice's %d x %d x %d", function, bad,
@@ -315,19 +315,11 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
                                   uint64_t count, bvx_octree_leaf *leaves)
 {
     static const char *const function = "bvx_octree_find";
-    octree_places job = {0};
+    octree_places job = {.tree = tree, .points = points, .leaves = leaves, .count = count};
     uint64_t bad;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    BVXI_TRY(bvxi_octree_check(context, function, tree));
-    if (count == 0) return BVX_OK;
-    if (points == NULL) return bvxi_fail_null(context, function, "points");
-    if (leaves == NULL) return bvxi_fail_null(context, function, "leaves");
-    job.tree = tree;
-    job.points = points;
-    job.count = count;
-    job.leaves = leaves;
-    BVXI_TRY(find_octree_places(context, &job, find_octree_points, &bad));
+    BVXI_TRY(find_octree_places(context, function, points, "points", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite",
                          function, bad);

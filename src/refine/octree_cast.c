@@ -171,18 +171,14 @@ typedef struct octree_cast {
     const bvx_octree *tree;
     const double *rays;
     bvx_octree_hit *hits;
-    uint64_t count;
     double t_max;
-    int32_t states, pieces;
+    int32_t states;
 } octree_cast;
 
-static void cast_octree_piece(void *user, int32_t index, int32_t worker)
+static void cast_octree_piece(void *user, uint64_t begin, uint64_t end)
 {
     const octree_cast *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         const double *const ray = job->rays + 6 * i;
         octree_ray r = {0};
@@ -250,11 +246,9 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     job.tree = tree;
     job.rays = rays;
     job.hits = hits;
-    job.count = count;
     job.t_max = t_max;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
-    job.pieces = bvxi_piece_count(count, 64);
-    return bvxi_parallel(context, "octree", 0.0, 1.0, job.pieces, cast_octree_piece, &job);
+    return bvxi_for(context, "octree", count, 64, cast_octree_piece, &job);
 }
 
 bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays,

@@ -213,23 +213,11 @@ static void place_children(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Counts of the pieces become places; returns the total. */
-static uint64_t place_pieces(uint64_t *counts, int32_t pieces)
-{
-    uint64_t total = 0;
-    for (int32_t i = 0; i < pieces; i++) {
-        uint64_t const n = counts[i];
-        counts[i] = total;
-        total += n;
-    }
-    return total;
-}
-
 static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 {
     bvxi_refine_front *const next = &job->next;
 
-    next->count = place_pieces(job->children, job->pieces);
+    next->count = bvxi_place_counts(job->children, (uint64_t)job->pieces);
 
     /* Numbers of octets and eight times them are kept in 32 bits. */
     if (next->count >= (uint64_t)1 << 28)
@@ -240,7 +228,7 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 12, "a level's voxels", &next->ijk));
     if (job->level >= job->refine->start) {
         next->slots = next->count;
-        next->pairs = place_pieces(job->pairs, job->pieces);
+        next->pairs = bvxi_place_counts(job->pairs, (uint64_t)job->pieces);
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->pairs * 4, "a level's triangle lists", &next->list));

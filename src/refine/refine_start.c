@@ -153,20 +153,6 @@ static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, 
     return bvxi_parallel(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
-/* Counts become places, the total stands after the last. */
-static uint64_t place_start_lists(uint64_t *offset, uint64_t voxels)
-{
-    uint64_t total = 0;
-
-    for (uint64_t v = 0; v < voxels; v++) {
-        uint64_t const n = offset[v];
-        offset[v] = total;
-        total += n;
-    }
-    offset[voxels] = total;
-    return total;
-}
-
 /* offset, list and slots of the front; last is scratch for touching. */
 static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine_front *front)
 {
@@ -181,7 +167,7 @@ static bvx_status list_triangles(bvx_context *ctx, start_job *start, bvxi_refine
 
     /* Counted, then filled: the lists lie one after the other in one array. */
     BVXI_TRY(touch_start(ctx, start, BVXI_TOUCH_COUNT, 0.6, 0.8));
-    front->pairs = place_start_lists(front->offset, front->slots);
+    front->pairs = front->offset[front->slots] = bvxi_place_counts(front->offset, front->slots);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, front->pairs * 4, "the start's triangle lists", &front->list));
     surface->list = front->list;
     memset(surface->last, 0, (size_t)front->slots * 4);
@@ -272,20 +258,16 @@ typedef struct coarsen_job {
     const bvx_octree *tree;
     const uint64_t *fine;
     uint64_t *coarse;
-    int32_t level, pieces; /* of the coarse one */
+    int32_t level; /* of the coarse one */
 } coarsen_job;
 
-static void coarsen_rows(void *user, int32_t index, int32_t worker)
+static void coarsen_rows(void *user, uint64_t begin, uint64_t end)
 {
     const coarsen_job *const job = user;
     uint64_t const ny = (uint64_t)job->tree->base[1] << job->level;
-    uint64_t const nz = (uint64_t)job->tree->base[2] << job->level;
     size_t const coarse = (size_t)bvxi_refine_row_words(job->tree, job->level);
     size_t const fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(ny * nz, job->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         /* Four rows of the finer level: two of one slice, two of the next. */
         const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine;
@@ -307,13 +289,15 @@ enum { COARSEN_GRAIN = 512 };
 static bvx_status coarsen_grids(bvxi_refine_job *job)
 {
     for (int32_t l = job->start - 1; l >= 0; l--) {
-        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l, 1};
+        coarsen_job c = {job->tree, job->grids.words[l + 1], NULL, l};
         uint64_t const words = bvxi_refine_grid_words(job->tree, l);
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 8, "a coarser grid", &job->grids.words[l]));
         c.coarse = job->grids.words[l];
-        c.pieces = bvxi_piece_count((uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
-                                    COARSEN_GRAIN);
-        BVXI_TRY(bvxi_parallel(job->ctx, "refine", 0.95, 1.0, c.pieces, coarsen_rows, &c));
+        BVXI_TRY(
+            BVXI_SHARE(job->ctx, 0.95, 1.0,
+                       bvxi_for(job->ctx, "refine",
+                                (uint64_t)(job->tree->base[1] << l) * (uint64_t)(job->tree->base[2] << l),
+                                COARSEN_GRAIN, coarsen_rows, &c)));
     }
     return BVX_OK;
 }

@@ -409,13 +409,10 @@ static uint64_t cube_of_octet(const bvx_octree *tree, int32_t level, uint64_t oc
     return cube;
 }
 
-static void take_cubes(void *user, int32_t index, int32_t worker)
+static void take_cubes(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_states_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->tree->octets[job->bottom].count, job->pieces, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         memset(&job->cubes[n], 0, sizeof job->cubes[n]);
         job->cubes[n].touched = cube_of_octet(job->tree, job->bottom, n);
@@ -510,7 +507,9 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
     take_octets(job);
-    BVXI_TRY(bvxi_parallel(ctx, "refine", 0.0, 0.2, job->pieces, take_cubes, job));
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.0, 0.2,
+        bvxi_for(ctx, "refine", job->tree->octets[job->bottom].count, STATES_GRAIN, take_cubes, job)));
     bvxi_expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
     give_octets(job);

@@ -115,15 +115,12 @@ static int32_t snap_in_frame(double v, int32_t side, int32_t bits)
     return (int32_t)(in * (double)((int64_t)1 << bits) + 0.5);
 }
 
-static void place_piece(void *user, int32_t index, int32_t worker)
+static void place_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_mesh_scene *const s = user;
     const bvxi_raster *const r = &s->picture.raster;
-    uint64_t begin, end;
     double p[3], q[3], at[3];
 
-    (void)worker;
-    bvxi_piece(s->view->vertex_count, s->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         bvxi_view_position(s->view, v, p);
         bvxi_camera_turn(&s->picture.camera, p, q);
@@ -141,8 +138,8 @@ static bvx_status place_vertices(bvx_context *ctx, bvxi_mesh_scene *s)
     if (s->cut.on) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, s->view->vertex_count * sizeof *s->vertex,
                         "the picture's vertices", &s->vertex));
-    s->pieces = bvxi_piece_count(s->view->vertex_count, SCENE_GRAIN);
-    return bvxi_parallel(ctx, "render", 0.05, 0.1, s->pieces, place_piece, s);
+    return BVXI_SHARE(ctx, 0.05, 0.1,
+                      bvxi_for(ctx, "render", s->view->vertex_count, SCENE_GRAIN, place_piece, s));
 }
 
 /* ---- triangles ---- */

@@ -5,7 +5,6 @@
  * vertices go, numbered behind those of the rings. A slab that needs more, or in which anything fails, is
  * made once more afterwards, in order, with arrays that grow. The meshes are then put one after the other:
  * what comes of it does not show who made what. */
-#include "core/costs.h"
 #include "section/trace.h"
 
 #include "mesh/mesh.h"
@@ -125,27 +124,16 @@ static void fill_slab_piece(void *user, int32_t index, int32_t worker)
         job->again[i] = fill_in_view(&job->worker[worker], &job->slab[i]) != BVX_OK;
 }
 
-/* Triangles that slabs had room for which have to be made again. */
-static double room_of_again(const slabs_job *job, uint32_t count)
-{
-    double room = 0.0;
-
-    for (uint32_t i = 0; i < count; i++)
-        if (job->again[i]) room += (double)job->room[2 * (size_t)i + 1];
-    return room;
-}
-
 static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
-    double const all = room_of_again(job, job->count);
 
     /* Afterwards, in order, with arrays that grow. */
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
         if (!job->again[i]) continue;
-        BVXI_TRY(bvxi_progress(job->s->ctx, "surface", room_of_again(job, i) / all));
+        BVXI_TRY(bvxi_progress(job->s->ctx, "surface", (double)i / (double)job->count));
         memset(&slab->mesh, 0, sizeof slab->mesh);
         slab->owns_mesh = 1;
         BVXI_TRY(fill_in_view(w, slab));
@@ -178,46 +166,24 @@ static bvx_status open_workers(slabs_job *job)
     return BVX_OK;
 }
 
-double bvxi_slabs_cost(const bvxi_stack *s)
-{
-    double places = 0.0;
-
-    /* Places of all planes' rings, about: points and the grid's lines. */
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        places += (double)s->plane[i].point_count + (double)s->plane[i].cut_count;
-    return BVXI_COST_SLAB_RINGS * places;
-}
-
-enum { SLABS_COUNT, SLABS_FILL, SLABS_AGAIN, SLABS_STEPS };
-
-#define SLABS_MAYBE_AGAIN 0.25 /* some slabs may have to be made again: how many is not known */
-
 static bvx_status fill_side_by_side(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
     uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
-    double const slabs = bvxi_slabs_cost(s);
-    double cost[SLABS_STEPS] = {0.01 * slabs, slabs, SLABS_MAYBE_AGAIN * slabs};
-    bvxi_steps steps = {s->ctx, cost, SLABS_STEPS, 0.0};
     bvx_status status;
 
     job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
-    BVXI_TRY(BVXI_STEP(&steps, SLABS_COUNT,
-                       bvxi_parallel(s->ctx, "surface", 0.0, 1.0, job->pieces, count_slab_piece, job)));
+    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.0, 0.02, job->pieces, count_slab_piece, job));
     /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));
-    cost[SLABS_FILL] = BVXI_COST_SLAB * (double)s->slab_mesh.triangle_room;
-    cost[SLABS_AGAIN] = SLABS_MAYBE_AGAIN * cost[SLABS_FILL];
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker,
                              "the slabs' scratch", &job->worker));
     status = open_workers(job);
     if (status == BVX_OK)
-        status = BVXI_STEP(&steps, SLABS_FILL,
-                           bvxi_parallel(s->ctx, "surface", 0.0, 1.0, job->pieces, fill_slab_piece, job));
-    cost[SLABS_AGAIN] = BVXI_COST_SLAB_AGAIN * room_of_again(job, job->count);
-    if (status == BVX_OK) status = BVXI_STEP(&steps, SLABS_AGAIN, fill_again(job));
+        status = bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job);
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
     for (int32_t i = job->workers; i-- > 0;) bvxi_slab_work_close(&job->worker[i].work);
     /* Sums of whole numbers: the order of workers does not show. */
     for (uint32_t i = 0; i < job->count && status == BVX_OK; i++) {

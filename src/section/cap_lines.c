@@ -51,31 +51,24 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
     uint64_t const vertices = s->mesh.vertex_count;
     uint32_t *behind = NULL;
     bvxi_plane p;
-    bvx_status status;
 
     memset(&p, 0, sizeof p);
     if (count == 0) return BVX_OK;
     p.lines = 1;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
-                            &p.contour);
-    if (status == BVX_OK) {
-        /* No vertex has a line at first. */
-        memset(behind, 0xff, (size_t)vertices * 4);
-        status = follow_lines(s, &p, edge, count, behind);
-    }
-    if (status == BVX_OK) status = bvxi_cap_fill(s, &p, side);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
+                        &p.contour));
+    /* No vertex has a line at first. */
+    memset(behind, 0xff, (size_t)vertices * 4);
+    BVXI_TRY(follow_lines(s, &p, edge, count, behind));
+    BVXI_TRY(bvxi_cap_fill(s, &p, side));
     bvxi_drop(s->ctx, p.contour);
     bvxi_drop(s->ctx, p.ring);
     bvxi_drop(s->ctx, p.next);
     bvxi_drop(s->ctx, p.q);
     bvxi_drop(s->ctx, behind);
-    return status;
+    return BVX_OK;
 }

@@ -85,19 +85,10 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
     return BVX_OK;
 }
 
-typedef struct joint_job {
-    bvxi_oblique *o;
-    int32_t pieces;
-} joint_job;
-
-static void joint_kinds_piece(void *user, int32_t index, int32_t worker)
+static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
-    const joint_job *const job = user;
-    const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
+    const bvxi_oblique *const o = user;
 
-    (void)worker;
-    bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
         uint32_t plane;
@@ -117,14 +108,13 @@ static void joint_kinds_piece(void *user, int32_t index, int32_t worker)
 /* Where contours were moved to agree, a plane's kinds are told by its regions. */
 static bvx_status give_kinds(bvxi_oblique *o)
 {
-    joint_job job = {o, bvxi_piece_count(o->vertex_count, 256)};
     uint32_t *torn = NULL;
     uint64_t count = 0;
     bvx_status status;
 
     /* A vertex's kind depends on its place only, so pieces can be made at once. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, joint_kinds_piece, &job)));
+                        bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
     status = BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
@@ -391,7 +381,6 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
 typedef struct tetra_job {
     bvxi_oblique *o;
     const bvxi_joint_cut *cut;
-    int32_t pieces;
 } tetra_job;
 
 static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut, const bvxi_tetra *t)
@@ -415,14 +404,11 @@ static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut,
     return bvxi_joint_kind_among(o, at, bodies | (all & JOINT_OUTSIDE));
 }
 
-static void tetra_kinds_piece(void *user, int32_t index, int32_t worker)
+static void tetra_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const tetra_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++)
         job->cut->kind[t] = (uint8_t)kind_of_tetrahedron(o, job->cut, &o->tetra[t]);
 }
@@ -516,8 +502,7 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
         bvxi_oblique_reserve(o, &cut->kind, o->tetra_count, &cut->kind_room, 1, "the kinds of tetrahedra"));
     job.o = o;
     job.cut = cut;
-    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, tetra_kinds_piece, &job)));
+                        bvxi_for(o->ctx, "surface", o->tetra_count, 4096, tetra_kinds_piece, &job)));
     return BVXI_SHARE(o->ctx, 0.9, 1.0, drop_specks(o, cut));
 }

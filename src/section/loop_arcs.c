@@ -186,16 +186,10 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
 static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size,
                      const uint32_t *from, uint32_t *to)
 {
-    uint32_t sum = 0;
-
     /* Counted by cell, counts become places, and arcs go there in their order. */
     memset(x->start, 0, (size_t)size * 4);
     for (uint32_t i = 0; i < p->arc_count; i++) x->start[x->cell[i] >> shift & 0xffff]++;
-    for (int32_t i = 0; i < size; i++) {
-        uint32_t const n = x->start[i];
-        x->start[i] = sum;
-        sum += n;
-    }
+    bvxi_place_counts32(x->start, (uint64_t)size);
     for (uint32_t i = 0; i < p->arc_count; i++) {
         uint32_t const a = from == NULL ? i : from[i];
         to[x->start[x->cell[a] >> shift & 0xffff]++] = a;

@@ -324,21 +324,6 @@ static bvx_status choose_steps(apart_work *w)
 
 /* ---- memory ---- */
 
-static void close_apart(apart_work *w)
-{
-    bvx_context *const ctx = w->paths->w->s->ctx;
-
-    bvxi_drop(ctx, w->active);
-    bvxi_drop(ctx, w->order);
-    bvxi_drop(ctx, w->key);
-    bvxi_drop(ctx, w->segment);
-    bvxi_drop(ctx, w->mark);
-    bvxi_drop(ctx, w->steps);
-    bvxi_drop(ctx, w->at_node);
-    bvxi_drop(ctx, w->first);
-    bvxi_drop(ctx, w->stop);
-}
-
 static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 {
     bvx_context *const ctx = paths->w->s->ctx;
@@ -361,6 +346,8 @@ static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 
 bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])
 {
+    bvx_context *const ctx = paths->w->s->ctx;
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     apart_work w;
     bvx_status status = open_apart(paths, &w);
 
@@ -374,6 +361,5 @@ bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, 
         stop_nudge(paths, &w, i, steps);
         for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
     }
-    close_apart(&w);
-    return status;
+    return bvxi_scratch_end(ctx, mark, status);
 }

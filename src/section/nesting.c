@@ -296,24 +296,22 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
 {
     uint64_t const loops = s->all.contour_room * sizeof(nest_loop), n = nest_most_segments(s);
     nest_work w;
-    bvx_status status;
 
     /* Stacks without levels have no list of them. */
     if (s->nesting.count == NULL) return BVX_OK;
     memset(&w, 0, sizeof w);
     w.s = s;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, loops, "the nesting of loops", &w.loop);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, loops, "the nesting of loops", &w.loop));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
     for (int k = 0; k < 2; k++)
-        if (status == BVX_OK)
-            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]);
-    if (status == BVX_OK) status = nest_find_all(&w);
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]));
+    BVXI_TRY(nest_find_all(&w));
     for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, w.active[k]);
     bvxi_drop(s->ctx, w.order);
     bvxi_drop(s->ctx, w.key);
     bvxi_drop(s->ctx, w.loop);
-    return status;
+    return BVX_OK;
 }
 
 /* Stacks without holes, and those of fields, have no levels. */

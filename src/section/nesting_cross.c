@@ -4,7 +4,6 @@
  * then triangles of one level can reach through those of another. A triangle lies in one cell of the grid, so
  * only cells with triangles of several levels are looked at: with walls that are wider than cells there are
  * hardly any. All pairs of these are tested exactly. */
-#include "core/costs.h"
 #include "section/slab.h"
 
 #include <math.h>
@@ -184,12 +183,10 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     view.position_type = BVX_F64;
 
     /* Counted first: nearly always there is none, and no list is needed. */
-    bvxi_share_cost(ctx, 0.5, 1.0, BVXI_COST_CROSSINGS * (double)m->triangles);
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.9, bvx_mesh_crossings(ctx, &view, &count, NULL, 0)));
     if (count == 0) return BVX_OK;
     room = count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
-    bvxi_share_cost(ctx, 0.9, 1.0, BVXI_COST_CROSSINGS * (double)m->triangles);
     BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room)));
     nest_mark_pairs(m, pairs, count, found);
     bvxi_drop(ctx, pairs);

@@ -8,47 +8,6 @@
  * surface is closed. */
 #include "section/oblique.h"
 
-static void close_oblique(bvxi_oblique *o)
-{
-    bvxi_drop(o->ctx, o->output);
-    bvxi_drop(o->ctx, o->owner);
-    bvxi_drop(o->ctx, o->triangle);
-    bvxi_drop(o->ctx, o->kept);
-    bvxi_drop(o->ctx, o->position);
-    bvxi_edge_free(o, &o->crossing);
-    bvxi_drop(o->ctx, o->point_vertex);
-    bvxi_edge_free(o, &o->contour_edge);
-    bvxi_drop(o->ctx, o->star);
-    bvxi_drop(o->ctx, o->ring);
-    bvxi_drop(o->ctx, o->on);
-    bvxi_drop(o->ctx, o->vertex);
-    bvxi_drop(o->ctx, o->stamp);
-    bvxi_drop(o->ctx, o->twin);
-    bvxi_drop(o->ctx, o->chain);
-    bvxi_drop(o->ctx, o->tetra);
-    bvxi_drop(o->ctx, o->touch_cell);
-    bvxi_drop(o->ctx, o->plane_touch);
-    bvxi_drop(o->ctx, o->touch);
-    bvxi_drop(o->ctx, o->cell);
-    bvxi_drop(o->ctx, o->active);
-    bvxi_drop(o->ctx, o->mark);
-    bvxi_drop(o->ctx, o->crossed);
-    bvxi_drop(o->ctx, o->vertex_at);
-    bvxi_drop(o->ctx, o->touch_first);
-    bvxi_drop(o->ctx, o->split_first);
-    bvxi_drop(o->ctx, o->split);
-    bvxi_drop(o->ctx, o->inside);
-    bvxi_edge_free(o, &o->lattice_vertex);
-    bvxi_drop(o->ctx, o->value);
-    bvxi_drop(o->ctx, o->known);
-    bvxi_drop(o->ctx, o->contour_cells);
-    bvxi_drop(o->ctx, o->block_at);
-    bvxi_drop(o->ctx, o->block_kind);
-    bvxi_drop(o->ctx, o->smooth.node);
-    bvxi_drop(o->ctx, o->knot);
-    bvxi_oblique_free_planes(o);
-}
-
 static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
 {
     /* What contours say where planes cross is settled before anything is measured from them. */
@@ -75,10 +34,10 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
 bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_sections *given,
                              const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
 {
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     bvxi_oblique o;
     bvx_status status;
 
-    /* All zero is a state that can be closed, whatever step fails. */
     memset(&o, 0, sizeof o);
     o.ctx = ctx;
     o.function = function;
@@ -88,6 +47,5 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
 
     /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) *report = o.report;
-    close_oblique(&o);
-    return status;
+    return bvxi_scratch_end(ctx, mark, status);
 }

@@ -197,7 +197,6 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o);
 bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops);
 /* 1: a place on a plane, by its coordinates there, lies inside contours of it. */
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2]);
-void bvxi_oblique_free_planes(bvxi_oblique *o);
 /* Signed distance on a plane, exact in sign and value. */
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 

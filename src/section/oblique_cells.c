@@ -350,11 +350,7 @@ static bvx_status order_touches(bvxi_oblique *o)
 
     /* A counting sort: how many cells each plane touches, then where its cells begin. */
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
-    for (uint32_t i = 0, sum = 0; i <= o->plane_count; i++) {
-        uint32_t const count = o->plane_touch[i];
-        o->plane_touch[i] = sum;
-        sum += count;
-    }
+    bvxi_place_counts32(o->plane_touch, n);
     for (uint64_t i = 0; i < o->touch_count; i++)
         o->touch_cell[o->plane_touch[o->touch[i][1]]++] = o->touch[i][0];
 

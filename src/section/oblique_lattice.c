@@ -134,14 +134,9 @@ int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])
 
 /* ---- blocks ---- */
 
-static void first_vertex_piece(void *user, int32_t index, int32_t worker)
+static void first_vertex_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-    uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
-    uint64_t begin, end;
-
-    (void)worker;
-    bvxi_piece(n, bvxi_piece_count(n, 512), index, &begin, &end);
 
     /* One vertex a block; where neighbours agree, all between them is taken to be on that side. */
     for (uint64_t i = begin; i < end; i++) {
@@ -164,17 +159,13 @@ static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 typedef struct known_job {
     bvxi_oblique *o;
     uint32_t from;
-    int32_t pieces;
 } known_job;
 
-static void known_piece(void *user, int32_t index, int32_t worker)
+static void known_piece(void *user, uint64_t begin, uint64_t end)
 {
     const known_job *const job = user;
     bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->known_count - job->from, job->pieces, index, &begin, &end);
     for (uint64_t i = job->from + begin; i < job->from + end; i++) {
         int32_t first[3], at[3];
         float *const value = o->value + i * BVXI_BLOCK_SIZE;
@@ -245,8 +236,7 @@ static bvx_status follow_surface(bvxi_oblique *o)
         o->value_room = (uint64_t)end * BVXI_BLOCK_SIZE;
         job.o = o;
         job.from = from;
-        job.pieces = bvxi_piece_count(end - from, BLOCK_GRAIN);
-        BVXI_TRY(bvxi_parallel(o->ctx, "field", 0.0, 1.0, job.pieces, known_piece, &job));
+        BVXI_TRY(bvxi_for(o->ctx, "field", end - from, BLOCK_GRAIN, known_piece, &job));
         for (uint32_t i = from; i < end; i++) BVXI_TRY(know_round(o, i));
         from = end;
     }
@@ -404,14 +394,10 @@ static int plane_in_block(const bvxi_oblique_plane *p, const int32_t first[3])
     return bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach;
 }
 
-static void plane_block_piece(void *user, int32_t index, int32_t worker)
+static void plane_block_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-    uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(n, bvxi_piece_count(n, 512), index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         double at[3];
@@ -431,15 +417,12 @@ static void plane_block_piece(void *user, int32_t index, int32_t worker)
 static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
 {
     const int32_t *const b = o->blocks;
-    int32_t const pieces = bvxi_piece_count(n, 512);
 
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2,
-                        bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, first_vertex_piece, o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "field", n, 512, first_vertex_piece, o)));
 
     /* Before the planes are looked at, which leave out the blocks that contours mark. */
     mark_contours(o);
-    BVXI_TRY(
-        BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_parallel(o->ctx, "field", 0.0, 1.0, pieces, plane_block_piece, o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.3, bvxi_for(o->ctx, "field", n, 512, plane_block_piece, o)));
     for (uint64_t i = 0; i < n; i++) {
         int known = o->contour_cells[i] != 0 || (o->block_kind[i] & BLOCK_CONTRADICTED) != 0;
         int32_t first[3];

@@ -45,15 +45,6 @@ static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
     return l->place[look_slot(l->key, BVXI_LOOK_SEEN, vertex)];
 }
 
-static uint32_t look_root(bvxi_look *l, uint32_t i)
-{
-    while (l->joined[i] != i) {
-        l->joined[i] = l->joined[l->joined[i]];
-        i = l->joined[i];
-    }
-    return i;
-}
-
 int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     if (!look_star(o, l, vertex)) return 0;
@@ -92,8 +83,8 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
                 if (number[a] == BVXI_NONE || number[b] == BVXI_NONE || l->sign[number[a]] == 0 ||
                     l->sign[number[a]] != l->sign[number[b]])
                     continue;
-                x = look_root(l, number[a]);
-                y = look_root(l, number[b]);
+                x = bvxi_root(l->joined, number[a]);
+                y = bvxi_root(l->joined, number[b]);
                 if (x == y) continue;
                 /* The lower number becomes the root: the same whatever comes first. */
                 l->joined[x > y ? x : y] = x > y ? y : x;
@@ -118,8 +109,8 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, u
             if (v[k] == vertex) continue;
             own = look_vertex(l, v[k]);
             inside = l->sign[own] > 0;
-            x = look_root(l, own);
-            y = last[inside] == BVXI_NONE ? x : look_root(l, last[inside]);
+            x = bvxi_root(l->joined, own);
+            y = last[inside] == BVXI_NONE ? x : bvxi_root(l->joined, last[inside]);
             last[inside] = own;
             if (x == y) continue;
             l->joined[x > y ? x : y] = x > y ? y : x;

@@ -205,7 +205,6 @@ bvx_status bvxi_oblique_take_signs(bvxi_oblique *o)
 
 typedef struct plain_job {
     bvxi_oblique *o;
-    int32_t pieces;
     uint32_t *triangles; /* [known + 1] of each block, then before it */
     plain_case cases[256];
 } plain_job;
@@ -242,14 +241,11 @@ static int signs_of_cell(const uint64_t moved[8], int cell)
     return signs;
 }
 
-static void plain_crossed_piece(void *user, int32_t index, int32_t worker)
+static void plain_crossed_piece(void *user, uint64_t begin, uint64_t end)
 {
     const plain_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->known_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t moved[8];
         uint32_t triangles = 0;
@@ -396,13 +392,10 @@ static void plain_triangles(const plain_job *job, uint32_t known)
     }
 }
 
-static void plain_surface_piece(void *user, int32_t index, int32_t worker)
+static void plain_surface_piece(void *user, uint64_t begin, uint64_t end)
 {
     const plain_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->o->known_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         plain_positions(job->o, (uint32_t)i);
         if (job->o->active[i] != 0) plain_triangles(job, (uint32_t)i);
@@ -415,11 +408,10 @@ static bvx_status make_plain_surface(bvxi_oblique *o, plain_job *job, uint64_t m
     bvx_context *const ctx = o->ctx;
 
     job->o = o;
-    job->pieces = bvxi_piece_count(o->known_count, PLAIN_GRAIN);
     for (int signs = 0; signs < 256; signs++) make_plain_case(&job->cases[signs], signs);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3,
-                        bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, plain_crossed_piece, job)));
+                        bvxi_for(ctx, "surface", o->known_count, PLAIN_GRAIN, plain_crossed_piece, job)));
     BVXI_TRY(number_plain(o, job));
 
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
@@ -429,7 +421,7 @@ static bvx_status make_plain_surface(bvxi_oblique *o, plain_job *job, uint64_t m
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, o->kept_room, what, &o->kept));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->triangle_room * 12, what, &o->triangle));
     return BVXI_SHARE(ctx, 0.3, 1.0,
-                      bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, plain_surface_piece, job));
+                      bvxi_for(ctx, "surface", o->known_count, PLAIN_GRAIN, plain_surface_piece, job));
 }
 
 bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)

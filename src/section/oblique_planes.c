@@ -387,24 +387,6 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
     return status;
 }
 
-void bvxi_oblique_free_planes(bvxi_oblique *o)
-{
-    bvxi_plane *const all = &o->all;
-
-    for (uint32_t i = o->plane_count; i-- > 0;) {
-        bvxi_drop(o->ctx, o->plane[i].rest);
-        bvxi_drop(o->ctx, o->plane[i].raster);
-    }
-    bvxi_drop(o->ctx, all->box);
-    bvxi_drop(o->ctx, all->group);
-    bvxi_drop(o->ctx, all->contour);
-    bvxi_drop(o->ctx, all->next);
-    bvxi_drop(o->ctx, all->uv);
-    bvxi_drop(o->ctx, all->q);
-    bvxi_drop(o->ctx, all->given);
-    bvxi_drop(o->ctx, o->plane);
-}
-
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3])
 {
     const bvxi_oblique_plane *const p = &o->plane[plane];

@@ -22,15 +22,6 @@ typedef struct oblique_region_work {
     uint64_t torn_count, torn_room;
 } oblique_region_work;
 
-static uint32_t region_root(oblique_region_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) {
-        w->joined[i] = w->joined[w->joined[i]];
-        i = w->joined[i];
-    }
-    return i;
-}
-
 /* A triangle of the plane: x y z, z's side of the edge x y where that is a contour's. */
 static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane, uint32_t x, uint32_t y,
                      uint32_t z)
@@ -54,7 +45,7 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
         if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
             vote_for(o, w, plane, x, y, z);
         if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
-            uint32_t const a = region_root(w, x), b = region_root(w, y);
+            uint32_t const a = bvxi_root(w->joined, x), b = bvxi_root(w->joined, y);
             w->joined[a > b ? a : b] = a > b ? b : a;
         }
     }
@@ -68,30 +59,40 @@ static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
         if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
 }
 
-/* Joins and votes first, then the votes to the roots, then signs. */
-static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+/* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
+ * votes. */
+static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
 {
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
     uint32_t v[3];
 
-    /* Arrays over all vertices, made ready for this plane's alone: others may have used them. */
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             w->joined[v[k]] = v[k];
             w->vote[v[k]] = 0.0;
+            if (o->body_count != 0) w->kind[v[k]] = 0.0F;
         }
     }
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         look_at_plane_face(o, w, plane, v);
     }
+}
+
+/* Joins and votes first, then the votes to the roots, then signs. */
+static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
+{
+    uint64_t const begin = w->first[plane], end = w->first[plane + 1];
+    uint32_t v[3];
+
+    vote_on_plane(o, w, plane);
     for (uint64_t i = begin; i < end; i++) {
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
-            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || region_root(w, x) == x) continue;
-            w->vote[region_root(w, x)] += w->vote[x];
+            if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || bvxi_root(w->joined, x) == x) continue;
+            w->vote[bvxi_root(w->joined, x)] += w->vote[x];
             w->vote[x] = 0.0;
         }
     }
@@ -99,7 +100,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
-            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[region_root(w, x)];
+            double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[bvxi_root(w->joined, x)];
             if (vote == 0.0 || (vote > 0.0) == (o->vertex[x].sign > 0)) continue;
             /* One that lies on several planes has the first one's sign; that the others differ is
              * remembered. */
@@ -121,18 +122,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
     uint32_t v[3];
 
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        for (int k = 0; k < 3; k++) {
-            w->joined[v[k]] = v[k];
-            w->vote[v[k]] = 0.0;
-            w->kind[v[k]] = 0.0F;
-        }
-    }
-    for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
-        look_at_plane_face(o, w, plane, v);
-    }
+    vote_on_plane(o, w, plane);
 
     /* The one with more than half of the area, if any, is the last to lead (Boyer, Moore 1981). */
     for (uint32_t v_at = 0; v_at < 3; v_at++)
@@ -144,7 +134,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
             for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
             area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
                                  (at[1][1] - at[0][1]) * (at[2][0] - at[0][0]));
-            root = region_root(w, v[v_at]);
+            root = bvxi_root(w->joined, v[v_at]);
             if (w->vote[root] == 0.0) w->kind[root] = o->vertex[v[v_at]].value;
             w->vote[root] += w->kind[root] == o->vertex[v[v_at]].value ? area : -area;
             if (w->vote[root] >= 0.0) continue;
@@ -156,7 +146,8 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
         for (int k = 0; k < 3; k++) {
             bvxi_tetra_vertex *const x = &o->vertex[v[k]];
             /* One that lies on several planes is of the first one's kind. */
-            if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane) x->value = w->kind[region_root(w, v[k])];
+            if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane)
+                x->value = w->kind[bvxi_root(w->joined, v[k])];
         }
     }
 }

@@ -21,7 +21,6 @@
  * is that of going through all of them. */
 typedef struct signs_job {
     bvxi_oblique *o;
-    int32_t pieces;
     uint8_t *wrong; /* of each */
     uint8_t *again; /* [vertices] something round a vertex has changed */
     uint64_t vertices;
@@ -43,14 +42,11 @@ static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plan
     x->value = (float)value;
 }
 
-static void signs_piece(void *user, int32_t index, int32_t worker)
+static void signs_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
         /* Vertices of contours have no sign, and those of the lattice have theirs from it. */
@@ -113,12 +109,6 @@ typedef struct link_work {
     uint32_t count;
 } link_work;
 
-static uint32_t link_root(const link_work *w, uint32_t i)
-{
-    while (w->joined[i] != i) i = w->joined[i];
-    return i;
-}
-
 static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
 {
     /* The number says that it is there already, without a search. */
@@ -151,8 +141,8 @@ static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
                     o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
                     continue;
                 /* The lower number is the root, whatever came first. */
-                x = link_root(w, w->number[t->v[a]]);
-                y = link_root(w, w->number[t->v[b]]);
+                x = bvxi_root(w->joined, w->number[t->v[a]]);
+                y = bvxi_root(w->joined, w->number[t->v[b]]);
                 w->joined[x > y ? x : y] = x > y ? y : x;
             }
     }
@@ -233,15 +223,12 @@ static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
 }
 
 /* The same verdict as settle_sign, for all vertices as they are. */
-static void judge_loose_piece(void *user, int32_t index, int32_t worker)
+static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
     bvxi_look look;
 
-    (void)worker;
-    bvxi_piece(job->vertices, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint32_t const v = (uint32_t)i;
         int any, all, inside;
@@ -267,14 +254,12 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
 
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_count;
-    job->pieces = bvxi_piece_count(job->vertices, 256);
     status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
     if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
     for (uint64_t i = 0; i < torn_count && status == BVX_OK; i++) status = settle_sign(o, &w, torn[i], job);
     /* All are judged at once; what changes from here on is marked, to be looked at again. */
     memset(job->again, 0, (size_t)job->vertices);
-    if (status == BVX_OK)
-        status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_loose_piece, job);
+    if (status == BVX_OK) status = bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job);
     for (uint32_t v = 0; v < job->vertices && status == BVX_OK; v++)
         if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) status = settle_sign(o, &w, v, job);
     bvxi_drop(o->ctx, w.joined);
@@ -413,16 +398,13 @@ static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t 
     return BVX_OK;
 }
 
-static void judge_edge_piece(void *user, int32_t index, int32_t worker)
+static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
     const bvxi_edge_map *const m = &o->contour_edge;
-    uint64_t begin, end;
     bvxi_look look;
 
-    (void)worker;
-    bvxi_piece(m->room, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint32_t changes;
         job->wrong[i] = 0;
@@ -438,8 +420,7 @@ static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
     const bvxi_edge_map *const m = &o->contour_edge;
 
     memset(job->again, 0, (size_t)job->vertices);
-    job->pieces = bvxi_piece_count(m->room, 1024);
-    BVXI_TRY(bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_edge_piece, job));
+    BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
     for (uint64_t i = 0; i < m->room; i++) {
         uint64_t const key = m->key[i];
         uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
@@ -459,8 +440,8 @@ static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, u
 
     for (uint32_t i = 0; i < w->count; i++) {
         if (o->vertex[w->vertex[i]].sign != sign) continue;
-        if (found == BVXI_NONE) found = link_root(w, i);
-        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return link_root(w, i);
+        if (found == BVXI_NONE) found = bvxi_root(w->joined, i);
+        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return bvxi_root(w->joined, i);
     }
     return found;
 }
@@ -480,7 +461,7 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
             /* those inside first: to part them opens and closes nothing, to part others may */
             for (int sign = 1; sign >= -1 && wrong == BVXI_NONE; sign -= 2)
                 for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++)
-                    if (o->vertex[w->vertex[i]].sign == sign && link_root(w, i) != keep[sign > 0])
+                    if (o->vertex[w->vertex[i]].sign == sign && bvxi_root(w->joined, i) != keep[sign > 0])
                         wrong = w->vertex[i];
         }
         close_link(w);
@@ -504,15 +485,12 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
     return BVX_OK;
 }
 
-static void judge_vertex_piece(void *user, int32_t index, int32_t worker)
+static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
     bvxi_look look;
 
-    (void)worker;
-    bvxi_piece(job->vertices, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         job->wrong[i] = 0;
         if (o->vertex[i].sign != 0) continue;
@@ -528,8 +506,7 @@ static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_room;
     memset(job->again, 0, (size_t)job->vertices);
-    job->pieces = bvxi_piece_count(job->vertices, 256);
-    status = bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, judge_vertex_piece, job);
+    status = bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job);
     if (status == BVX_OK)
         status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex",
                             &w.number);
@@ -544,14 +521,11 @@ static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 }
 
 /* Tetrahedra with two or more vertices on contours: those that are split become no others. */
-static void mark_contours_piece(void *user, int32_t index, int32_t worker)
+static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         int on_contours = 0;
         for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
@@ -565,8 +539,7 @@ static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
 
     BVXI_TRY(
         bvxi_oblique_reserve(o, &o->mark, o->tetra_room[0], &o->mark_room, 1, "the marks of tetrahedra"));
-    job->pieces = bvxi_piece_count(marked, 4096);
-    BVXI_TRY(bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job->pieces, mark_contours_piece, job));
+    BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
     for (uint64_t t = 0; t < o->tetra_count; t++)
         if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
     return bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra");
@@ -591,9 +564,8 @@ bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 
     memset(&job, 0, sizeof job);
     job.o = o;
-    job.pieces = bvxi_piece_count(o->vertex_count, 256);
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.2,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, signs_piece, &job)));
+    BVXI_TRY(
+        BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
     job.vertices = o->vertex_count;
     status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));

@@ -222,26 +222,22 @@ static void mark_parts_on(ends_work *w, uint32_t number, int side, double *depth
 
 bvx_status bvxi_stack_ends(bvxi_stack *s)
 {
+    uint64_t const mark = bvxi_scratch_begin(s->ctx);
     uint64_t most = 0;
     double *depth = NULL;
     ends_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
     w.s = s;
     /* Arrays for the section with the most loops. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth);
-    for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
-        status = bvxi_progress(s->ctx, "ends", (double)i / s->plane_count);
-        for (int side = 0; side < 2 && status == BVX_OK; side++) mark_parts_on(&w, i, side, depth);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "ends", (double)i / s->plane_count));
+        for (int side = 0; side < 2; side++) mark_parts_on(&w, i, side, depth);
     }
-    bvxi_drop(s->ctx, depth);
-    bvxi_drop(s->ctx, w.met);
-    bvxi_drop(s->ctx, w.owner);
-    return status;
+    return bvxi_scratch_end(s->ctx, mark, BVX_OK);
 }

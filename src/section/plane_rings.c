@@ -25,15 +25,9 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
 /* Cuts by segment in start[], then in order along each; few lie on one. */
 static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 {
-    uint32_t sum = 0;
-
     /* Counted by segment; counts become places, and cuts go there in their order. */
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
-    for (uint32_t i = 0; i < p->point_count; i++) {
-        uint32_t const n = start[i];
-        start[i] = sum;
-        sum += n;
-    }
+    bvxi_place_counts32(start, p->point_count);
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
     /* Filling moved each start to its segment's end; they are moved back by one segment. */
     for (uint32_t i = p->point_count; i-- > 0;) start[i] = i == 0 ? 0 : start[i - 1];
@@ -179,7 +173,6 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     uint64_t const starts = s->all.point_room * 4, firsts = (uint64_t)s->plane_count * 8;
     uint64_t cuts = 0;
     ring_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     job.s = s;
@@ -187,21 +180,17 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
     job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
-    status = bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first);
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first));
     cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count && status == BVX_OK; i++) {
+    for (uint32_t i = 0; i < s->plane_count; i++) {
         job.first[i] = cuts;
         cuts += s->plane[i].cut_count;
     }
-    if (status == BVX_OK) status = make_in_job(&job);
-    cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
+    BVXI_TRY(make_in_job(&job));
     bvxi_drop(s->ctx, job.first);
     bvxi_drop(s->ctx, job.sorted);
     bvxi_drop(s->ctx, job.start);
-    return status;
+    return BVX_OK;
 }

@@ -71,16 +71,19 @@ static bvx_status place_in_job(planes_job *job)
     return BVX_OK;
 }
 
+static planes_job planes_job_of(bvxi_stack *s)
+{
+    planes_job job = {.s = s, .view = *s, .pieces = plane_pieces(s)};
+
+    job.view.fixed = 1;
+    return job;
+}
+
 bvx_status bvxi_planes_place(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
-    planes_job job;
+    planes_job job = planes_job_of(s);
 
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.view = *s;
-    job.view.fixed = 1;
-    job.pieces = plane_pieces(s);
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
     BVXI_TRY(place_in_job(&job));
@@ -282,13 +285,8 @@ static bvx_status cut_planes(planes_job *job)
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
-    planes_job job;
+    planes_job job = planes_job_of(s);
 
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.view = *s;
-    job.view.fixed = 1;
-    job.pieces = plane_pieces(s);
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
 

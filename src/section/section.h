@@ -373,8 +373,6 @@ typedef struct bvxi_slab bvxi_slab;
 bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
 /* The surface in all slabs: the exact way each into a mesh of its own, side
  * by side; the field's way into the stack's. */
-/* What filling all slabs costs (core/costs.h), before they are there. */
-double bvxi_slabs_cost(const bvxi_stack *stack);
 bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The mesh of the rings, then of the slabs, then of what came last. */
 bvx_status bvxi_slabs_join(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh);

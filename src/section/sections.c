@@ -10,7 +10,6 @@
  * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
  * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
  * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
-#include "core/costs.h"
 #include "section/lone_section.h"
 #include "section/shift.h"
 #include "section/slab.h"
@@ -122,38 +121,15 @@ static bvx_status make_caps(bvxi_stack *s)
     return BVX_OK;
 }
 
-enum { LAYERS_FIND, LAYERS_LEVELS, LAYERS_SPLIT, LAYERS_RINGS, LAYERS_SLABS, LAYERS_CROSSED, LAYERS_STEPS };
-
-/* Whether there are levels is known once they are looked for; returns the cost of all. */
-static double plan_surface_of_stack(const bvxi_stack *s, double cost[LAYERS_STEPS])
-{
-    double const slabs = bvxi_slabs_cost(s);
-    double all = 0.0;
-
-    cost[LAYERS_FIND] = s->nesting.count != NULL ? 0.01 * slabs : 0.0;
-    cost[LAYERS_LEVELS] = 0.0;
-    cost[LAYERS_SPLIT] = 0.05 * slabs;
-    cost[LAYERS_RINGS] = 0.02 * slabs;
-    cost[LAYERS_SLABS] = slabs;
-    cost[LAYERS_CROSSED] = s->nesting.plane_count != 0 ? BVXI_LEVELS_OF_SLABS * slabs : 0.0;
-    for (int i = 0; i < LAYERS_STEPS; i++) all += cost[i];
-    return all;
-}
-
 /* The surface between the sections; *crossed slabs have levels that cross. */
 static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count, uint32_t *crossed)
 {
-    double cost[LAYERS_STEPS];
-    bvxi_steps steps = {s->ctx, cost, LAYERS_STEPS, 0.0};
-
-    plan_surface_of_stack(s, cost);
-    BVXI_TRY(BVXI_STEP(&steps, LAYERS_FIND, bvxi_nesting_find(s)));
-    BVXI_TRY(BVXI_STEP(&steps, LAYERS_LEVELS, bvxi_nesting_make(s)));
-    plan_surface_of_stack(s, cost);
-    BVXI_TRY(BVXI_STEP(&steps, LAYERS_SPLIT, bvxi_slabs_make(s, slabs, count)));
-    BVXI_TRY(BVXI_STEP(&steps, LAYERS_RINGS, make_rings(s)));
-    BVXI_TRY(BVXI_STEP(&steps, LAYERS_SLABS, bvxi_slabs_fill(s, *slabs, s->slab_count)));
-    return BVXI_STEP(&steps, LAYERS_CROSSED, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_nesting_find(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.04, bvxi_nesting_make(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs, count)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
+    return BVXI_SHARE(s->ctx, 0.8, 1.0, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed));
 }
 
 /* As if no surface had been made. */
@@ -184,23 +160,13 @@ static void count_nested(bvxi_stack *s)
 
 /* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes
  * with that, for the slabs beside it too, so the new surface is looked at again; that ends, since each time
- * at least one slab less has levels, and after some times none. */
-enum { LAYERED_ENDS, LAYERED_SURFACE, LAYERED_AGAIN, LAYERED_JOIN, LAYERED_STEPS };
-
-#define LAYERED_MAYBE_AGAIN 0.3 /* levels may cross, and then the surface is made again */
-
+ * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
-    double surface[LAYERS_STEPS], cost[LAYERED_STEPS] = {0.0};
-    bvxi_steps steps = {s->ctx, cost, LAYERED_STEPS, 0.0};
     bvx_sections_report before;
     bvxi_slab *slabs = NULL;
     uint32_t count = 0, crossed = 0;
-    bvx_status status;
-
-    cost[LAYERED_SURFACE] = plan_surface_of_stack(s, surface);
-    cost[LAYERED_JOIN] = 0.02 * cost[LAYERED_SURFACE];
-    status = BVXI_STEP(&steps, LAYERED_ENDS, bvxi_stack_ends(s));
+    bvx_status status = BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s));
 
     if (status == BVX_OK) status = bvxi_nesting_open(s);
     before = s->report;
@@ -208,19 +174,16 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
         /* Given up: all slabs that still have levels are joined. */
         for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
             if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
-        cost[LAYERED_SURFACE] = plan_surface_of_stack(s, surface);
-        cost[LAYERED_AGAIN] = s->nesting.count != NULL ? LAYERED_MAYBE_AGAIN * cost[LAYERED_SURFACE] : 0.0;
-        status = BVXI_STEP(&steps, LAYERED_SURFACE, make_surface(s, &slabs, &count, &crossed));
+        status = BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &count, &crossed));
         if (status != BVX_OK || crossed == 0) break;
         drop_surface(s, &slabs, count);
         /* Counts begin anew with the surface. */
         s->report = before;
     }
     if (status == BVX_OK) count_nested(s);
-    cost[LAYERED_AGAIN] = 0.0;
     if (status == BVX_OK) status = make_caps(s);
     if (status == BVX_OK)
-        status = BVXI_STEP(&steps, LAYERED_JOIN, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
+        status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
     bvxi_slabs_free(s, slabs, count);
     bvxi_nesting_close(s);
     return status;
@@ -306,41 +269,31 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
     return BVX_OK;
 }
 
-enum { STACK_OPEN, STACK_SHIFT, STACK_BODY, STACK_CHECK, STACK_STEPS };
-
 /* Mended loops may be left in one section only: *left is its number and no body is made, since but for
  * tapered caps it takes two planes. Else *left is BVXI_NONE. */
 static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
                               const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
                               bvx_mesh *mesh)
 {
-    double const points = (double)sections->point_count;
-    double cost[STACK_STEPS] = {(BVXI_COST_PLANES + (o->mend ? BVXI_COST_MEND : 0.0)) * points};
-    bvxi_steps steps = {context, cost, STACK_STEPS, 0.0};
+    double const opened = o->join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
     bvxi_mended mended;
     bvxi_shifted slanted;
     bvxi_stack stack;
     int const own = mesh->positions == NULL;
-    bvx_status status;
-
-    cost[STACK_BODY] = BVXI_COST_BODY * points;
-    cost[STACK_SHIFT] = o->join > 0.0 ? 0.4 * cost[STACK_BODY] : 0.0;
-    status = BVXI_STEP(&steps, STACK_OPEN, open_sections(context, sections, o, &mended, &stack));
+    bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
 
     *left = BVXI_NONE;
     memset(&slanted, 0, sizeof slanted);
     if (status == BVX_OK && stack.plane_count == 1 && o->caps != BVX_CAPS_TAPER) {
         *left = stack.plane[0].section;
     } else if (status == BVX_OK) {
-        cost[STACK_BODY] = bvxi_slabs_cost(&stack);
-        cost[STACK_CHECK] = mended.loops != 0 ? 0.2 * cost[STACK_BODY] : 0.0;
         measure_prismoids(&stack);
-        if (o->join > 0.0) status = BVXI_STEP(&steps, STACK_SHIFT, put_in_sections(&stack, &slanted));
-        if (status == BVX_OK) status = BVXI_STEP(&steps, STACK_BODY, build_body(&stack, mesh));
+        if (o->join > 0.0) status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
+        if (status == BVX_OK) status = BVXI_SHARE(context, opened, 0.95, build_body(&stack, mesh));
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
-        status = BVXI_STEP(
-            &steps, STACK_CHECK,
+        status = BVXI_SHARE(
+            context, 0.95, 1.0,
             check_body(context,
                        "the mended loops run too near to each other for a closed, manifold mesh; take "
                        "fewer points, or mend the contours before",

@@ -33,7 +33,7 @@ static int box_segments(const bvxi_plane *p, bvxi_segment_box *box)
 /* 0 when the order is so uneven that insertion would take long. */
 static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box *sorted)
 {
-    uint32_t start[QUICK_BUCKETS], sum = 0, shift = 0;
+    uint32_t start[QUICK_BUCKETS], shift = 0;
     int32_t low = box[0].left, high = low;
     uint64_t moves = (uint64_t)n * QUICK_MOST_MOVES;
 
@@ -45,11 +45,7 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
     while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
     memset(start, 0, sizeof start);
     for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;
-    for (uint32_t i = 0; i < QUICK_BUCKETS; i++) {
-        uint32_t const count = start[i];
-        start[i] = sum;
-        sum += count;
-    }
+    bvxi_place_counts32(start, QUICK_BUCKETS);
     for (uint32_t i = 0; i < n; i++) sorted[start[(uint32_t)(box[i].left - low) >> shift]++] = box[i];
 
     /* Buckets are in order already; insertion orders each one, and counts what it costs. */
@@ -245,16 +241,11 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
 bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
 {
     simple_work w = {NULL, NULL, NULL, NULL};
-    uint64_t const n = p->point_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
+    uint64_t const n = p->point_count, mark = bvxi_scratch_begin(s->ctx);
 
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place));
-    BVXI_TRY(check_pairs(s, p, &w));
-    bvxi_drop(s->ctx, w.place);
-    bvxi_drop(s->ctx, w.active);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    return BVX_OK;
+    return bvxi_scratch_end(s->ctx, mark, check_pairs(s, p, &w));
 }

@@ -476,17 +476,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     w.view = mesh;
     w.label = o.label;
     status = slice_all(&w, &o, sections);
-    /* In the reverse order of their making. */
     bvx_sections_free(context, &w.made);
-    bvxi_drop(context, w.used);
-    bvxi_drop(context, w.order);
-    bvxi_drop(context, w.to);
-    bvxi_drop(context, w.from);
-    bvxi_drop(context, w.list);
-    bvxi_drop(context, w.first);
-    bvxi_drop(context, w.position);
-    bvxi_drop(context, w.height);
-    bvxi_drop(context, w.weld);
     return status;
 }
 

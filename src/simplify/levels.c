@@ -2,7 +2,6 @@
  *
  * A level by error is found by going on in steps and measuring each: the last one that keeps the error is the
  * level, and the chain goes on from the first one that does not. */
-#include "core/costs.h"
 #include "simplify/collapse.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
@@ -190,32 +189,6 @@ static uint64_t next_try(uint64_t triangles, double part)
     return (uint64_t)((double)triangles * (half_way < 0.95 ? half_way : 0.95));
 }
 
-#define FIRST_PART 0.05 /* of the error that the mesh takes up before it has been measured */
-
-/* So many tries will be made until the error is passed: errors grow as triangles become fewer. */
-static double tries_from(double part)
-{
-    int tries = 1;
-
-    for (; part <= 1.0 && tries < 40; tries++) part /= (double)next_try(1u << 20, part) / (double)(1u << 20);
-    return tries;
-}
-
-enum { TRY_MEASURE, TRY_COLLAPSE, TRY_MORE, TRY_STEPS };
-
-/* part: as the try before has found it. */
-static void plan_tries(const bvxi_level_chain *c, double triangles, double part, double cost[TRY_STEPS])
-{
-    uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
-    double const measure = BVXI_COST_SAMPLE * (double)samples;
-    double const collapse = BVXI_COST_COLLAPSE * (triangles - (double)next_try((uint64_t)triangles, part));
-    double const tries = tries_from(part);
-
-    cost[TRY_MEASURE] = measure;
-    cost[TRY_COLLAPSE] = tries > 1.0 ? collapse : 0.0;
-    cost[TRY_MORE] = (tries - 1.0) * (measure + 0.5 * collapse);
-}
-
 static bvx_status copy_array(bvx_context *ctx, const void *from, uint64_t bytes, void *to)
 {
     void *copy;
@@ -266,19 +239,19 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 {
     uint64_t before;
     bvx_distance_report d;
-    double part = FIRST_PART, cost[TRY_STEPS];
-    bvxi_steps steps = {ctx, cost, TRY_STEPS, 0.0};
+    double part, at = 0.0;
 
     *met = 0;
     /* A measured surface may have more triangles than the mesh. */
     if (bvxi_collapse_triangles(collapse) > c->halve_from)
         BVXI_TRY(bvxi_collapse_to(collapse, c->halve_from, 0.0, 0.0));
-    plan_tries(c, (double)bvxi_collapse_triangles(collapse), part, cost);
     do {
+        /* Half of what is left of the bar a try: how many there will be is not known. */
+        double const measured = at + 0.4 * (1.0 - at), collapsed = at + 0.5 * (1.0 - at);
         bvx_mesh made = {0};
         bvx_status status;
 
-        BVXI_TRY(BVXI_STEP(&steps, TRY_MEASURE, measure_now(ctx, c, collapse, &d)));
+        BVXI_TRY(BVXI_SHARE(ctx, at, measured, measure_now(ctx, c, collapse, &d)));
         part = error_share(c, i, &d);
         /* The mesh before kept the error and this one does not. */
         if (part > 1 && *met) break;
@@ -300,9 +273,9 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         if (!*met) break;
 
         before = bvxi_collapse_triangles(collapse);
-        plan_tries(c, (double)before, part, cost);
-        BVXI_TRY(
-            BVXI_STEP(&steps, TRY_COLLAPSE, bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
+        BVXI_TRY(BVXI_SHARE(ctx, measured, collapsed,
+                            bvxi_collapse_to(collapse, next_try(before, part), 0.0, 1.0)));
+        at = collapsed;
     } while (bvxi_collapse_triangles(collapse) < before);
     return BVX_OK;
 }
@@ -350,27 +323,6 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 
-/* What the levels from i on cost, of a mesh of so many triangles: each what it takes away and what is
- * reported of it. How far an error lies is not known: half of the triangles. */
-static double cost_of_chain(const bvxi_level_chain *c, uint64_t i, uint64_t end, double triangles)
-{
-    double const samples = BVXI_COST_SAMPLE * (double)c->measure_samples;
-    double const report = c->reports != NULL ? BVXI_COST_CROSSINGS + BVXI_COST_CHECK_MADE : 0.0;
-    double sum = 0.0;
-
-    for (; i < end; i++) {
-        double const target = c->target_errors != NULL ? 0.5 * triangles : (double)target_of(c, i);
-        double const left = target < triangles ? target : triangles;
-        double tries[TRY_STEPS] = {0.0};
-
-        if (c->target_errors != NULL) plan_tries(c, triangles, FIRST_PART, tries);
-        sum += BVXI_COST_COLLAPSE * (triangles - left) + report * left + samples + tries[TRY_MEASURE] +
-               tries[TRY_MORE];
-        triangles = left;
-    }
-    return sum;
-}
-
 /* The mesh as it is where it is manifold by its positions, else with its edges parted. */
 static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
                                 bvxi_sheets *made, bvxi_sheets_report *sheets, bvxi_collapse **collapse)
@@ -395,26 +347,15 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
 static bvx_status make_chain(bvx_context *ctx, bvxi_level_chain *c, const bvx_mesh_view *mesh,
                              bvxi_sheets *made, bvxi_sheets_report *sheets)
 {
-    const bvx_mesh_view *const surface = &made->view;
-    double const all = cost_of_chain(c, 0, c->count, (double)surface->triangle_count);
     bvxi_collapse *collapse = NULL;
     bvx_status status;
     double from = 0.1;
 
-    /* Tries for errors are many, so that what comes before them is next to nothing. */
-    if (c->target_errors != NULL) {
-        double const opened = BVXI_COST_OPENED * (double)surface->triangle_count;
-
-        bvxi_share_cost(ctx, 0.0, 1.0, opened + all);
-        bvxi_share_cost(ctx, 0.0, from, opened);
-    }
     status = open_collapse(ctx, c, mesh, made, sheets, &collapse);
 
     for (uint64_t i = 0; i < c->count && status == BVX_OK; i++) {
-        double const triangles = (double)bvxi_collapse_triangles(collapse);
-        double const left = cost_of_chain(c, i, c->count, triangles);
-        double const part = left > 0.0 ? cost_of_chain(c, i, i + 1, triangles) / left : 1.0;
-        double const to = i + 1 == c->count ? 1.0 : from + (1.0 - from) * part;
+        /* Each level is made of the one before, so the first takes longest. */
+        double const to = i + 1 == c->count ? 1.0 : 0.5 * from + 0.5;
 
         status = BVXI_SHARE(ctx, from, to, make_level(ctx, c, i, collapse));
         from = to;

@@ -28,13 +28,10 @@ static inline uint64_t mix_once(uint64_t h)
     return h ^ h >> 32;
 }
 
-static void mix_vertices(void *user, int32_t piece, int32_t worker)
+static void mix_vertices(void *user, uint64_t begin, uint64_t end)
 {
     const balance_work *const w = user;
-    uint64_t begin, end;
-    (void)worker;
 
-    bvxi_piece(w->view->vertex_count, w->pieces, piece, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         const int32_t *const p = w->xyz + 3 * v;
         uint64_t const xy = (uint64_t)(uint32_t)p[0] << 32 | (uint32_t)p[1];
@@ -112,7 +109,8 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     if (w.pieces > BALANCE_PIECES) w.pieces = BALANCE_PIECES;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' numbers", &w.mixed));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, w.pieces, mix_vertices, &w));
+    BVXI_TRY(BVXI_SHARE(ctx, at, at,
+                        bvxi_for(ctx, "solid", job->view->vertex_count, BALANCE_GRAIN, mix_vertices, &w)));
     BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w));
     bvxi_drop(ctx, w.mixed);
 

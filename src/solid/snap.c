@@ -179,17 +179,14 @@ static inline uint32_t clamp_side(int32_t v, int32_t side)
     return (uint32_t)(v < 0 ? 0 : v > side ? side : v);
 }
 
-static void cell_piece(void *user, int32_t index, int32_t worker)
+static void cell_piece(void *user, uint64_t begin, uint64_t end)
 {
     const snap_job *const job = user;
     bvxi_row_block const block = job->block;
     int32_t const f = job->fraction_bits;
     const int32_t *const xyz = job->out->xyz;
     uint32_t *const cell = job->out->cell;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         /* Cut to the block's rows, so that both fit 16 bits. */
         uint32_t const y = clamp_side(bvxi_centres_below(xyz[3 * v + 1], f) - block.y0, block.ny);
@@ -205,17 +202,14 @@ bvx_status bvxi_snap_cells(bvx_context *ctx, const bvx_lattice *lattice, const b
     job.out = s;
     job.block = *block;
     job.fraction_bits = lattice->fraction_bits;
-    job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
-    return bvxi_parallel(ctx, "solid", progress, progress, job.pieces, cell_piece, &job);
+    return BVXI_SHARE(ctx, progress, progress,
+                      bvxi_for(ctx, "solid", s->vertex_count, SNAP_GRAIN, cell_piece, &job));
 }
 
-static void swap_piece(void *user, int32_t index, int32_t worker)
+static void swap_piece(void *user, uint64_t begin, uint64_t end)
 {
     const snap_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->out->vertex_count, job->pieces, index, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         int32_t *const q = job->out->xyz + 3 * v;
         /* Two coordinates change places: exact, and back in the same way. */
@@ -231,12 +225,12 @@ bvx_status bvxi_snap_turn(bvx_context *ctx, int32_t axis, double progress, bvxi_
     snap_job job = {0};
 
     job.out = s;
-    job.pieces = bvxi_piece_count(s->vertex_count, SNAP_GRAIN);
 
     /* One exchange for each step from axis to axis. */
     while (s->axis != axis) {
         job.swap = s->axis < axis ? s->axis + 1 : s->axis;
-        BVXI_TRY(bvxi_parallel(ctx, "solid", progress, progress, job.pieces, swap_piece, &job));
+        BVXI_TRY(BVXI_SHARE(ctx, progress, progress,
+                            bvxi_for(ctx, "solid", s->vertex_count, SNAP_GRAIN, swap_piece, &job)));
         s->axis += s->axis < axis ? 1 : -1;
     }
     return BVX_OK;

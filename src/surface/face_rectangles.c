@@ -27,7 +27,6 @@ typedef struct face_merge {
     uint64_t *corners;      /* used ones, rows of f->words */
     uint32_t *prefix;
     bvxi_rank rank;
-    int32_t pieces; /* of the list */
 } face_merge;
 
 /* ---- one plane ---- */
@@ -247,13 +246,10 @@ static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
     }
 }
 
-static void emit_rectangles(void *user, int32_t piece, int32_t worker)
+static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(m->f->face_count, m->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint64_t bit[4];
         rectangle_corners(m, &m->list[n], bit);
@@ -268,16 +264,8 @@ static void emit_rectangles(void *user, int32_t piece, int32_t worker)
 static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 {
     /* Counts become places. */
-    uint64_t total = 0;
-
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
-    for (int32_t t = 0; t < m->tasks; t++) {
-        uint64_t const n = m->before[t];
-        m->before[t] = total;
-        total += n;
-    }
-    m->f->face_count = total;
-    m->pieces = bvxi_piece_count(total, RECTANGLE_GRAIN);
+    m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
     return bvxi_faces_check_counts(ctx, m->f);
 }
 
@@ -302,7 +290,9 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
     status = bvxi_parallel(ctx, "faces", 0.6, 0.8, m->f->pieces, emit_corner_rows, m);
-    if (status == BVX_OK) status = bvxi_parallel(ctx, "faces", 0.8, 1.0, m->pieces, emit_rectangles, m);
+    if (status == BVX_OK)
+        status = BVXI_SHARE(ctx, 0.8, 1.0,
+                            bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
     if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
     else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
     return status;
@@ -320,7 +310,7 @@ static uint64_t plane_bits(const bvx_grid *g)
 
 bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
-    uint64_t const threads = (uint64_t)bvxi_threads(ctx);
+    uint64_t const threads = (uint64_t)bvxi_threads(ctx), mark = bvxi_scratch_begin(ctx);
     face_merge m;
 
     memset(&m, 0, sizeof m);
@@ -332,11 +322,5 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
     BVXI_TRY(count_rectangles(ctx, &m));
     BVXI_TRY(list_rectangles(ctx, &m));
-    if (mesh != NULL) BVXI_TRY(emit_merged(ctx, &m, mesh));
-    bvxi_drop(ctx, m.prefix);
-    bvxi_drop(ctx, m.corners);
-    bvxi_drop(ctx, m.list);
-    bvxi_drop(ctx, m.scratch);
-    bvxi_drop(ctx, m.before);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }

@@ -7,10 +7,8 @@
  * say, strictly inside its edge. The triangulations of the tables do not cross for any places inside the
  * edges, so the result is closed, manifold and free of crossings whatever the field holds; sharp.c adds
  * vertices inside cells and keeps that. */
-#include "core/costs.h"
 #include "surface/field_surface.h"
 #include "surface/sharp.h"
-#include "mesh/facet.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
@@ -191,89 +189,15 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
     return BVX_OK;
 }
 
-enum { CUT_SURFACE_OPEN, CUT_SURFACE_FILL, CUT_SURFACE_CUTS, CUT_SURFACE_SHARPEN, CUT_SURFACE_STEPS };
-
-enum { SHARP_LOOKS = 4096 /* words, of which most have no centre beside the surface */ };
-
-#define SHARP_TURN 0.8 /* cosine */
-
-/* The normal of a value's triangle; 0 where it has none. */
-static int normal_of_value(const bvxi_cut_rule *v, uint64_t value, double n[3])
-{
-    double p[3][3], length;
-    uint32_t c[3];
-
-    bvxi_view_triangle(v->mesh, v->values->triangles[value], c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(v->mesh, c[k], p[k]);
-    length = bvxi_facet_normal((const double(*)[3])p, n);
-    for (int a = 0; a < 3 && length > 0.0; a++) n[a] /= length;
-    return length > 0.0;
-}
-
-/* Of some pairs of centres beside each other so many have triangles that are turned far from each other:
- * about as many of the cells will be sharp. */
-static double share_of_turns(const bvxi_cut_rule *v)
-{
-    const bvx_grid *const g = &v->values->where;
-    uint64_t const words = bvxi_grid_words(g), step = words / SHARP_LOOKS + 1;
-    uint64_t looks = 0, turned = 0;
-
-    for (uint64_t i = 0; i < words; i += step) {
-        uint64_t const pairs = g->words[i] & g->words[i] >> 1, row = i / (uint64_t)g->words_per_row;
-        uint64_t n = v->values->first[row];
-        double a[3], b[3];
-
-        if (pairs == 0) continue;
-        for (uint64_t k = row * (uint64_t)g->words_per_row; k < i; k++) n += bvxi_popcount(g->words[k]);
-        n += bvxi_popcount(g->words[i] & ((pairs & (~pairs + 1)) - 1));
-        if (!normal_of_value(v, n, a) || !normal_of_value(v, n + 1, b)) continue;
-        looks++;
-        /* Neighbours need not run the same way round. */
-        turned += bvxi_absolute(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) < SHARP_TURN;
-    }
-    return looks != 0 ? (double)turned / (double)looks : 0.0;
-}
-
-static double sharp_cells(bvx_context *ctx, const bvxi_cut_rule *values)
-{
-    double turns = 0.0, ends = 0.0;
-
-    if (!bvxi_is_watched(ctx)) return 0.0;
-    for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
-        if (v->mesh == NULL || v->values == NULL || v->values->triangles == NULL) continue;
-        turns += share_of_turns(v) * (double)v->values->count;
-        ends += (double)v->values->count;
-    }
-    return ends > 0.0 ? BVXI_SHARP_OF_TURNS * turns / ends : BVXI_SHARP_OF_FIELD;
-}
-
-/* vertices: 0 where they are not counted yet; they are about as many as ends. */
-static void plan_field_surface(double vertices, const bvxi_cut_rule *values, int sharp, double cells,
-                               double cost[CUT_SURFACE_STEPS])
-{
-    double triangles = 0.0, ends = 0.0;
-
-    /* Of all meshes that cut the surface. */
-    for (const bvxi_cut_rule *v = values; v != NULL; v = v->second) {
-        triangles += v->mesh != NULL ? (double)v->mesh->triangle_count : 0.0;
-        ends += v->values != NULL ? (double)v->values->count : 0.0;
-    }
-    if (vertices == 0.0) vertices = ends;
-    cost[CUT_SURFACE_OPEN] = cost[CUT_SURFACE_FILL] = 0.5 * BVXI_COST_MARCH * vertices;
-    cost[CUT_SURFACE_CUTS] = (sharp ? BVXI_COST_SHARP_CUTS : BVXI_COST_CUTS) * vertices +
-                             (sharp ? BVXI_COST_SHARP_MESH * triangles : 0.0);
-    cost[CUT_SURFACE_SHARPEN] = sharp ? (BVXI_COST_SHARPEN + BVXI_COST_SHARP_CELL * cells) * vertices : 0.0;
-}
-
-static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi_steps *steps,
-                             bvx_mesh *surface, bvx_field_surface_report *report)
+static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
+                             bvx_field_surface_report *report)
 {
     /* On failure the caller's own mesh is emptied, the library's freed. */
     int const mine = surface->positions == NULL;
     bvx_status status;
 
-    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_FILL, bvxi_march_fill(ctx, m, surface)));
-    status = BVXI_STEP(steps, CUT_SURFACE_CUTS, place_cuts(ctx, c, report));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, m, surface)));
+    status = BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report));
     if (status == BVX_OK) return BVX_OK;
     if (mine) bvx_mesh_free(ctx, surface);
     else surface->vertex_count = surface->triangle_count = 0;
@@ -281,8 +205,8 @@ static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi
 }
 
 /* The surface by cuts becomes scratch. */
-static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi_steps *steps,
-                             double least_cosine, bvx_mesh *surface, bvx_field_surface_report *report)
+static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, double least_cosine,
+                             bvx_mesh *surface, bvx_field_surface_report *report)
 {
     uint64_t const plane_bytes = m->vertex_count * 2 * sizeof *c->planes;
     uint64_t const triangle_bytes = m->triangle_count * 12;
@@ -299,9 +223,9 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvxi
         bvxi_alloc(ctx, BVXI_SCRATCH, position_bytes, "the positions before sharpening", &plain.positions));
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
-    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_FILL, bvxi_march_fill(ctx, m, &plain)));
-    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_CUTS, place_cuts(ctx, c, report)));
-    BVXI_TRY(BVXI_STEP(steps, CUT_SURFACE_SHARPEN, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
     bvxi_drop(ctx, plain.triangles);
     bvxi_drop(ctx, plain.positions);
     bvxi_drop(ctx, c->planes);
@@ -314,9 +238,6 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
 {
     bvx_field_surface_report report;
     bvx_extract_options extract;
-    double const cells = options->sharp ? sharp_cells(ctx, values) : 0.0;
-    double cost[CUT_SURFACE_STEPS];
-    bvxi_steps steps = {ctx, cost, CUT_SURFACE_STEPS, 0.0};
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
 
@@ -327,16 +248,14 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     extract.position_type = options->position_type;
     extract.local_frame = options->local_frame;
     m.function = function;
-    plan_field_surface(0.0, values, options->sharp, cells, cost);
-    BVXI_TRY(BVXI_STEP(&steps, CUT_SURFACE_OPEN, bvxi_march_open(ctx, &m, inside, &extract)));
-    plan_field_surface((double)m.vertex_count, values, options->sharp, cells, cost);
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_march_open(ctx, &m, inside, &extract)));
     cuts.march = &m;
     cuts.values = values;
     cuts.interpolation = options->interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
     /* Both ways share the march; sharpening only adds to it. */
-    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, &steps, options->sharp_angle, surface, &report)
-                            : make_plain(ctx, &m, &cuts, &steps, surface, &report));
+    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
+                            : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);
     report.sharp = options->sharp != 0;
     if (options->report != NULL) *options->report = report;

@@ -165,10 +165,9 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
                                  bvx_mesh *whole)
 {
     merge_work w = {0};
-    uint64_t *start = NULL;
+    uint64_t *start = NULL, mark;
     bvx_mesh made = {0};
     int brought;
-    bvx_status status;
 
     /* Parts that contradict each other are refused before memory is taken. */
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -181,18 +180,12 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     w.parts = parts;
     w.part_count = part_count;
     BVXI_TRY(check_parts(context, &w));
-    status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 8, "the keys", &w.keys);
-    if (status == BVX_OK) status = bvxi_alloc(context, BVXI_SCRATCH, w.entries * 4, "the order", &w.order);
-    if (status == BVX_OK)
-        status = bvxi_alloc(context, BVXI_SCRATCH, w.vertices * 4, "the new numbers", &w.renumber);
-    if (status == BVX_OK)
-        status = bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start);
-    if (status == BVX_OK) status = merge_parts(context, &w, start, start + part_count, &made);
-    bvxi_drop(context, start);
-    bvxi_drop(context, w.renumber);
-    bvxi_drop(context, w.order);
-    bvxi_drop(context, w.keys);
-    if (status != BVX_OK) return status;
+    mark = bvxi_scratch_begin(context);
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, w.entries * 8, "the keys", &w.keys));
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, w.entries * 4, "the order", &w.order));
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, w.vertices * 4, "the new numbers", &w.renumber));
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, part_count * 16, "the parts' places", &start));
+    BVXI_TRY(bvxi_scratch_end(context, mark, merge_parts(context, &w, start, start + part_count, &made)));
 
     if (!brought) bvx_mesh_free(context, whole);
     *whole = made;

@@ -20,7 +20,6 @@
  *    as before, whatever other sides do.
  *  - All that holds for coordinates as written: apexes are rounded first and compared with the rounded faces.
  * What is done to a loop or side depends on nothing else that is done, so order and threads do not show. */
-#include "core/costs.h"
 #include "surface/sharp.h"
 #include "mesh/mesh.h"
 
@@ -306,7 +305,6 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts));
     BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w));
     BVXI_TRY(number_loops(ctx, &w, &count));
-    bvxi_share_cost(ctx, 0.3, 1.0, BVXI_COST_SHARP_CELL * (double)count);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
     BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w));
     kept = number_apexes(&w, count);

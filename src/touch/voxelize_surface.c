@@ -195,21 +195,6 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 
 /* ---- attached triangles ---- */
 
-/* Counts to places: each voxel's first, the total after the last. */
-static uint64_t place_attached(uint64_t *offset, uint64_t voxels)
-{
-    uint64_t total = 0;
-
-    for (uint64_t v = 0; v < voxels; v++) {
-        /* As in every counting sort: a count becomes the place of the first. */
-        uint64_t const n = offset[v];
-        offset[v] = total;
-        total += n;
-    }
-    offset[voxels] = total;
-    return total;
-}
-
 /* Filling has moved each place to its voxel's end, which is where the next one begins. */
 static void restore_places(uint64_t *offset, uint64_t voxels)
 {
@@ -227,7 +212,7 @@ static bvx_status fill_lists(bvx_context *ctx, bvxi_surface_job *job, uint64_t v
     /* The list of a voxel holds each triangle once: last remembers which came last. */
     memset(job->last, 0, (size_t)voxels * 4);
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_COUNT, 0.4, 0.7));
-    uint64_t const total = place_attached(made->offsets, voxels);
+    uint64_t const total = made->offsets[voxels] = bvxi_place_counts(made->offsets, voxels);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, total * 4, "the voxels' triangles", &made->triangles));
     made->triangle_count = total;
     job->list = made->triangles;

@@ -6,7 +6,6 @@
  * meshes, then for that by their places. Where a table searches too long, as for input that was made against
  * its hash, a tree takes its place (core/key_tree.h).
  * Guarantee: the same edges for any order of triangles, in any order. */
-#include "core/costs.h"
 #include "core/key_tree.h"
 #include "winding/holes.h"
 
@@ -417,7 +416,6 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     /* By numbers first: in a welded mesh that is all, without a look at a place. */
     BVXI_TRY(cancel_triangles(ctx, view, NULL, limit, &t));
     full = t.used > limit;
-    if (full) bvxi_share_cost(ctx, 0.2, 1.0, BVXI_COST_UNCOVERED * (double)view->triangle_count);
     if (!full) BVXI_TRY(list_open_edges(ctx, &t, 0, &list, &left));
     close_edge_table(ctx, &t);
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));

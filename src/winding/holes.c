@@ -181,7 +181,7 @@ static void walk_loops(hole_walk *w, const uint32_t *place, bvxi_holes *holes)
 static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t count, const uint32_t *place,
                              uint64_t corners, bvxi_holes *holes)
 {
-    uint64_t const bytes = (corners + 1) * 8;
+    uint64_t const bytes = (corners + 1) * 8, mark = bvxi_scratch_begin(ctx);
     hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out));
@@ -193,13 +193,29 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
     /* All arrays were made: the walk itself cannot fail. */
     start_hole_walk(&w, corners);
     walk_loops(&w, place, holes);
-    bvxi_drop(ctx, w.met);
-    bvxi_drop(ctx, w.trail);
-    bvxi_drop(ctx, w.used);
-    bvxi_drop(ctx, w.incoming);
-    bvxi_drop(ctx, w.in);
-    bvxi_drop(ctx, w.out);
-    return BVX_OK;
+    return bvxi_scratch_end(ctx, mark, BVX_OK);
+}
+
+uint64_t bvxi_sheet_triangles(const bvxi_holes *holes, uint32_t *corner)
+{
+    uint64_t count = 0, begin = 0, i, j;
+
+    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
+        bvxi_sheet_walk w;
+        w.count = 0;
+        bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
+        /* As fill_sheet walks it, so the triangles are those of the sums. */
+        while (bvxi_sheet_take(&w, &i, &j)) {
+            uint64_t const m = i + (j - i) / 2;
+            if (j - i < 2) continue;
+            corner[3 * count] = (uint32_t)i;
+            corner[3 * count + 1] = (uint32_t)m;
+            corner[3 * count++ + 2] = (uint32_t)j;
+            bvxi_sheet_push(&w, i, m);
+            bvxi_sheet_push(&w, m, j);
+        }
+    }
+    return count;
 }
 
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes)

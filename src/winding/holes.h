@@ -68,6 +68,9 @@ static inline int bvxi_sheet_take(bvxi_sheet_walk *w, uint64_t *i, uint64_t *j)
     return 1;
 }
 
+/* The triangles of the sheet over the holes, by the points of their loops; returns how many. */
+uint64_t bvxi_sheet_triangles(const bvxi_holes *holes, uint32_t *corner);
+
 /* ---- Generalized winding numbers between centres, for surfaces over holes ---- */
 
 /* What the holes of a mesh look like from any centre of a lattice. */
@@ -80,9 +83,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              const bvx_lattice *lattice, int32_t rule, const bvxi_holes *holes,
                              bvxi_winding **winding);
 void bvxi_winding_close(bvx_context *ctx, bvxi_winding *winding);
-
-/* What a solid costs because of them (core/costs.h), by their diagonals. */
-double bvxi_holes_cost(const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice);
 
 /* From centre v to its neighbour along axis. [Units: lattice indices] */
 typedef struct bvxi_winding_edge {

@@ -143,28 +143,6 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
 
 /* ---- The sheet as a mesh ---- */
 
-static uint64_t list_sheet(const bvxi_holes *holes, uint32_t *corner)
-{
-    uint64_t count = 0, begin = 0, i, j;
-
-    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
-        bvxi_sheet_walk w;
-        w.count = 0;
-        bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
-        /* The triangles of the sheet in the order of the walk, by the mesh's vertices. */
-        while (bvxi_sheet_take(&w, &i, &j)) {
-            uint64_t const m = i + (j - i) / 2;
-            if (j - i < 2) continue;
-            corner[3 * count] = holes->vertex[i];
-            corner[3 * count + 1] = holes->vertex[m];
-            corner[3 * count++ + 2] = holes->vertex[j];
-            bvxi_sheet_push(&w, i, m);
-            bvxi_sheet_push(&w, m, j);
-        }
-    }
-    return count;
-}
-
 bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_holes *holes,
                                 bvx_mesh_view *sheet)
 {
@@ -179,7 +157,8 @@ bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, con
     sheet->position_type = view->position_type;
     sheet->index_type = BVX_U32;
     sheet->indices = corner;
-    sheet->triangle_count = list_sheet(holes, corner);
+    sheet->triangle_count = bvxi_sheet_triangles(holes, corner);
+    for (uint64_t i = 0; i < 3 * sheet->triangle_count; i++) corner[i] = holes->vertex[corner[i]];
     return BVX_OK;
 }
 

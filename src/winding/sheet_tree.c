@@ -20,28 +20,6 @@ enum { TREE_LOOPS = 256, TREE_LOOP_POINTS = 16 };
 
 /* ---- Triangles in order ---- */
 
-static uint64_t list_tree_triangles(const bvxi_holes *holes, uint32_t *corner)
-{
-    uint64_t count = 0, begin = 0, i, j;
-
-    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
-        bvxi_sheet_walk w;
-        w.count = 0;
-        bvxi_sheet_push(&w, begin, holes->loop_end[l] - 1);
-        /* As fill_sheet walks it, so the triangles are those of the sums. */
-        while (bvxi_sheet_take(&w, &i, &j)) {
-            uint64_t const m = i + (j - i) / 2;
-            if (j - i < 2) continue;
-            corner[3 * count] = (uint32_t)i;
-            corner[3 * count + 1] = (uint32_t)m;
-            corner[3 * count++ + 2] = (uint32_t)j;
-            bvxi_sheet_push(&w, i, m);
-            bvxi_sheet_push(&w, m, j);
-        }
-    }
-    return count;
-}
-
 /* Bits of the middle of a triangle in turn. */
 static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
 {
@@ -68,7 +46,7 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
 
     /* The triangles' own order is by loops; by place, near ones become neighbours. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the sheet's triangles as they come", &listed));
-    list_tree_triangles(s->holes, listed);
+    bvxi_sheet_triangles(s->holes, listed);
     for (uint64_t t = 0; t < count; t++) {
         keys[t] = triangle_place(s, listed + 3 * t);
         number[t] = (uint32_t)t;

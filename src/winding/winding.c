@@ -11,7 +11,6 @@
  * Guarantee: local. A winding number within 1e-8 of a half counts as a half, which is outside; all others
  * fall as in the reals, crossings with the snapped triangles being exact. A mesh without open edges is filled
  * as by the rule nonzero, bit for bit. The bits follow from the snapped triangles only. */
-#include "core/costs.h"
 #include "winding/turns.h"
 #include "winding/holes.h"
 
@@ -21,8 +20,6 @@ typedef struct wind_work {
     const bvxi_sheet *sheet;
     bvx_solid_report *report;
 } wind_work;
-
-enum { MANY_HOLES = 256 }; /* more are asked by a tree of them */
 
 /* ---- The rule ---- */
 
@@ -104,34 +101,6 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     return status;
 }
 
-double bvxi_holes_cost(const bvxi_holes *holes, const bvxi_snapped *snapped, const bvx_lattice *lattice)
-{
-    double const voxel = (double)((int64_t)1 << lattice->fraction_bits);
-    double squares = 0.0, diagonals = 0.0;
-    uint64_t begin = 0;
-
-    for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
-        double square = 0.0;
-
-        /* The box of the loop, in voxels. */
-        for (size_t a = 0; a < 3; a++) {
-            int32_t low = INT32_MAX, high = INT32_MIN;
-
-            for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
-                int32_t const at = snapped->xyz[3 * (size_t)holes->vertex[i] + a];
-
-                low = at < low ? at : low;
-                high = at > high ? at : high;
-            }
-            square += ((double)high - low) * ((double)high - low) / (voxel * voxel);
-        }
-        squares += square;
-        diagonals += sqrt(square);
-    }
-    return BVXI_COST_HOLE * squares +
-           BVXI_COST_HOLE_PAIR * diagonals * (double)(holes->loops < MANY_HOLES ? holes->loops : MANY_HOLES);
-}
-
 static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const bvxi_holes *holes,
                                   const bvx_grid *solid, double from, double to, bvx_solid_report *report)
 {
@@ -160,11 +129,6 @@ static bvx_status wind_with_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     /* A mesh without open edges needs no angles: whole turns are the rule nonzero's. */
     if (holes->loops == 0)
         return bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, solid, 0, BVX_FILL_NONZERO, report);
-    /* Callers plan for rows; how large the holes are is known only now. */
-    bvxi_share_cost(ctx, from, to,
-                    2.0 * BVXI_COST_ROWS * (double)job->view->triangle_count +
-                        BVXI_COST_ROWS_SIDE * bvxi_sides_of(solid->size) +
-                        bvxi_holes_cost(holes, &job->snapped, &solid->lattice));
     return wind_over_holes(ctx, job, holes, solid, from, to, report);
 }
 

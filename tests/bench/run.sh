@@ -15,7 +15,6 @@
 #     BENCH_ONLY=components parts of grids alone
 #     BENCH_ONLY=levels     levels of detail beside other libraries alone
 #     BENCH_ONLY=calls      the smallest call of each kind, and no more than that; in Python too where BENCH_PYTHON has the package
-#     BENCH_ONLY=progress   shares of the bar beside shares of the time of each call, and no more than that
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -127,10 +126,6 @@ measure_levels() {
     fi
 }
 
-if [ "$BENCH_ONLY" = progress ]; then
-    "$BENCHES/bench_progress" "$MESHES" | tee "$out/progress.md"
-    exit 0
-fi
 if [ "$BENCH_ONLY" = calls ]; then
     "$BENCHES/bench_calls" | tee "$out/calls.md"
     if [ -n "$BENCH_PYTHON" ]; then "$BENCH_PYTHON" tests/bench/calls.py | tee -a "$out/calls.md"; fi

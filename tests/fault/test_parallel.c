@@ -159,125 +159,6 @@ static void test_progress_grows_and_cancels_at_every_call(void **state)
     assert_true(n > 8); /* a large step asks at least eight times */
 }
 
-static int32_t keep_fraction(void *user, const char *stage, double fraction)
-{
-    (void)stage;
-    *(double *)user = fraction;
-    return 0;
-}
-
-/* A call of two halves, of which the first has two: what takes nine times as long from its middle on gets
- * more, what follows less, and all still ends where it did. */
-static void test_progress_is_planned_anew(void **state)
-{
-    bvx_context_options o = default_options();
-    double at = -1.0, last;
-    bvx_context *ctx;
-
-    (void)state;
-    o.progress = keep_fraction;
-    o.progress_user = &at;
-    ctx = context_with(&o);
-#define REPORTS(fraction, wanted)                                       \
-    do {                                                                \
-        assert_int_equal(bvxi_progress(ctx, "work", fraction), BVX_OK); \
-        assert_true(at - (wanted) < 0.002 && (wanted)-at < 0.002);      \
-    } while (0)
-
-    bvxi_call_begin(ctx, "call");
-    bvxi_share_begin(ctx, 0.0, 0.5);
-    bvxi_share_begin(ctx, 0.0, 0.5);
-    REPORTS(0.5, 0.125);
-
-    /* An eighth of the call costs nine eighths: with a quarter and a half after it 15 eighths for 7 eighths
-     * of the bar. */
-    bvxi_share_costs(ctx, 0.5, 1.0, 9.0);
-    REPORTS(0.5, 0.125);
-    REPORTS(0.75, 0.125 + 0.875 * 4.5 / 15.0);
-    REPORTS(1.0, 0.125 + 0.875 * 9.0 / 15.0);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    bvxi_share_begin(ctx, 0.5, 1.0);
-    REPORTS(0.0, 0.125 + 0.875 * 9.0 / 15.0);
-    REPORTS(1.0, 0.125 + 0.875 * 11.0 / 15.0);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    bvxi_share_begin(ctx, 0.5, 1.0);
-    REPORTS(0.0, 0.125 + 0.875 * 11.0 / 15.0);
-
-    /* A part in the middle of the present work; what is past does not move, and nothing falls. */
-    last = at;
-    bvxi_share_costs(ctx, 0.25, 0.5, 0.0);
-    REPORTS(0.1, last + 0.25 * (1.0 - last));
-    REPORTS(0.5, last + 0.25 * (1.0 - last));
-    REPORTS(0.75, last + 0.625 * (1.0 - last));
-    REPORTS(1.0, 1.0);
-    bvxi_share_costs(ctx, 0.5, 0.5, 3.0); /* nothing takes longer */
-    bvxi_share_costs(ctx, 1.0, 1.0, 3.0);
-    REPORTS(1.0, 1.0);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
-    assert_true(at == 1.0);
-    bvx_context_destroy(ctx);
-}
-
-/* Steps by what they cost; some turn out dearer, and one is found when the bar was given away already. */
-static void test_steps_share_the_bar_by_their_costs(void **state)
-{
-    bvx_context_options o = default_options();
-    double cost[3] = {1.0, 3.0}, inner[2] = {2.0}, at = -1.0;
-    bvxi_steps steps = {NULL, cost, 3, 0.0}, within = {NULL, inner, 2, 0.0};
-    bvx_context *ctx;
-
-    (void)state;
-    o.progress = keep_fraction;
-    o.progress_user = &at;
-    ctx = steps.ctx = within.ctx = context_with(&o);
-
-    bvxi_call_begin(ctx, "call");
-    bvxi_step_begin(&steps, 0);
-    REPORTS(0.0, 0.0);
-    REPORTS(1.0, 0.25);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-
-    /* A third step costs as much as the second; then half of the second thrice what was planned. */
-    cost[2] = 3.0;
-    bvxi_step_begin(&steps, 1);
-    REPORTS(0.5, 0.4375);
-    bvxi_share_cost(ctx, 0.5, 1.0, 4.5);
-    REPORTS(0.5, 0.4375);
-    REPORTS(1.0, 0.775);
-    bvxi_share_cost(ctx, 0.5, 0.5, 4.5); /* of nothing */
-    bvxi_share_cost(ctx, 0.5, 1.0, 0.0);
-    REPORTS(1.0, 0.775);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    bvxi_step_begin(&steps, 2);
-    REPORTS(0.0, 0.775);
-    REPORTS(1.0, 1.0);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
-
-    /* The first step has all of the work's half; the second one gets as much, off what comes after it. */
-    bvxi_call_begin(ctx, "call");
-    bvxi_share_begin(ctx, 0.0, 0.5);
-    bvxi_step_begin(&within, 0);
-    REPORTS(1.0, 0.5);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    inner[1] = 2.0;
-    bvxi_step_begin(&within, 1);
-    REPORTS(0.0, 0.5);
-    REPORTS(1.0, 0.75);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    bvxi_share_begin(ctx, 0.5, 1.0);
-    REPORTS(0.0, 0.75);
-    REPORTS(0.5, 0.875);
-    assert_int_equal(bvxi_share_end(ctx, BVX_OK), BVX_OK);
-    assert_int_equal(bvxi_call_end(ctx, BVX_OK), BVX_OK);
-    assert_true(at == 1.0);
-    bvx_context_destroy(ctx);
-}
-#undef REPORTS
-
 static void test_two_contexts_share_nothing(void **state)
 {
     bvx_context_options o = default_options();
@@ -304,8 +185,6 @@ int main(void)
         cmocka_unit_test(test_the_callers_parallel_for_is_used),
         cmocka_unit_test(test_a_parallel_for_without_threads_means_one),
         cmocka_unit_test(test_progress_grows_and_cancels_at_every_call),
-        cmocka_unit_test(test_progress_is_planned_anew),
-        cmocka_unit_test(test_steps_share_the_bar_by_their_costs),
         cmocka_unit_test(test_two_contexts_share_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -645,27 +645,6 @@ render KNOT -o x_%d.png --turntable 3 --size 64x64
 slice KNOT -o x.csl --spacing 0.1
 sections x.csl -o x_b.ply
 W
-    # What a command will not do leaves no gap in its bar, what takes longest has most of it.
-    cat >begins.py <<'P'
-import json, sys
-ends = {}
-for line in open('err', encoding='utf-8'):
-    p = json.loads(line)
-    ends[p['stage']] = p['fraction']
-stage, low, high = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-assert low <= ends[stage] <= high, ends
-P
-    while read -r stage low high words; do
-        # shellcheck disable=SC2086
-        run $(echo "$words" | sed "s|KNOT|$knot|") --progress=json
-        holds "--progress=json: $words: $stage ends from $low to $high" python3 begins.py "$stage" "$low" "$high"
-    done <<'W'
-parse 0.4 0.6 convert KNOT -o x_c.ply
-refine 0.05 0.2 refine KNOT -o x_t.vtu --halvings 3
-refine 0.3 0.5 refine KNOT -o x_t.ply --halvings 3
-refine 0.85 0.98 refine KNOT -o x_t.bvx --halvings 3
-close 0.5 0.9 morph close KNOT -o x_m.bvx --resolution 56 --steps 2
-W
     run lod "$knot" -o x_%d.ply --quiet --progress=json --samples 100
     holds '--progress=json beside --quiet' sh -c 'test ! -s out && test -s err'
     run lod "$knot" -o y.ply --samples 2000000 --threads 1 --levels 32 --progress=bar

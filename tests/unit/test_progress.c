@@ -227,142 +227,6 @@ static void test_a_refused_call_does_not_reach_1(void)
 
 /* ---- shares ---- */
 
-/* Where in its call a step begins, at the least and at the most: about its
- * share of the time on models of common sizes. */
-typedef struct step {
-    bvx_status (*make)(const world *w);
-    const char *stage;
-    double low, high;
-    int to; /* of its result */
-} step;
-
-typedef struct wanted {
-    const char *stage;
-    double at; /* of its first report; -1: none yet */
-} wanted;
-
-static int32_t note_step(void *user, const char *stage, double fraction)
-{
-    wanted *const w = user;
-
-    if (w->at < 0.0 && fraction < 1.0 && strcmp(stage, w->stage) == 0) w->at = fraction;
-    return 0;
-}
-
-static bvx_status measured_levels(const world *w)
-{
-    bvx_levels_options o;
-
-    bvx_levels_options_init(&o, sizeof o);
-    o.solid = 1;
-    o.resolution = 16;
-    return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
-}
-
-static bvx_status measured_repair(const world *w)
-{
-    bvx_repair_report report;
-    bvx_repair_options o;
-
-    bvx_repair_options_init(&o, sizeof o);
-    o.resolution = 96; /* measuring takes most of the time of small ones */
-    o.report = &report;
-    o.measure = 1;
-    return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
-}
-
-static bvx_status sharp_surface(const world *w)
-{
-    bvx_field_surface_options o;
-
-    bvx_field_surface_options_init(&o, sizeof o);
-    o.sharp = 1;
-    return bvx_extract_field_surface(w->ctx, w->field, w->mesh, &o, (bvx_mesh *)w->out);
-}
-
-static bvx_status solid_with(const world *w, int32_t fill, int32_t more)
-{
-    bvx_voxelize_options o;
-
-    bvx_voxelize_options_init(&o, sizeof o);
-    o.fill = fill;
-    o.add_shell = o.check_edges = more;
-    return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
-}
-
-static bvx_status checked_solid(const world *w)
-{
-    return solid_with(w, BVX_FILL_AUTO, 1);
-}
-
-static bvx_status regions_solid(const world *w)
-{
-    return solid_with(w, BVX_FILL_REGIONS, 0);
-}
-
-/* Copied as it is: what the steps that are left out would take is not in the bar's way. */
-static bvx_status if_needed_repair(const world *w)
-{
-    bvx_repair_options o;
-
-    bvx_repair_options_init(&o, sizeof o);
-    o.resolution = 8;
-    o.if_needed = 1;
-    return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
-}
-
-static void test_steps_begin_where_their_time_does(void)
-{
-    static const step steps[] = {
-        {repair, "measure", 0.09, 0.4, TO_MESH}, /* at 0.12 of its time */
-        {repair, "vertices", 0.4, 0.9, TO_MESH},
-        {measured_repair, "vertices", 0.01, 0.2, TO_MESH},
-        {measured_repair, "distance", 0.02, 0.3, TO_MESH},
-        {boolean, "measure", 0.1, 0.8, TO_MESH},
-        {boolean, "vertices", 0.5, 0.9, TO_MESH},
-        {build_levels, "collapse", 0.01, 0.3, TO_MESH}, /* nothing but a check comes before */
-        {measured_levels, "collapse", 0.1, 0.5, TO_MESH},
-        {build_sections, "surface", 0.1, 0.4, TO_MESH},
-        {extract_octree, "merge", 0.2, 0.6, TO_MESH},
-        {extract_field_surface, "vertices", 0.2, 0.6, TO_MESH},
-        {measure_field, "field", 0.01, 0.15,
-         TO_FIELD}, /* the solid of a sound mesh takes 0.02 to 0.05 of it */
-        {sharp_surface, "vertices", 0.01, 0.15, TO_MESH},
-        {sharp_surface, "sharp edges", 0.2, 0.7, TO_MESH},
-        {checked_solid, "surface", 0.1, 0.4, TO_GRID},
-        {checked_solid, "check", 0.7, 0.97, TO_GRID},   /* at 0.75 to 0.97 of its time on shared meshes */
-        {regions_solid, "surface", 0.4, 0.75, TO_GRID}, /* closed: at 0.38 to 0.51 */
-        {regions_solid, "regions", 0.8, 0.98, TO_GRID},
-        {repair, "solid", 0.015, 0.3, TO_MESH}, /* at 0.018 */
-        {if_needed_repair, "crossings", 0.02, 0.6, TO_MESH},
-    };
-
-    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        wanted seen_step = {steps[i].stage, -1.0};
-        bvx_context_options o;
-        bvx_context *ctx = NULL;
-        world w;
-
-        bvx_context_options_init(&o, sizeof o);
-        o.threads = 1;
-        o.progress = note_step;
-        o.progress_user = &seen_step;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
-        make_world(ctx);
-        seen_step.at = -1.0;
-        w = right_world(ctx);
-        memset(&out, 0, sizeof out);
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, steps[i].make(&w), bvx_last_message(ctx));
-        free_result(ctx, steps[i].to);
-        if (!(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high))
-            printf("row %d: %s begins at %g, not between %g and %g\n", (int)i, steps[i].stage, seen_step.at,
-                   steps[i].low, steps[i].high);
-        TEST_ASSERT_TRUE(seen_step.at >= steps[i].low && seen_step.at <= steps[i].high);
-        free_world(ctx);
-        bvx_context_destroy(ctx);
-    }
-}
-
 static double seen[64];
 static int seen_count;
 
@@ -444,44 +308,6 @@ static void test_works_share_the_fraction(void)
     bvx_context_destroy(ctx);
 }
 
-/* The first work needs a half of its share only: what follows begins there, not where it was planned, and the
- * bar is shared out anew. Where nothing follows the bar waits for the end. */
-static bvx_status spared_work(bvx_context *ctx)
-{
-    BVXI_TRY(report(ctx, 0.5));
-    bvxi_share_spare(ctx, 0.5);
-    return BVX_OK;
-}
-
-static bvx_status works_with_spare(bvx_context *ctx)
-{
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, spared_work(ctx)));
-    BVXI_TRY(report(ctx, 0.5));
-    BVXI_TRY(report(ctx, 0.75));
-    return BVXI_SHARE(ctx, 0.75, 1.0, spared_work(ctx));
-}
-
-static bvx_status whole_with_spare(bvx_context *ctx)
-{
-    return BVXI_CALL(ctx, works_with_spare(ctx));
-}
-
-static void test_a_work_gives_back_what_it_does_not_need(void)
-{
-    static const double want[] = {0.25, 0.25, 0.625, 0.8125, 1.0};
-    bvx_context_options o;
-    bvx_context *ctx = NULL;
-
-    bvx_context_options_init(&o, sizeof o);
-    o.progress = note_fraction;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
-    seen_count = 0;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, whole_with_spare(ctx));
-    TEST_ASSERT_EQUAL_INT(5, seen_count);
-    for (int i = 0; i < 5; i++) TEST_ASSERT_TRUE(bvxi_absolute(seen[i] - want[i]) < 0.002);
-    bvx_context_destroy(ctx);
-}
-
 /* ---- Tasks that take long ---- */
 
 static void nothing_to_do(void *user, int32_t index, int32_t worker)
@@ -532,8 +358,6 @@ int main(void)
     RUN_TEST(test_every_call_rises_once_to_1);
     RUN_TEST(test_a_cancelled_call_does_not_reach_1);
     RUN_TEST(test_a_refused_call_does_not_reach_1);
-    RUN_TEST(test_steps_begin_where_their_time_does);
     RUN_TEST(test_works_share_the_fraction);
-    RUN_TEST(test_a_work_gives_back_what_it_does_not_need);
     return UNITY_END();
 }
