@@ -927,9 +927,11 @@ typedef struct bvx_field_surface_report {
 enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
 /** Which vertices levels have.
- *  PLACED  new ones, where they lie nearest to the mesh
+ *  PLACED  new ones, where they lie nearest to the mesh. bvx_closest_find of the mesh gives each one's triangle
+ *          and barycentric coordinates there, by which values of its corners follow
  *  KEPT    the mesh's own, all of them in their order: triangles index those, at a seam the one of their side.
- *          What is stored by vertex follows untouched */
+ *          What is stored by vertex follows untouched: so vertices of equal positions and attributes stay apart,
+ *          unless the mesh has three for each triangle */
 #define BVX_VERTICES_LIST(X)            \
     X(BVX_VERTICES_PLACED, 0, "placed") \
     X(BVX_VERTICES_KEPT, 1, "kept")
@@ -2667,8 +2669,8 @@ typedef struct bvx_read_options {
     size_t struct_size;
     int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a
                                  polygon all are [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
-    bvx_open_fn *open_file;   /**< [Default: NULL, no other file is opened] */
+    int32_t keep_file;      /**< 1: of glTF, for bvx_write_options.source [Limit: 0..1] [Default: 0] */
+    bvx_open_fn *open_file; /**< [Default: NULL, no other file is opened] */
     bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
     void *user;               /**< first argument of open_file and close_file [Default: NULL] */
     bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
@@ -2678,11 +2680,12 @@ BVX_API void bvx_read_options_init(bvx_read_options *options, size_t size);
 
 /** The same with all options. glTF names files for buffers and images: a buffer that is not there is
  *  BVX_ERR_FORMAT, an image a loss. Materials, textures and images become mesh.assets; a triangle without a
- *  material has the index after the last one. What else is read of glTF: docs/formats.md.
+ *  material has the index after the last one. With keep_file the mesh has the file beside it, where that can be,
+ *  and nothing but images is lost. What else is read of glTF: docs/formats.md.
  *  Returns what bvx_read_mesh returns; BVX_ERR_EMPTY also when no triangle remains. Colours and texture
  *  coordinates must be finite.
  *  [Memory: as bvx_read_mesh, files that open_file hands out count as size; 4 bytes a vertex more, where
- *  triangles are left out]
+ *  triangles are left out; the file's bytes once more by keep_file]
  *  Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022); KHR_mesh_quantization. */
 BVX_API bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                       const bvx_read_options *options, bvx_mesh *mesh);
@@ -2731,7 +2734,9 @@ typedef struct bvx_write_options {
     int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
                            side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
                            formats are refused [Limit: 0..1] [Default: 0] */
-    const bvx_mesh *source; /**< its materials, textures and images go into a GLB
+    const bvx_mesh *source; /**< its materials, textures and images go into a GLB. Where it was read with
+                                 keep_file and a single mesh has its vertices, as read (BVX_VERTICES_KEPT),
+                                 the file is written again, with other indices
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
 } bvx_write_options;
 

@@ -370,6 +370,18 @@ static void close_beside(void *user, bvx_file_bytes *file)
     free(b);
 }
 
+/* 1: each level becomes the input's file with other triangles, so that nothing of it is lost. */
+static int keeps_file(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+    int const levels = o->triangles.count + o->errors.count + (int)o->count;
+    int const alone = levels == 1 || (levels == 0 && (run->command->bit & CLI_SIMPLIFY) != 0);
+
+    return o->keep_vertices && !cli_given(run, "--output-origin") && !o->quantize && o->output != NULL &&
+           bvx_format_of_name(o->output) == BVX_FORMAT_GLB && cli_turn_of(run) == BVX_TURN_NONE &&
+           (alone || strchr(o->output, '%') != NULL);
+}
+
 /* Commands that measure a mesh or describe it leave out triangles that lie nowhere; the others, which keep
  * triangles, refuse them: what keeps every triangle in its place must not lose one silently. */
 static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32_t format, bvx_mesh *mesh)
@@ -378,8 +390,9 @@ static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32
     bvx_read_options options;
 
     bvx_read_options_init(&options, sizeof options);
-    options.drop_nonfinite = (run->command->bit &
-                              (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE | CLI_BOOLEAN | CLI_INFO)) != 0;
+    options.keep_file = keeps_file(run);
+    options.drop_nonfinite = !options.keep_file && (run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE |
+                                                                         CLI_BOOLEAN | CLI_INFO)) != 0;
     options.report = &beside->report;
     /* Nothing lies beside standard input. */
     if (strcmp(beside->path, "-") != 0) {

@@ -349,7 +349,8 @@ static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshe
     o.turn = cli_turn_of(run);
     /* what rounding spoils was refused or warned of before */
     o.rounding = BVX_ROUNDING_ALLOW;
-    /* Triangles that keep the materials of another mesh need them in the file. */
+    /* Triangles that keep the materials of another mesh, or its vertices, need them in the file. */
+    if (run->options->keep_vertices) o.source = run->source;
     for (int i = 0; i < count; i++)
         if (meshes[i].materials != NULL && meshes[i].assets == NULL) o.source = run->source;
     return o;

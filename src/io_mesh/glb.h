@@ -87,6 +87,8 @@ static inline uint64_t bvxi_glb_images(const bvxi_glb_file *file)
 void bvxi_glb_layout(bvxi_glb *glb, uint64_t begin);
 /* BVX_ERR_RANGE when a file of that many bytes would be larger than the format allows. */
 bvx_status bvxi_glb_check_size(bvx_context *ctx, uint64_t size, uint64_t levels);
+/* All but the description of a file whose sizes are known; returns the description's place. */
+uint8_t *bvxi_glb_put_head(uint64_t json, uint64_t end, bvx_buffer *file);
 /* The description of the file, without padding. */
 void bvxi_glb_put_json(const bvxi_glb_file *file, bvxi_output *out);
 

@@ -39,6 +39,9 @@ typedef struct bvxi_gltf {
     uint32_t list_count[BVXI_GLTF_LISTS];
     bvxi_gltf_bytes *buffer, *image; /* scratch, one for each */
     uint32_t lost;                   /* BVX_LOST_... */
+    bvxi_asset_part *part;           /* of a file that is kept; scratch, or NULL */
+    uint32_t *part_of;               /* of each value of the JSON: its part, or BVXI_JSON_NONE; scratch */
+    uint64_t parts;
 } bvxi_gltf;
 
 /* ---- gltf_file.c: the container, the description's lists, its numbers ---- */

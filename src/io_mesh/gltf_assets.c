@@ -65,26 +65,35 @@ static const char *gltf_put_array(const bvxi_json *j, const char *member, bvxi_o
     return text;
 }
 
-/* The members of an image but those that say where it was. A type that the file does not say is known by the
- * bytes. */
-static const char *gltf_put_members(const bvxi_gltf *f, uint32_t i, bvxi_output *out)
+/* The members of an object but those of two names. Returns what parts them from further ones. */
+static const char *gltf_put_others(const bvxi_json *j, uint32_t object, const char *without, const char *nor,
+                                   bvxi_output *out)
 {
-    const bvxi_json *const j = &f->json;
-    const bvxi_gltf_bytes *const image = &f->image[i];
-    uint32_t const value = f->list[BVXI_GLTF_IMAGE][i];
-    const char *const text = gltf_put_place(out), *const type = gltf_image_type(image);
-    int some = 0;
+    const char *before = "";
 
-    for (uint32_t k = value + 1; k < j->value[value].next; k = j->value[k + 1].next) {
-        if (bvxi_json_is(j, k, "bufferView") || (image->bytes != NULL && bvxi_json_is(j, k, "uri"))) continue;
-        if (some) bvxi_output_text(out, ",");
+    for (uint32_t k = object + 1; k < j->value[object].next; k = j->value[k + 1].next) {
+        if (bvxi_json_is(j, k, without) || bvxi_json_is(j, k, nor)) continue;
+        bvxi_output_text(out, before);
         gltf_put_raw(j, k, out);
         bvxi_output_text(out, ":");
         gltf_put_raw(j, k + 1, out);
-        some = 1;
+        before = ",";
     }
-    if (type != NULL && bvxi_json_member(j, value, "mimeType") == BVXI_JSON_NONE) {
-        bvxi_output_text(out, some ? ",\"mimeType\":\"" : "\"mimeType\":\"");
+    return before;
+}
+
+/* An image but what says where it was. A type that the file does not say is known by the bytes. */
+static const char *gltf_put_members(const bvxi_gltf *f, uint32_t i, bvxi_output *out)
+{
+    const bvxi_gltf_bytes *const image = &f->image[i];
+    uint32_t const value = f->list[BVXI_GLTF_IMAGE][i];
+    const char *const text = gltf_put_place(out), *const type = gltf_image_type(image);
+    const char *const before = gltf_put_others(&f->json, value, "bufferView",
+                                               image->bytes != NULL ? "uri" : "bufferView", out);
+
+    if (type != NULL && bvxi_json_member(&f->json, value, "mimeType") == BVXI_JSON_NONE) {
+        bvxi_output_text(out, before);
+        bvxi_output_text(out, "\"mimeType\":\"");
         bvxi_output_text(out, type);
         bvxi_output_text(out, "\"");
     }
@@ -138,6 +147,64 @@ static const char *gltf_put_extensions(const bvxi_json *j, bvxi_output *out)
     return text;
 }
 
+/* ---- the file kept ---- */
+
+/* A mesh whose parts have new indices: one accessor each after those of the file. */
+static void gltf_put_mesh(const bvxi_gltf *f, uint32_t mesh, bvxi_output *out)
+{
+    const bvxi_json *const j = &f->json;
+    uint32_t const list = bvxi_json_member(j, mesh, "primitives"), count = bvxi_json_count(j, list);
+    uint32_t value = list + 1;
+
+    bvxi_output_text(out, "{");
+    bvxi_output_text(out, gltf_put_others(j, mesh, "primitives", "primitives", out));
+    bvxi_output_text(out, "\"primitives\":[");
+    for (uint32_t i = 0; i < count; i++, value = j->value[value].next) {
+        bvxi_output_text(out, i > 0 ? "," : "");
+        if (f->part_of[value] == BVXI_JSON_NONE) {
+            gltf_put_raw(j, value, out);
+            continue;
+        }
+        bvxi_output_text(out, "{");
+        bvxi_output_text(out, gltf_put_others(j, value, "indices", "mode", out));
+        bvxi_output_text(out, "\"indices\":");
+        bvxi_output_number(out, (uint64_t)f->list_count[BVXI_GLTF_ACCESSOR] + f->part_of[value]);
+        bvxi_output_text(out, "}");
+    }
+    bvxi_output_text(out, "]}");
+}
+
+/* All but the arrays that a level continues, which are put beside. */
+static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *out)
+{
+    static const char *const without[] = {"meshes", "buffers", "bufferViews", "accessors"};
+    const bvxi_json *const j = &f->json;
+
+    if (f->parts == 0) return;
+    assets->document = gltf_put_place(out);
+    bvxi_output_text(out, "{\"meshes\":[");
+    for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_MESH]; i++) {
+        bvxi_output_text(out, i > 0 ? "," : "");
+        gltf_put_mesh(f, f->list[BVXI_GLTF_MESH][i], out);
+    }
+    bvxi_output_text(out, "]");
+    for (uint32_t k = 1; k < j->value[0].next; k = j->value[k + 1].next) {
+        int left_out = 0;
+
+        for (int i = 0; i < 4; i++) left_out |= bvxi_json_is(j, k, without[i]);
+        if (left_out) continue;
+        bvxi_output_text(out, ",");
+        bvxi_output_add(out, j->text + j->value[k].at,
+                        (size_t)(j->value[k + 1].at + j->value[k + 1].size - j->value[k].at));
+    }
+    bvxi_output_add(out, "", 1);
+    assets->views = gltf_put_array(j, "bufferViews", out);
+    assets->accessors = gltf_put_array(j, "accessors", out);
+    assets->buffer = (const uint8_t *)gltf_put_place(out);
+    assets->buffer_size = f->buffer[0].size;
+    bvxi_output_add(out, f->buffer[0].bytes, (size_t)f->buffer[0].size);
+}
+
 /* ---- the block ---- */
 
 static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_image *images, bvxi_output *out)
@@ -155,17 +222,19 @@ static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_imag
         if (image.size > 0) bvxi_output_add(out, f->image[i].bytes, (size_t)image.size);
         if (images != NULL) images[i] = image;
     }
+    gltf_put_file(f, assets, out);
 }
 
 bvx_status bvxi_gltf_assets(bvxi_gltf *f, bvx_mesh *mesh)
 {
     bvx_context *const ctx = f->source->ctx;
     uint64_t const image_bytes = (uint64_t)f->list_count[BVXI_GLTF_IMAGE] * sizeof(bvxi_asset_image);
-    uint64_t bytes = 0;
+    uint64_t const held = f->bytes;
+    uint64_t bytes = 0, part_bytes;
     bvx_assets assets = {0};
     bvxi_output out = {0};
 
-    if (f->list_count[BVXI_GLTF_MATERIAL] == 0) return BVX_OK;
+    if (f->list_count[BVXI_GLTF_MATERIAL] == 0 && f->parts == 0) return BVX_OK;
 
     /* Images may share a bufferView, and so be far larger together than their file. */
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_IMAGE]; i++) {
@@ -176,18 +245,27 @@ bvx_status bvxi_gltf_assets(bvxi_gltf *f, bvx_mesh *mesh)
                                  "%s: its images have more than %d times the bytes of the file",
                                  f->source->format, (int64_t)GLTF_IMAGE_REPEATS);
     }
+    /* An image in a file of its own would not be where the kept one says. */
+    if (f->bytes != held) f->parts = 0;
+    if (f->parts > 0) f->lost &= BVX_LOST_IMAGES;
+    part_bytes = f->parts * sizeof *f->part;
     gltf_lay_out(f, &assets, NULL, &out);
 
-    assets.block_bytes = sizeof assets + image_bytes + out.size;
+    assets.block_bytes = sizeof assets + part_bytes + image_bytes + out.size;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, assets.block_bytes, "materials and images", &mesh->assets));
     mesh->assets->block_bytes = assets.block_bytes; /* by which it is freed */
-    bvxi_asset_image *const images = (bvxi_asset_image *)(void *)(mesh->assets + 1);
+    bvxi_asset_part *const parts = (bvxi_asset_part *)(void *)(mesh->assets + 1);
+    bvxi_asset_image *const images = (bvxi_asset_image *)(void *)(parts + f->parts);
     out.bytes = (uint8_t *)(images + f->list_count[BVXI_GLTF_IMAGE]);
     out.size = 0;
     gltf_lay_out(f, &assets, images, &out);
     assets.material_count = f->list_count[BVXI_GLTF_MATERIAL];
     assets.image_count = f->list_count[BVXI_GLTF_IMAGE];
     assets.images = images;
+    if (f->parts > 0) memcpy(parts, f->part, (size_t)part_bytes);
+    assets.parts = parts;
+    assets.part_count = f->parts;
+    assets.view_count = f->list_count[BVXI_GLTF_VIEW];
     *mesh->assets = assets;
     return BVX_OK;
 }

@@ -68,6 +68,10 @@ bvx_status bvxi_write_off(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *fi
 /* The meshes as levels of detail of one file, the finest first. */
 bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t level_count,
                           const bvx_write_options *options, bvx_buffer *file);
+/* write_kept.c: 1 when a level has the vertices of a source whose file is kept; that file with its triangles. */
+int bvxi_glb_keeps(const bvx_mesh *level, const bvx_write_options *options);
+bvx_status bvxi_write_kept(bvx_context *ctx, const bvx_mesh *level, const bvx_assets *assets,
+                           bvx_buffer *file);
 
 #define BVXI_NORMALS_SHARE 0.3 /* the part of a file's work that is done when its writer has them */
 

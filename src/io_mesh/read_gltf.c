@@ -24,6 +24,7 @@ typedef struct gltf_primitive {
     uint32_t attribute[GLTF_ATTRIBUTES]; /* accessors, or BVXI_JSON_NONE */
     uint32_t indices;                    /* accessor, or BVXI_JSON_NONE */
     uint32_t material;
+    uint32_t value; /* of the JSON */
     int32_t mode;
     int32_t shares;   /* 1: the vertices of the primitive before it */
     uint64_t corners; /* indices, or vertices without */
@@ -45,6 +46,8 @@ typedef struct gltf_reader {
     uint64_t vertices, triangles, most_corners;
     int has[GLTF_ATTRIBUTES]; /* 1: a primitive has it */
     int lacks_normals;        /* 1: a primitive has none */
+    int unkept;          /* 1: two nodes have one mesh, or a primitive has its triangles compressed too */
+    uint64_t primitives; /* of meshes that are drawn */
     bvx_mesh *out;
     uint64_t vertex, triangle; /* written so far */
 } gltf_reader;
@@ -128,6 +131,7 @@ static bvx_status gltf_refuse_draco(gltf_reader *r, uint32_t value, const gltf_p
 
     if (bvxi_json_member(&f->json, bvxi_json_member(&f->json, value, "extensions"), draco) == BVXI_JSON_NONE)
         return BVX_OK;
+    r->unkept = 1;
     BVXI_TRY(bvxi_gltf_array_of(f, p->attribute[GLTF_POSITION], &a));
     return a.at != NULL ? BVX_OK
                         : bvxi_fail(f->source->ctx, BVX_ERR_UNSUPPORTED,
@@ -144,6 +148,7 @@ static bvx_status gltf_take_primitive(gltf_reader *r, uint32_t mesh, uint32_t va
     uint64_t mode;
 
     memset(p, 0, sizeof *p);
+    p->value = value;
     if (bvxi_json_kind(&f->json, value) != BVXI_JSON_OBJECT)
         return bvxi_gltf_fail(f, BVXI_GLTF_MESH, mesh, "a primitive is not an object");
     BVXI_TRY(bvxi_gltf_whole(f, BVXI_GLTF_MESH, mesh, value, "mode", GLTF_TRIANGLES, &mode));
@@ -206,7 +211,6 @@ static bvx_status gltf_take_mesh(gltf_reader *r, uint32_t mesh, uint32_t first)
 static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
 {
     bvxi_gltf *const f = &r->f;
-    uint64_t primitives = 0;
 
     for (uint32_t i = 0; i < f->list_count[BVXI_GLTF_NODE]; i++) {
         uint32_t const value = f->list[BVXI_GLTF_NODE][i];
@@ -215,6 +219,7 @@ static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
         if (!r->scene.drawn[i]) continue;
         BVXI_TRY(bvxi_gltf_index(f, BVXI_GLTF_NODE, i, value, "mesh", BVXI_GLTF_MESH, &r->mesh_of[i]));
         if (r->mesh_of[i] == BVXI_JSON_NONE) continue;
+        r->unkept |= wanted[r->mesh_of[i]];
         wanted[r->mesh_of[i]] = 1;
         if (bvxi_json_member(&f->json, value, "skin") != BVXI_JSON_NONE) f->lost |= BVX_LOST_SKINS;
     }
@@ -222,9 +227,9 @@ static bvx_status gltf_mark_meshes(gltf_reader *r, uint8_t *wanted)
         uint32_t const list = bvxi_json_member(&f->json, f->list[BVXI_GLTF_MESH][i], "primitives");
         if (wanted[i] && bvxi_json_kind(&f->json, list) != BVXI_JSON_ARRAY)
             return bvxi_gltf_fail(f, BVXI_GLTF_MESH, i, "it has no array of primitives");
-        if (wanted[i]) primitives += bvxi_json_count(&f->json, list);
+        if (wanted[i]) r->primitives += bvxi_json_count(&f->json, list);
     }
-    return bvxi_alloc(f->source->ctx, BVXI_SCRATCH, primitives * sizeof *r->primitive, "the primitives",
+    return bvxi_alloc(f->source->ctx, BVXI_SCRATCH, r->primitives * sizeof *r->primitive, "the primitives",
                       &r->primitive);
 }
 
@@ -529,6 +534,9 @@ static bvx_status gltf_emit_node(gltf_reader *r, uint32_t node)
             r->vertex += p->vertices;
         }
         BVXI_TRY(gltf_emit_triangles(&t, p));
+        if (r->f.part == NULL) continue;
+        r->f.part_of[p->value] = (uint32_t)r->f.parts;
+        r->f.part[r->f.parts++] = (bvxi_asset_part){t.base, p->vertices, p->material, t.flips};
     }
     return BVX_OK;
 }
@@ -570,6 +578,19 @@ static bvx_status gltf_choose_type(gltf_reader *r, int32_t *type)
     return BVX_OK;
 }
 
+static bvx_status gltf_make_parts(gltf_reader *r)
+{
+    bvxi_gltf *const f = &r->f;
+    bvx_context *const ctx = f->source->ctx;
+
+    if (!f->options->keep_file || f->source->takes_any || r->unkept || r->out->position_type != BVX_F32 ||
+        f->list_count[BVXI_GLTF_BUFFER] != 1 || f->buffer[0].bytes == NULL)
+        return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)f->json.count * 4, "the parts of values", &f->part_of));
+    memset(f->part_of, 0xff, (size_t)f->json.count * 4);
+    return bvxi_alloc(ctx, BVXI_SCRATCH, r->primitives * sizeof *f->part, "the mesh's parts", &f->part);
+}
+
 static bvx_status gltf_make_arrays(gltf_reader *r)
 {
     bvx_context *const ctx = r->f.source->ctx;
@@ -584,6 +605,7 @@ static bvx_status gltf_make_arrays(gltf_reader *r)
     if (r->has[GLTF_NORMAL]) BVXI_TRY(bvxi_make_normals(ctx, m));
     if (r->has[GLTF_UV2]) BVXI_TRY(bvxi_make_uvs2(ctx, m));
     if (r->f.list_count[BVXI_GLTF_MATERIAL] > 0) BVXI_TRY(bvxi_make_materials(ctx, m));
+    BVXI_TRY(gltf_make_parts(r));
     return bvxi_alloc(ctx, BVXI_SCRATCH, r->most_corners * 4, "the indices of a primitive", &r->corner);
 }
 

@@ -43,7 +43,7 @@ static bvx_status read_mesh_as(bvxi_source *source, int32_t format, const bvx_re
 
 static const bvxi_option read_rows[] = {
     BVXI_SWITCH(bvx_read_options, drop_nonfinite),
-    BVXI_RESERVED(bvx_read_options, reserved),
+    BVXI_SWITCH(bvx_read_options, keep_file),
 };
 
 static bvx_status check_read(bvx_context *context, const char *function, const void *bytes, uint64_t size,

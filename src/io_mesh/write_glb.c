@@ -237,10 +237,9 @@ static uint8_t *glb_put_padding(const void *user, uint64_t begin, uint64_t end, 
 
 /* ---- the file ---- */
 
-static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *file)
+uint8_t *bvxi_glb_put_head(uint64_t json, uint64_t end, bvx_buffer *file)
 {
     uint8_t *const p = file->bytes;
-    bvxi_output out = {0};
     uint64_t const padded = bvxi_glb_padded(json);
 
     memcpy(p, "glTF", 4);
@@ -251,12 +250,11 @@ static void glb_put_head(const bvxi_glb_file *glb, uint64_t json, bvx_buffer *fi
 
     /* JSON is padded with spaces, which it ignores; the binary
      * chunk after it begins at a multiple of four bytes. */
-    out.bytes = p + GLB_HEAD;
-    bvxi_glb_put_json(glb, &out);
     memset(p + GLB_HEAD + json, ' ', (size_t)(padded - json));
 
-    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)bvxi_glb_padded(glb->end));
+    bvxi_store_u32(p + GLB_HEAD + padded, (uint32_t)bvxi_glb_padded(end));
     memcpy(p + GLB_HEAD + padded + 4, "BIN", 4); /* with its zero */
+    return p + GLB_HEAD;
 }
 
 /* part [Size: levels * GLB_PARTS + images * 2] */
@@ -305,7 +303,9 @@ static bvx_status glb_make_file(bvx_context *ctx, const bvxi_glb_file *glb, bvx_
     /* Arrays are written before the head: the head needs the size that the file has in the end. */
     BVXI_TRY(bvxi_make_file(ctx, "the GLB file", GLB_PREPARED, head, part, (int32_t)parts, file));
     bvxi_drop(ctx, part);
-    glb_put_head(glb, json.size, file);
+    json.bytes = bvxi_glb_put_head(json.size, glb->end, file);
+    json.size = 0;
+    bvxi_glb_put_json(glb, &json);
     return BVX_OK;
 }
 

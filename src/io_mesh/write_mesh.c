@@ -158,7 +158,9 @@ static bvx_status write_format(bvx_context *ctx, const bvx_mesh *meshes, uint64_
     switch (format) {
     case BVX_FORMAT_STL: return bvxi_write_stl(ctx, meshes, file);
     case BVX_FORMAT_OFF: return bvxi_write_off(ctx, meshes, file);
-    case BVX_FORMAT_GLB: return bvxi_write_glb(ctx, meshes, count, o, file);
+    case BVX_FORMAT_GLB:
+        return count == 1 && bvxi_glb_keeps(meshes, o) ? bvxi_write_kept(ctx, meshes, o->source->assets, file)
+                                                       : bvxi_write_glb(ctx, meshes, count, o, file);
     default: return o->normals ? write_with_normals(ctx, meshes, write, file) : write(ctx, &plain, file);
     }
 }

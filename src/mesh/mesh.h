@@ -39,12 +39,25 @@ typedef struct bvxi_asset_image {
     uint64_t size;
 } bvxi_asset_image;
 
+/* A primitive with triangles: its vertices in the mesh. Those that share vertices follow each other. */
+typedef struct bvxi_asset_part {
+    uint64_t base, vertices;
+    uint32_t material;
+    int32_t flips; /* 1: its triangles are turned in the mesh */
+} bvxi_asset_part;
+
 struct bvx_assets {
     uint64_t block_bytes; /* of all of it, this struct included */
     const char *materials, *textures, *samplers;
     const char *extensions_used; /* JSON array of those that materials and textures use */
     uint64_t material_count, image_count;
     const bvxi_asset_image *images;
+    /* The whole file, where it is kept: its JSON without buffers, views and accessors, whose items are beside it, and
+     * with the indices of parts that are to come as the last accessors. */
+    const char *document, *views, *accessors;
+    const uint8_t *buffer;
+    const bvxi_asset_part *parts;
+    uint64_t buffer_size, view_count, part_count;
 };
 
 static inline uint64_t bvxi_assets_bytes(const bvx_assets *assets)

@@ -82,14 +82,19 @@ int bvxi_attributes_share(const bvxi_collapse *c, uint32_t row, uint32_t other)
     return same_attributes(c->given, c->attributes.vertex[row], c->attributes.vertex[other], 0, 0);
 }
 
-/* The row of a corner among those of its vertex, which began at first. */
+/* The row of a corner among those of its vertex, which began at first. Vertices that are kept stand for more than is
+ * known here: two are one only where each corner has its own. */
 static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {
     bvxi_attributes *const s = &c->attributes;
     uint32_t const v = bvxi_given_vertex(c, corner), uv = uv_index(c, corner, v);
+    int const apart = c->options.vertices == BVX_VERTICES_KEPT &&
+                      c->given->vertex_count < 3 * c->given->triangle_count;
 
     for (uint64_t r = s->rows; r > first && r + ROWS_COMPARED > s->rows; r--)
-        if (same_attributes(c->given, s->vertex[r - 1], v, s->uv[r - 1], uv)) return (uint32_t)(r - 1);
+        if (apart ? s->vertex[r - 1] == v && s->uv[r - 1] == uv
+                  : same_attributes(c->given, s->vertex[r - 1], v, s->uv[r - 1], uv))
+            return (uint32_t)(r - 1);
     s->vertex[s->rows] = v;
     s->uv[s->rows] = uv;
     return (uint32_t)s->rows++;

@@ -215,6 +215,10 @@ static void apply(bvxi_collapse *c, const bvxi_edge_planned *plan, const double 
         for (int k = 0; k < 3; k++) d[k] = (p[k] - m->at[u].p[k]) * c->scale;
         bvxi_attributes_merge(c, plan->edge, plan->offset, d, star->corner, star->of_v);
     }
+    if (plan->pinches) {
+        c->kind[u] = VERTEX_JUNCTION;
+        c->kind[v] |= VERTEX_PINCHED;
+    }
     bvxi_edge_settle(c, plan, p);
     r->triangles += (uint64_t)drop_triangle(m, plan->edge);
     r->triangles += (uint64_t)drop_triangle(m, across);

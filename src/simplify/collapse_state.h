@@ -14,9 +14,10 @@ enum {
 
 /* How a vertex may move: bits. */
 enum {
-    VERTEX_LINE = 1,     /* on one line of borders or seams: along it only */
-    VERTEX_JUNCTION = 2, /* where such lines meet or end: into another junction only */
-    VERTEX_LOCKED = 4    /* not at all */
+    VERTEX_LINE = 1,     /* on one line of borders or seams: along it, or across a strip to another line */
+    VERTEX_JUNCTION = 2, /* where such lines meet or end: into another junction */
+    VERTEX_LOCKED = 4,   /* not at all */
+    VERTEX_PINCHED = 8   /* of one that is gone: where it went was no junction before */
 };
 
 enum { ATTRIBUTE_CHANNELS = 11 };

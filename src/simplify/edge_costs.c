@@ -92,14 +92,19 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
     plan->edge = edge;
     plan->u = u;
     plan->v = v;
-    plan->still = 0;
+    plan->still = plan->pinches = 0;
     if ((c->kind[u] | c->kind[v]) == 0) return 1;
 
     free_u = freedom(c, u);
     free_v = freedom(c, v);
     if (free_u + free_v == FREE_NOWHERE) return 0;
     if (free_u != FREE_ALL && free_v != FREE_ALL) {
-        if (!bvxi_collapse_is_feature(c, edge)) return 0;
+        if (!bvxi_collapse_is_feature(c, edge)) {
+            /* Lines meet across the strip between them, which is a junction from then on. Vertices that were given
+             * have no attributes of the other side. */
+            if (c->attributes.row == NULL || c->options.vertices == BVX_VERTICES_KEPT) return 0;
+            plan->pinches = free_u == free_v && free_u == FREE_LINE;
+        }
         if (c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
     }
 
@@ -109,7 +114,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
         plan->u = v;
         plan->v = u;
     }
-    plan->still = free_u != free_v || free_u == FREE_JUNCTION;
+    plan->still = plan->pinches || free_u != free_v || free_u == FREE_JUNCTION;
     return 1;
 }
 

@@ -31,6 +31,7 @@ typedef struct bvxi_edge_planned {
     int32_t edge;     /* corner opposite to it, with u next and v previous */
     uint32_t u, v;    /* the vertex that stays, and the one that goes */
     int32_t still;    /* 1: u stays where it is */
+    int32_t pinches;  /* 1: two lines meet in u from then on */
     bvxi_quadric q;   /* of both, about u */
     bvxi_quadric all; /* and what their attributes cost */
     double offset[3]; /* from u to v */

@@ -101,11 +101,13 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
 
 /* ---- Vertices with attributes ---- */
 
-/* 1: the vertex is not where the one was that a row was given with. */
+/* 1: the vertex is not where the one was that a row was given with. A row that came along into a junction keeps its
+ * values: that stretches a texture, and shows nothing from beyond its edge. */
 static int has_moved(const bvxi_collapse *c, uint32_t row, uint32_t v)
 {
     double p[3];
 
+    if (c->kind[v] > VERTEX_LINE) return 0;
     bvxi_view_position(c->given, c->attributes.vertex[row], p);
     for (int k = 0; k < 3; k++)
         if (bvxi_collapse_rounded(c, p[k]) != c->mesh.at[v].p[k]) return 1;

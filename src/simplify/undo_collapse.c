@@ -98,6 +98,7 @@ static void undo_one(bvxi_collapse *c, uint32_t v)
         for (int k = 0; k < 3; k++) back[k] = (undo->p[k] - m->at[u].p[k]) * c->scale;
         bvxi_attributes_restore(c, edge, back);
     }
+    if ((c->kind[v] & VERTEX_PINCHED) != 0) c->kind[u] = c->kind[v] = VERTEX_LINE;
     move_quadric(c, u, undo->p);
     c->any[u] = bvxi_corner_next(edge);
     c->any[v] = bvxi_corner_previous(edge);

@@ -180,6 +180,39 @@ static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size
     bvx_mesh_free(ctx, &m);
 }
 
+/* A file that is kept has its mesh again, and a triangle more for each primitive that has lost all. */
+static void fuzz_check_kept(bvx_context *ctx, const uint8_t *file, size_t size, int32_t format)
+{
+    bvx_mesh m = {0}, back = {0};
+    bvx_buffer b = {0};
+    bvx_read_options o;
+    bvx_write_options w;
+    bvx_status status;
+
+    bvx_read_options_init(&o, sizeof o);
+    bvx_write_options_init(&w, sizeof w);
+    o.keep_file = 1;
+    w.source = &m;
+    w.rounding = BVX_ROUNDING_ALLOW;
+    status = bvx_read_mesh_with(ctx, file, size, format, &o, &m);
+    fuzz_require(status == BVX_OK || status == BVX_ERR_BUDGET, "a mesh that is not read with its file");
+    if (status == BVX_OK && m.assets != NULL && m.assets->document != NULL) {
+        status = bvx_write_mesh_with(ctx, &m, &w, BVX_FORMAT_GLB, &b);
+        fuzz_require(status == BVX_OK || status == BVX_ERR_BUDGET || status == BVX_ERR_RANGE,
+                     "a kept file that is not written");
+        if (status == BVX_OK) status = bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_GLB, &back);
+        else status = BVX_ERR_BUDGET;
+        fuzz_require(status == BVX_ERR_BUDGET ||
+                         (status == BVX_OK && back.vertex_count == m.vertex_count &&
+                          back.triangle_count >= m.triangle_count &&
+                          memcmp(back.positions, m.positions, (size_t)m.vertex_count * 12) == 0),
+                     "a kept file with another mesh");
+    }
+    bvx_mesh_free(ctx, &back);
+    bvx_mesh_free(ctx, &m);
+    bvx_buffer_free(ctx, &b);
+}
+
 static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int format)
 {
     static const bvx_mesh empty = {0};
@@ -201,6 +234,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
         if (!is_points) fuzz_check_more_writing(ctx, &m);
         if (!is_points) fuzz_check_written(ctx, &m);
         if (!is_points) fuzz_check_finite(ctx, file, size, number, &m);
+        if (format >= FUZZ_GLB) fuzz_check_kept(ctx, file, size, number);
     } else {
         if (!is_points && status == BVX_ERR_RANGE) fuzz_check_finite(ctx, file, size, number, NULL);
         fuzz_require(memcmp(&m, &empty, sizeof m) == 0, "a result behind an error");

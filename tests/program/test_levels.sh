@@ -221,6 +221,26 @@ refuses 2 'simplify has no use for --carry' simplify coloured.obj -o c_0.obj --c
 refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --solid --carry
 works 'simplify --keep-vertices' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --keep-vertices --quiet
 holds 'simplify --keep-vertices: all of them, with their colours' sh -c 'grep "^v " coloured.obj | wc -l >n && test "$(awk "\$1 == \"v\" && NF == 7" c_0.obj | wc -l)" -eq "$(cat n)"'
+
+# A skin stays in the file where levels use its vertices; else it is said to be lost.
+cat >skin.gltf <<'END'
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0, "skin": 0}, {"name": "hip"}], "skins": [{"joints": [1]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 1, "WEIGHTS_0": 2}, "indices": 3}]}], "accessors": [
+{"bufferView": 0, "componentType": 5126, "count": 9, "type": "VEC3", "min": [0, 0, 0], "max": [2, 2, 0]},
+{"bufferView": 1, "componentType": 5121, "count": 9, "type": "VEC4"}, {"bufferView": 2, "componentType": 5126, "count": 9, "type": "VEC4"},
+{"bufferView": 3, "componentType": 5121, "count": 24, "type": "SCALAR"}], "bufferViews": [{"buffer": 0, "byteLength": 108},
+{"buffer": 0, "byteOffset": 108, "byteLength": 36}, {"buffer": 0, "byteOffset": 144, "byteLength": 144}, {"buffer": 0, "byteOffset": 288, "byteLength": 24}],
+"buffers": [{"byteLength": 312, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAAAAAAQAAAgD8AAAAAAAAAAAAAAEAAAAAAAACAPwAAAEAAAAAAAAAAQAAAAEAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAAEEAAQDAQIFAQUEAwQHAwcGBAUIBAgH"}]}
+END
+works 'simplify --keep-vertices of a skin' simplify skin.gltf -o skin.glb --triangles 2 --keep-vertices
+holds 'simplify --keep-vertices of a skin: no loss' sh -c '! grep -q "not read" err && grep -q -a "skins" skin.glb'
+works 'lod --keep-vertices of a skin' lod skin.gltf -o skin_%d.glb --triangles 6,2 --keep-vertices
+holds 'lod --keep-vertices of a skin: no loss' sh -c '! grep -q "not read" err && grep -q -a "skins" skin_0.glb && grep -q -a "WEIGHTS_0" skin_1.glb'
+for lost in '-o skin_%d.glb --triangles 6,2' '-o skin.glb --triangles 6,2 --keep-vertices' '-o skin.ply --triangles 2 --keep-vertices' \
+    '-o skin.glb --triangles 2 --keep-vertices --quantize' '-o skin.glb --triangles 2 --keep-vertices --output-origin 1,0,0'; do
+    warns 'skin.gltf: not read: skins' simplify skin.gltf $lost
+done
+
 rm -f n
 
 # Borders between colours.

@@ -15,7 +15,7 @@ if [ ! -d "$work/node_modules/gltf-validator" ]; then
 fi
 
 rm -f "$work/files"/*.glb
-GLB_FILES=$work/files "$folder/tests/unit/test_write_attributes" || exit 1
+for test in write_attributes write_kept; do GLB_FILES=$work/files "$folder/tests/unit/test_$test" || exit 1; done
 for how in --normals --quantize --up=y; do
     "$BITVOX" convert fixtures/knot.ply -o "$work/files/knot$how.glb" --input-up z $how >/dev/null || exit 1
 done

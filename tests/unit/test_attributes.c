@@ -414,6 +414,46 @@ static void test_a_torus_keeps_both_seams(void)
     }
 }
 
+/* Each strip of quads around the tube is a chart of its own, so that all vertices lie on seams: without meeting across
+ * strips 1494 triangles would remain. */
+static void test_narrow_charts_meet_and_show_nothing_of_others(void)
+{
+    static const uint64_t targets[2] = {1500, 400};
+    bvx_simplify_options o = options_for(targets);
+    bvx_mesh_view view;
+
+    make_torus(1);
+    for (uint32_t t = 0; t < mesh.triangles; t++)
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t const v = mesh.t[3 * t + k], strip = t / 2 % TORUS_AROUND,
+                           side = v % TORUS_AROUND != strip;
+            uint32_t const i = (2 * strip + side) * TORUS_TUBE + v / TORUS_AROUND;
+
+            uv[2 * i] = (float)(2 * strip + side);
+            uv[2 * i + 1] = (float)sin(TURN * (v / TORUS_AROUND) / TORUS_TUBE);
+            uv_index[3 * t + k] = i;
+        }
+    uvs = (size_t)2 * TORUS_AROUND * TORUS_TUBE;
+    view = view_with(1);
+    view.materials = NULL;
+    simplify(&view, &o, 2);
+    for (int i = 0; i < 2; i++) {
+        snprintf(where, sizeof where, "%d triangles around %g", (int)level[i].triangle_count,
+                 report[i].certificate.volume);
+        TEST_ASSERT_TRUE_MESSAGE(report[i].met && report[i].certificate.closed, where);
+        TEST_ASSERT_EQUAL_INT64_MESSAGE(0, report[i].certificate.euler, where);
+        TEST_ASSERT_TRUE_MESSAGE(report[i].certificate.volume > (i == 0 ? 0.94 : 0.86) * TURN * TURN * 3.125,
+                                 where);
+        for (uint64_t c = 0; c < 3 * level[i].triangle_count; c++) {
+            double const u = (double)uv_at(&level[i], c)[0], first = (double)uv_at(&level[i], c / 3 * 3)[0];
+
+            /* Of its strip: from 2 s to 2 s + 1. */
+            TEST_ASSERT_TRUE_MESSAGE(fabs(u - floor(u + 0.5)) < 0.2, where);
+            TEST_ASSERT_TRUE_MESSAGE(floor(u / 2 + 0.25) == floor(first / 2 + 0.25), where);
+        }
+    }
+}
+
 /* Texture coordinates of vertices, or of their own indices: one shape, with the same values at each corner. */
 static void test_both_ways_to_store_texture_coordinates_are_one_shape(void)
 {
@@ -828,6 +868,7 @@ int main(void)
     RUN_TEST(test_a_cylinder_keeps_seams_normals_and_materials);
     RUN_TEST(test_own_indices_keep_hard_edges);
     RUN_TEST(test_a_torus_keeps_both_seams);
+    RUN_TEST(test_narrow_charts_meet_and_show_nothing_of_others);
     RUN_TEST(test_both_ways_to_store_texture_coordinates_are_one_shape);
     RUN_TEST(test_a_weight_of_0_carries_attributes);
     RUN_TEST(test_second_texture_coordinates_follow);

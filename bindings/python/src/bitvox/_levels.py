@@ -216,8 +216,9 @@ def simplify(
     locked
         one value a vertex: those with a value other than 0 stay where they are.
     vertices
-        "placed" (the default): new ones, where they lie nearest to the mesh. "kept": the mesh's own, all of them, of which ``faces`` are
-        indices; what is stored by vertex stays as it is.
+        "placed" (the default): new ones, where they lie nearest to the mesh; `Closest` of the mesh gives each one's triangle and
+        barycentric weights there. "kept": the mesh's own, all of them, of which ``faces`` are indices; what is stored by vertex stays
+        as it is.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
