@@ -2065,6 +2065,14 @@ typedef struct bvx_volume_report {
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
+/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles cannot tell
+ *  apart. Labels are such.
+ *  low, high  u64: their bits
+ *  Returns BVX_ERR_UNSUPPORTED (samples that are floats).
+ *  [Memory, Cost, Exact: as bvx_threshold] */
+BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low,
+                                       int64_t high, bvx_volume_report *report, bvx_grid *grid);
+
 typedef struct bvx_scalar_options {
     size_t struct_size;
     double level;  /**< value of the surface [Limit: any; not NaN] [Default: 0] */
@@ -2104,7 +2112,7 @@ typedef struct bvx_label {
 } bvx_label;
 
 /** The values other than 0 of a volume of integers, ascending, each with its voxels and their box.
- *  bvx_threshold from a value to itself gives a label's voxels.
+ *  bvx_threshold_whole from a value to itself gives a label's voxels.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_CAPACITY.
  *  [Memory: up to 200 bytes a label]
  *  [Cost: O(samples)] */

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 import re
 import zlib
@@ -45,7 +47,8 @@ class Volume:
     order
         "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
     spacing, corner
-        of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+        of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world]. The corner is at 0 where none is given, so the
+        first sample is half a voxel from 0; with numpy's indices, scikit-image, SimpleITK and VTK it is at 0: ``center0=(0, 0, 0)``.
     center0
         center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK's point data call the origin [world].
     direction
@@ -422,13 +425,14 @@ class Volume:
         >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).threshold(2, 4).count
         3
         """
-        low, high = number("low", low), number("high", high)
+        low, high = _exact("low", low), _exact("high", high)
         if low > high:
-            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
+            raise ArgumentError(f"low is {low} and high is {high}: no sample is at or above the one and at or below the other")
         grid, report = new_grid(), ffi.new("bvx_volume_report *")
         given = self if self._turn is None else self._without_resampling()
+        bounds, function = _bounds(self._array.dtype, low, high)
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_threshold(run.context, given._c, low, high, report, grid))
+            run.check(function(run.context, given._c, *bounds, report, grid))
         self.report = record(report)
         return Grid._made(grid, self.report)
 
@@ -448,9 +452,8 @@ class Volume:
         >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).label(3).count
         1
         """
-        if abs(in_range("value", value, -(2**63), 2**64 - 1)) > 2**53:
-            raise ArgumentError(f"value is {value}; labels beyond 2**53 cannot be chosen")
-        return self.threshold(float(value), float(value), threads=threads, memory_limit=memory_limit, progress=progress)
+        value = in_range("value", value, -(2**63), 2**64 - 1)
+        return self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
         """The values other than 0 of integer samples, ascending, each with its voxels and their box in the window.
@@ -573,6 +576,30 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, (str, bytes)):
         raise TypeError(f"{name} must be a number, not {value!r}")
     return float(value)
+
+
+def _exact(name: str, value: Any) -> int | float:
+    """A number without rounding."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        return number(name, value)
+
+
+def _bounds(dtype: Any, low: int | float, high: int | float) -> tuple[tuple[Any, Any], Any]:
+    """The ends of a threshold as the samples' own kind of numbers, inwards, and the library's function of that kind."""
+    if low != low or high != high:
+        raise ArgumentError(f"low is {low} and high is {high}; neither may be NaN")
+    if dtype.kind == "f":
+        ends = float(low), float(high)  # an integer may lie between two doubles
+        return (math.nextafter(ends[0], _INFINITY) if ends[0] < low else ends[0],
+                math.nextafter(ends[1], -_INFINITY) if ends[1] > high else ends[1]), lib.bvx_threshold
+    least, most = (0, 2 ** (8 * dtype.itemsize) - 1) if dtype.kind == "u" else (-(2 ** (8 * dtype.itemsize - 1)), 2 ** (8 * dtype.itemsize - 1) - 1)
+    first = least if low <= least else most + 1 if low > most else math.ceil(low)
+    last = most if high >= most else least - 1 if high < least else math.floor(high)
+    if first > last:
+        first, last = 1, 0  # nothing
+    return tuple(end - 2**64 if end >= 2**63 else end for end in (first, last)), lib.bvx_threshold_whole  # type: ignore[return-value]
 
 
 def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: Frame | None, report: Any) -> Volume:

@@ -83,7 +83,7 @@ class Samples(Placed):
         3
         """
         if low > high:
-            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
+            raise ArgumentError(f"low is {low} and high is {high}: no sample is at or above the one and at or below the other")
         cut, made = self._cut(chunks), need("dask", "big").delayed(_threshold, pure=True)
         return Volume(cut, {i: made(self._window(*cut.window(i)), self.lattice, cut.window(i).low, low, high) for i in cut})
 
