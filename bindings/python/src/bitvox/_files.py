@@ -18,7 +18,7 @@ from ._mesh import Mesh, new_mesh, subtract
 from ._nrrd import unpacked
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
-from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
+from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, named, read_sections
 from ._volume import Volume, volume_of_bits
 from ._vti import without_blocks
 
@@ -303,7 +303,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             run.check(lib.bvx_write_mesh_with(run.context, mesh, options, number_of(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
-    return bytes(ffi.buffer(out.bytes, out.size))
+    data = bytes(ffi.buffer(out.bytes, out.size))
+    return named(data, thing, kind) if isinstance(thing, Sections) else data
 
 
 def _write_options(*, normals: bool = False, allow_rounding: bool = False, up: str | None = None, quantize: bool = False) -> Any:
