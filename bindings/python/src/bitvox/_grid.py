@@ -140,6 +140,29 @@ class Grid:
             rows[z] = padded.view("<u8")
         return grid
 
+    @classmethod
+    def of(cls, source: Any, *, scalars: str | None = None) -> Grid:
+        """A grid of what other libraries hold, in its place: the voxels whose value is not 0.
+
+        Parameters
+        ----------
+        source
+            a trimesh VoxelGrid, a mask that `Volume.of` takes (SimpleITK, nibabel, PyVista, xarray), a `Volume` or a `Grid`. Axes that
+            are flipped or permuted are turned; oblique ones are refused, as by `Volume.threshold`.
+        scalars
+            of PyVista: which point or cell data; None: the active ones.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((2, 3, 4)))
+        >>> bitvox.Grid.of(grid.to_pyvista()) == bitvox.Grid.of(grid.to_trimesh()) == grid
+        True
+        """
+        if isinstance(source, cls):
+            return source
+        made: Grid = call("grid_from", source, scalars)
+        return made
+
     def _pack(self, zyx: Any, sample: int) -> None:
         """Set what is not 0 in an array [z, y, x], of a type of samples that the library reads where they lie, in any order: all but
         what it finds to be 0."""

@@ -97,9 +97,12 @@ def _from_polydata(source: Any) -> Mesh:
                 uvs=getattr(source, "active_texture_coordinates", None))
 
 
+COLOR_NAMES = ("colors", "RGB", "RGBA", "rgb", "rgba")
+
+
 def _point_colors(source: Any) -> Any:
     """PyVista's colors: bytes by point, three or four, under a name that says so."""
-    for name in ("colors", "RGB", "RGBA", "rgb", "rgba"):
+    for name in COLOR_NAMES:
         if name in source.point_data:
             found = source.point_data[name]
             if found.dtype == "uint8" and found.ndim == 2 and found.shape[1] in (3, 4):

@@ -6,8 +6,9 @@ import os
 from typing import TYPE_CHECKING, Any, ClassVar, Iterable, Union
 
 from . import _arrays as arrays
+from ._bytes import by_file
 from ._calls import TABLE, call
-from ._errors import ArgumentError
+from ._errors import ArgumentError, need
 from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
@@ -277,6 +278,16 @@ class Octree:
         return with_positions(
             options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made),
             threads=threads, memory_limit=memory_limit, progress=progress)
+
+    def to_pyvista(self, *, states: States = None) -> Any:
+        """A pyvista.UnstructuredGrid of the leaves in a set of ``states``, as the .vtu that `save` writes has it; needs ``bitvox[view]``.
+
+        Examples
+        --------
+        >>> bitvox.refine('knot.ply', base=8, levels=2).to_pyvista().n_cells > 100
+        True
+        """
+        return by_file(call("dumps", self, "vtu", states=states), "vtu", need("pyvista", "view").read)
 
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
         """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves

@@ -12,7 +12,7 @@ from typing import Any, BinaryIO, ClassVar, Iterable, Sequence
 from . import _arrays as arrays
 from ._bytes import by_file, bytes_of_open, format_of, read_bytes
 from ._calls import call, entered
-from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError
+from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError, need
 from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
@@ -408,6 +408,41 @@ class Volume:
         affine[:3, 3] = self.center0[::-1]
         return self.to_numpy("zyx"), {"name": name or "volume", "affine": affine}, "image"
 
+    def to_sitk(self) -> Any:
+        """An image of SimpleITK in the same place, in its world "lps"; a copy. Needs ``bitvox[medical]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume.of(bitvox.Volume(np.zeros((2, 3, 4))).to_sitk()).shape
+        (2, 3, 4)
+        """
+        return call("to_sitk", self)
+
+    def to_nibabel(self) -> Any:
+        """A Nifti1Image of nibabel in the same place, in its world "ras". Needs ``bitvox[medical]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_nibabel().shape
+        (2, 3, 4)
+        """
+        return call("to_nibabel", self)
+
+    def to_pyvista(self) -> Any:
+        """A pyvista.ImageData with the point data "samples". Needs ``bitvox[view]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_pyvista().dimensions
+        (2, 3, 4)
+        """
+        pyvista = need("pyvista", "view")
+        image = pyvista.ImageData(dimensions=self.shape, spacing=self.spacing, origin=self.center0)
+        if self._turn is not None:
+            image.direction_matrix = self._turn
+        image.point_data["samples"] = self.to_numpy("zyx").reshape(-1)
+        return image
+
     # ---- what is made of it ----
 
     def threshold(self, low: float = -_INFINITY, high: float = _INFINITY, *, threads: int | None = None,
@@ -429,7 +464,7 @@ class Volume:
         if low > high:
             raise ArgumentError(f"low is {low} and high is {high}: no sample is at or above the one and at or below the other")
         grid, report = new_grid(), ffi.new("bvx_volume_report *")
-        given = self if self._turn is None else self._without_resampling()
+        given = self._without_resampling()
         bounds, function = _bounds(self._array.dtype, low, high)
         with Run(threads, memory_limit, progress) as run:
             run.check(function(run.context, given._c, *bounds, report, grid))
@@ -439,9 +474,9 @@ class Volume:
     def _without_resampling(self) -> Volume:
         """With axes along the world's, where that needs no new samples."""
         np = arrays.numpy("Volume")
-        if (np.abs(np.abs(self._turn).max(axis=0) - 1.0) > 1e-9).any():
+        if self._turn is not None and (np.abs(np.abs(self._turn).max(axis=0) - 1.0) > 1e-9).any():
             raise ArgumentError("the volume lies oblique to the world's axes, and a Grid lies along them: take volume.aligned().threshold(...), "
-                                "which samples it anew, or volume.surface(level), which does not")
+                                "which samples it anew, or volume.surface(level), which does not (of a pyvista.ImageData: image.bitvox.volume())")
         return self.aligned()
 
     def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -782,6 +817,13 @@ def resampled_bits(grid: Grid, matrix: Any, spacing: Any) -> Grid:
     """See `Grid.transform`: what `Volume.aligned` makes of 0 and 1 by the nearest sample."""
     volume = volume_of_bits(grid).transform(matrix).aligned(spacing=spacing, method="nearest", outside=0)
     return Grid.from_numpy(volume.array, spacing=volume.spacing, center0=volume.center0)
+
+
+@entered
+def grid_from(source: Any, scalars: str | None) -> Grid:
+    """See `Grid.of`."""
+    volume = Volume.of(source, scalars=scalars)._without_resampling()
+    return Grid.from_numpy(volume.array, lattice=volume.lattice, low=volume.low)
 
 
 def volume_of_bits(grid: Grid) -> Volume:
