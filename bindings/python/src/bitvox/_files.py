@@ -80,7 +80,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     """
     if hasattr(path, "read"):
         return _read_open(path, format, window, close_gap, drop_nonfinite, threads, memory_limit, progress)
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, format)
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
@@ -359,7 +359,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
     --------
     >>> bitvox.write_levels('knot.glb', bitvox.lod('knot.ply', triangles=(800, 200)))
     """
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, None)
     if kind not in MESH_OUTPUTS:
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
@@ -404,7 +404,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
     >>> bitvox.read('solid.nrrd').shape[0]
     31
     """
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, format)
     data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, up=up,
                  quantize=quantize, threads=threads, memory_limit=memory_limit, progress=progress)

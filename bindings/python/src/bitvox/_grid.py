@@ -340,6 +340,8 @@ class Grid:
         return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
 
     def _combined(self, other: Any, operation: Any) -> Grid:
+        if hasattr(other, "__array_interface__"):
+            raise TypeError("an array has no place of its own: Grid.from_numpy(array, lattice=grid.lattice, low=grid.low) gives it that of a grid")
         if not isinstance(other, Grid):
             return NotImplemented
         return self._through(lambda run, made: operation(run.context, self._c, other._c, made))

@@ -11,7 +11,7 @@ from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
-from ._run import Progress, Run, ffi, lib, number_of, options_of, quiet
+from ._run import Progress, Run, ffi, hinting, in_range, lib, number_of, options_of, quiet
 from ._words import Array, ErrorKind, Vertices
 
 if TYPE_CHECKING:
@@ -264,6 +264,67 @@ class Mesh:
         other._normals = None  # of the surface that it was
         other._vertices = arrays.vertices_in(vertices)
         return other
+
+    def _part(self, chosen: Any) -> Mesh:
+        """These triangles with the vertices and attributes that they use."""
+        np = arrays.numpy("parts of meshes")
+        used, numbers = np.unique(np.asarray(self.faces)[chosen], return_inverse=True)
+        other = self.astype()
+        other._vertices, other._faces = np.asarray(self._vertices)[used], numbers.reshape(-1, 3).astype(np.uint32)
+        for name in ("_colors", "_normals", "_uvs2", *(("_uvs",) if self._uv_faces is None else ())):
+            values = getattr(self, name)
+            setattr(other, name, None if values is None else np.asarray(values)[used])
+        for name in ("_materials", "_uv_faces"):
+            values = getattr(self, name)
+            setattr(other, name, None if values is None else np.ascontiguousarray(np.asarray(values)[chosen]))
+        other._keys = other.report = None
+        return other
+
+    def _pieces(self) -> list[Any]:
+        """Indices of the triangles of each piece, the one of most area first."""
+        np = arrays.numpy("pieces of meshes")
+        faces = np.asarray(self.faces).astype(np.int64)
+        arrays.refuse_negative(faces)
+        if faces.size and int(faces.max()) >= self.n_vertices:
+            raise RangeError(f"vertex index {faces.max()}, but there are {self.n_vertices} vertices")
+        label, before = np.arange(self.n_vertices), None
+        while before is None or (label != before).any():  # each vertex takes the least label around it, then that one's own
+            before = label.copy()
+            np.minimum.at(label, faces, label[faces].min(axis=1, keepdims=True))
+            label = label[label]
+        _, piece = np.unique(label[faces[:, 0]], return_inverse=True)
+        a, b, c = (self.in_world()[faces[:, k]] for k in range(3))
+        area = np.bincount(piece, np.linalg.norm(np.cross(b - a, c - a), axis=1))
+        parts = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])
+        return [parts[i] for i in np.argsort(-area, kind="stable")]
+
+    def split(self) -> list[Mesh]:
+        """The pieces of the mesh, which share no vertex, the one of most area first, each with its attributes.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]]))
+        >>> [piece.n_faces for piece in grid.faces().split()]
+        [12, 12]
+        """
+        return [self._part(piece) for piece in self._pieces()]
+
+    def keep(self, *, largest: int) -> Mesh:
+        """The pieces of most area, as `split` has them, in one mesh. The wall of a cavity is a piece of its own.
+
+        Parameters
+        ----------
+        largest
+            so many.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').keep(largest=1).check().components
+        1
+        """
+        np = arrays.numpy("Mesh.keep")
+        pieces = self._pieces()[: in_range("largest", largest, 1, 2**63 - 1)]
+        return self._part(np.sort(np.concatenate(pieces))) if pieces else self
 
     def drop_nonfinite(self) -> Mesh:
         """A copy without vertices that are NaN or infinite and without the triangles that use them, which every other call
@@ -550,6 +611,7 @@ class Mesh:
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
 
+    @hinting
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
                  error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,
                  attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed",

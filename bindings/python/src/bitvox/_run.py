@@ -12,7 +12,7 @@ import functools
 import os
 import re
 import time
-from typing import Any, Callable, Iterator, NamedTuple, Union
+from typing import Any, Callable, Iterator, NamedTuple, ParamSpec, TypeVar, Union
 
 from . import _native
 from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, UnsupportedError, VersionError, need
@@ -214,6 +214,8 @@ class Run:
         options = ffi.new("bvx_context_options *")
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
         wanted = given.threads if threads is None else threads
+        if wanted == -1:
+            raise OptionRangeError("threads is -1; 0 takes as many as there are processors, 1 to 1024 so many")
         options.threads = in_range("threads", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
         self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
@@ -337,11 +339,36 @@ def choice(name: str, value: Any, prefix: str, names: dict[str, str] | tuple[str
         raise TypeError(f"{name} must be one of {', '.join(names)}, not {value!r}")
     plain = value.lower().replace("_", "-")
     if plain not in names:
-        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
+        meant = next((f" ({word!r} is meant?)" for word, others in _PEERS.items() if word in names and plain in others), "")
+        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}{meant}")
     number = getattr(lib, prefix + plain.upper().replace("-", "_"), None)
     if number is None:
         raise UnsupportedError(f"{name}={value!r}: this build of the library has no such rule")
     return number
+
+
+# What other libraries call an operation, and a target of simplification.
+_PEERS = {"difference": ("subtract", "subtraction", "minus", "sub", "diff", "not"), "intersection": ("intersect", "and", "common"),
+          "union": ("add", "or", "merge", "unite", "unify", "fuse", "sum")}
+_SHARES = {"ratio": "ratio", "target_ratio": "target_ratio", "target_reduction": "(1 - target_reduction)", "percent": "percent",
+           "reduction": "(1 - reduction)", "factor": "factor"}
+_COUNTS = ("face_count", "target_count", "target_number_of_triangles", "target_faces", "n_faces")
+
+P, R = ParamSpec("P"), TypeVar("R")
+
+
+def hinting(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that says what it calls a target that other libraries name otherwise."""
+    @functools.wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> R:
+        for name in options:
+            if name in _SHARES:
+                raise TypeError(f"{function.__name__} takes no {name}: give triangles=round({_SHARES[name]} * mesh.n_faces)")
+            if name in _COUNTS:
+                raise TypeError(f"{function.__name__} takes no {name}: give triangles=, the most that are left")
+        return function(*arguments, **options)
+
+    return called
 
 
 def number_of(format: str) -> int:

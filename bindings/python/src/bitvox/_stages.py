@@ -832,7 +832,7 @@ def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Me
 def boolean(
     a: Any,
     b: Any,
-    operation: Operation,
+    operation: Operation | None = None,
     *,
     resolution: int | None = None,
     lattice: Lattice | None = None,
@@ -860,7 +860,8 @@ def boolean(
     Parameters
     ----------
     a, b
-        what `Mesh.of` takes.
+        what `Mesh.of` takes; or ``boolean([a, b, c], "union")``, a list and the operation: the union of all, or the first without all
+        others. The surface is measured anew on voxels, so flat faces get more triangles than they had: ``triangles`` and ``error``.
     operation
         "union", "intersection", "difference" (a without b) or "xor".
     resolution
@@ -904,6 +905,8 @@ def boolean(
     >>> bitvox.boolean(knot, moved, 'union', resolution=64).check().closed
     True
     """
+    if operation is None:
+        a, b, operation = _listed_bodies(a, b)
     options = options_of("boolean_options")
     if lattice is not None:
         if resolution is not None:
@@ -933,6 +936,22 @@ def boolean(
         made = collapsed(made, targets, limits)
     made.report = record(report)
     return made
+
+
+def _listed_bodies(bodies: Any, operation: Any) -> tuple[Any, Any, Any]:
+    """boolean([a, b, c], operation) as a, what the others are together, and the operation."""
+    if not isinstance(operation, str) or not isinstance(bodies, (list, tuple)) or len(bodies) < 2:
+        raise TypeError("boolean takes two meshes and an operation, or a list of two and more and an operation")
+    meshes = [Mesh.of(body) for body in bodies]
+    if len(meshes) > 2 and operation not in ("union", "difference"):
+        raise ArgumentError(f"{operation} of {len(meshes)} meshes: take two at a time; union and difference take several")
+    np, first = arrays.numpy("boolean of a list"), 0
+    vertices, faces = [], []
+    for mesh in meshes[1:]:
+        vertices.append(mesh.in_world())
+        faces.append(np.asarray(mesh.faces, np.int64) + first)
+        first += mesh.n_vertices
+    return meshes[0], Mesh(np.concatenate(vertices), np.concatenate(faces)), operation
 
 
 def content_hash(data: Any, seed: int = 0) -> int:

@@ -367,6 +367,11 @@ class Volume:
 
     __hash__: ClassVar[None] = None  # type: ignore[assignment]
 
+    def __gt__(self, other: Any) -> Any:
+        raise TypeError("a volume is compared by volume.threshold(low, high), which gives a Grid, or as volume.array, which gives an array")
+
+    __ge__ = __lt__ = __le__ = __gt__
+
     def __reduce__(self) -> Any:
         np = arrays.numpy("pickling")
         return _volume_from, (np.array(self._array), self.lattice, self.low, self._turn, self.frame, self.report)
@@ -508,7 +513,7 @@ class Volume:
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
     def surface(self, level: float = 0.0, *, below: bool = False, face_rule: FaceRule = "separate", dtype: Any = None,
-                open_sides: str | Iterable[str] = (), keys: bool = False, triangles: int | None = None,
+                open_sides: str | Iterable[str] = (), keys: bool = False, keep_largest: int | None = None, triangles: int | None = None,
                 error: float | str | None = None, error_kind: ErrorKind | None = None, local_frame: bool = False, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
@@ -521,6 +526,8 @@ class Volume:
             what lies at or below the level is inside.
         face_rule, dtype, open_sides, keys, local_frame
             as for `bitvox.surface`.
+        keep_largest
+            the surface of so many of the largest connected parts alone, without the crumbs; each has its cavities.
         triangles, error, error_kind
             most triangles of the surface, or its distance to what it would be without, by edges that
             collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
@@ -546,6 +553,7 @@ class Volume:
             raise ArgumentError(f"{next(iter(targets))} and {'keys' if keys else 'open_sides'} contradict each other: parts of a surface are "
                                 "merged whole; simplify what merge makes")
         limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+        given = self if keep_largest is None else self._without_crumbs(number("level", level), below, keep_largest, {**limits, "progress": None})
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
         options.level, options.below, options.report = number("level", level), int(bool(below)), report
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
@@ -553,9 +561,22 @@ class Volume:
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
         with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
-            mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
+            mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, given._c, options, made), **limits)
             self.report = record(report)
             return self._in_world(collapsed(mesh, targets, limits))
+
+    def _without_crumbs(self, level: float, below: bool, largest: int, limits: dict[str, Any]) -> Volume:
+        """A copy whose smaller parts have a sample of outside: parts share no edge of the lattice, so the others' surface stays."""
+        np, plain = arrays.numpy("Volume.surface"), Volume.__new__(Volume)
+        plain._set(self._array, self.lattice, self.low, None, self.frame)
+        every = plain.threshold(*((-_INFINITY, level) if below else (level, _INFINITY)), **limits)
+        dropped = (every - every.keep(largest=largest, **limits)).to_numpy()
+        if not dropped.any():
+            return self
+        array = np.array(self._array)
+        array[dropped] = self._array[~every.to_numpy()][0]
+        plain._set(array, self.lattice, self.low, self._turn, self.frame)
+        return plain
 
     def _in_world(self, mesh: Mesh) -> Mesh:
         """A mesh in the volume's own frame, turned into the world; a mirror turns its faces."""
@@ -724,7 +745,7 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
             raise UnsupportedError(f".{kind} has its samples in another file, so an open one is not enough: give its name")
         return by_file(data, kind, lambda name: read_volume(name, shape=shape, dtype=dtype, spacing=spacing, corner=corner, offset=offset, frame=frame,
                                                             threads=threads, memory_limit=memory_limit, progress=progress))
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:

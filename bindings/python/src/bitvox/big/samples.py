@@ -12,7 +12,7 @@ from .._run import settings
 from .._stages import merge
 from .._volume import Volume as WholeVolume
 from .._words import FaceRule
-from .chunks import Chunks, Index
+from .chunks import Chunks, Index, laid_out
 from .store import array_of
 from .volume import Volume
 
@@ -40,8 +40,7 @@ class Samples(Placed):
     lattice: Lattice
 
     def __init__(self, array: Any, lattice: Lattice | None = None) -> None:
-        if array.ndim != 3:
-            raise ArgumentError(f"array has {array.ndim} axes; it must have three")
+        array = laid_out(array)
         where = Lattice(array.shape) if lattice is None else lattice
         if where.shape != tuple(array.shape):
             raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
