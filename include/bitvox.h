@@ -179,7 +179,7 @@ enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
 typedef struct bvx_context_options {
     size_t struct_size;  /**< set by bvx_context_options_init */
-    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; builds without one need alloc or arena] */
+    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; BVX_FREESTANDING: alloc or arena] */
     bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
     void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
     void *arena; /**< memory to live in: results at its low end, scratch at its high end; of any alignment, up
@@ -2883,6 +2883,8 @@ typedef struct bvx_read_sections_options {
     double close_gap; /**< CSV: loops whose ends lie farther apart are refused as open polylines; 0 closes all
                            by a straight side [Units: world] [Limit: >= 0] [Default: 0] */
     uint64_t reserved;
+    uint64_t *flipped; /**< CSL: receives how many planes were read although their D has the other sign. All
+                            planes of the file agree in that, else it is refused [Default: NULL] */
 } bvx_read_sections_options;
 
 BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size);

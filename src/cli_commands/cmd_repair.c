@@ -130,7 +130,10 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
                  r->copied ? "; copied" : " (--if-needed copies it)");
     /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
-    if (r->holes != 0)
+    if (r->holes != 0 && c->boundary_edges == 0)
+        cli_tell(made, "  holes       %" PRIu64 " where junctions part, length %.6g, the longest %.6g\n",
+                 r->holes, r->hole_length, r->longest_hole);
+    else if (r->holes != 0)
         cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
                  r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
     if (c->flipped_edges != 0)

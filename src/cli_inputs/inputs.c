@@ -235,13 +235,19 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
 
     if (status == CLI_DONE) {
         bvx_read_sections_options o;
+        uint64_t flipped = 0;
         bvx_status read;
         bvx_read_sections_options_init(&o, sizeof o);
         o.close_gap = run->options->close_gap;
+        o.flipped = &flipped;
         cli_stage_begin(run, "parse");
         read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
         cli_end_parse(run, b.size);
         status = cli_check_call(run, read, cli_input_name(path));
+        if (status == CLI_DONE && flipped != 0)
+            cli_warn(run,
+                     "%s: D has the other sign on all planes, A x + B y + C z = D; the points were taken",
+                     cli_input_name(path));
     }
     /* Contours are copied out of the text. */
     free(b.bytes);

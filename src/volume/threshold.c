@@ -457,21 +457,36 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
 
 /* ---- public ---- */
 
-static bvx_status run_range(bvx_context *context, const char *name, const bvx_volume_view *volume,
-                            const int64_t stride[3], const bvxi_range *range, bvx_volume_report *report,
-                            bvx_grid *grid)
+/* From real[0] to real[1], or where that is NULL from whole[0] to whole[1]. */
+static bvx_status run_threshold(bvx_context *context, const char *name, const bvx_volume_view *volume,
+                                const double *real, const int64_t *whole, bvx_volume_report *report,
+                                bvx_grid *grid)
 {
+    bvxi_range range;
     bvx_volume_report counts;
     bvx_window window;
     bvx_grid made;
+    int64_t stride[3];
     bvx_status status;
 
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (grid == NULL) return bvxi_fail_null(context, name, "grid");
+    BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
+
+    /* NaN compares with nothing, so such a range would be neither empty nor full. */
+    if (real != NULL && (real[0] != real[0] || real[1] != real[1]))
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
+                             "%s: an end of the range is NaN", name);
+    if (real == NULL && volume->sample_type >= BVX_SAMPLE_F32)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats", name);
+    if (real != NULL) bvxi_range_make(volume->sample_type, real[0], real[1], &range);
+    else range_of_whole(volume->sample_type, whole[0], whole[1], &range);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
-    status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, range,
+    status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
                             report != NULL ? &counts : NULL, &made);
     if (status != BVX_OK) {
         /* The caller's own array stays the caller's. */
@@ -483,50 +498,17 @@ static bvx_status run_range(bvx_context *context, const char *name, const bvx_vo
     return BVX_OK;
 }
 
-static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
-                                bvx_volume_report *report, bvx_grid *grid)
-{
-    static const char name[] = "bvx_threshold";
-    bvxi_range range;
-    int64_t stride[3];
-
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (grid == NULL) return bvxi_fail_null(context, name, "grid");
-    BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
-
-    /* NaN compares with nothing, so such a range would be neither empty nor full. */
-    if (low != low || high != high)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
-                             "%s: an end of the range is NaN", name);
-    bvxi_range_make(volume->sample_type, low, high, &range);
-    return run_range(context, name, volume, stride, &range, report, grid);
-}
-
 bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                          bvx_volume_report *report, bvx_grid *grid)
 {
-    return BVXI_CALL(context, run_threshold(context, volume, low, high, report, grid));
-}
-
-static bvx_status run_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
-                            bvx_volume_report *report, bvx_grid *grid)
-{
-    static const char name[] = "bvx_threshold_whole";
-    bvxi_range range;
-    int64_t stride[3];
-
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (grid == NULL) return bvxi_fail_null(context, name, "grid");
-    BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
-
-    if (volume->sample_type >= BVX_SAMPLE_F32)
-        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats", name);
-    range_of_whole(volume->sample_type, low, high, &range);
-    return run_range(context, name, volume, stride, &range, report, grid);
+    double const ends[2] = {low, high};
+    return BVXI_CALL(context, run_threshold(context, "bvx_threshold", volume, ends, NULL, report, grid));
 }
 
 bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
                                bvx_volume_report *report, bvx_grid *grid)
 {
-    return BVXI_CALL(context, run_whole(context, volume, low, high, report, grid));
+    int64_t const ends[2] = {low, high};
+    return BVXI_CALL(context,
+                     run_threshold(context, "bvx_threshold_whole", volume, NULL, ends, report, grid));
 }

@@ -78,7 +78,7 @@ def test_cubic_blend_is_nearer():
 def test_loops_that_meet_are_mended():
     keyhole = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 2), (1, 2), (1, 3), (3, 3), (3, 1), (1, 1), (1, 2), (0, 2)]
     meeting = Sections([Loop([(x, y, z) for x, y in keyhole]) for z in (0, 1)])
-    with pytest.raises(bitvox.FormatError, match="crosses or touches itself"):
+    with pytest.raises(bitvox.FormatError, match="crosses or touches itself.*; mend=True splits"):
         meeting.surface()
     mended = meeting.surface(mend=True)
     assert (mended.report.mended_loops, mended.report.holes) == (2, 2)
@@ -374,3 +374,11 @@ def test_columns_of_others_name_no_bodies():
     assert bitvox.loads("\n".join([head, *rows]).encode(), "csv").labels == ["a"]
     more = [row.replace("0,0,0,1", "0,0,1,2", 1) for row in rows]
     assert bitvox.loads("\n".join([head, *rows, *more]).encode(), "csv").labels == ["1", "2"]  # two bodies of one name
+
+
+def test_a_csl_with_the_other_sign_of_d():
+    rows = "0 0 {0} 4 0 {0} 4 4 {0}\n3 1 0 1 2\n"
+    text = "CSLC\n2 2\n" + "".join(f"{i} 3 1 0 0 1 {sign}{i}\n{rows.format(i)}" for i, sign in ((1, "{s}"), (2, "{s}")))
+    with pytest.warns(UserWarning, match="D has the other sign on all planes"):
+        found = bitvox.loads(text.replace("{s}", "").encode(), "csl")
+    assert found == bitvox.loads(text.replace("{s}", "-").encode(), "csl") and found.positions == [1.0, 2.0]

@@ -354,7 +354,8 @@ _SHARES = {"ratio": "ratio", "target_ratio": "target_ratio", "target_reduction":
            "reduction": "(1 - reduction)", "factor": "factor"}
 _COUNTS = ("face_count", "target_count", "target_number_of_triangles", "target_faces", "n_faces")
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def hinting(function: Callable[P, R]) -> Callable[P, R]:

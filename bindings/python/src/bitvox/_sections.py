@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
-from ._errors import ArgumentError
+from ._errors import ArgumentError, Error
 from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
@@ -544,7 +544,12 @@ def from_sections(
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
         with Run(**limits) as run:
-            run.check(build(run.context, given._struct(run), options, made))
+            try:
+                run.check(build(run.context, given._struct(run), options, made))
+            except Error as why:
+                if why.reason in ("BVX_REASON_LOOPS_MEET", "BVX_REASON_LOOP_FLAT") and not mend and given.normals is None:
+                    why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
+                raise
         mesh = Mesh._made(made)
         _warn_of_wishes(mesh, parts, genus, report)
         mesh = collapsed(mesh, targets, limits)
@@ -675,7 +680,10 @@ def read_sections(data: Any, number: int, close_gap: float | None, run: Run) -> 
     made = new_sections()
     options = options_of("read_sections_options")
     options.close_gap = 0.0 if close_gap is None else float(close_gap)
+    flipped = options.flipped = ffi.new("uint64_t *")
     run.check(function("bvx_read_sections")(run.context, data, len(data), number, options, made))
+    if flipped[0]:
+        warnings.warn("D has the other sign on all planes of the .csl, A x + B y + C z = D; the points were taken", stacklevel=5)
     found = Sections._made(made)
     names = _names_in(bytes(ffi.buffer(data))) if number == lib.BVX_FORMAT_CSV else {}
     found.loops = [loop._replace(label=names.get(loop.label, loop.label)) for loop in found.loops]

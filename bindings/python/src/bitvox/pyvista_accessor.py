@@ -42,8 +42,10 @@ class MeshAccessor:
         color = next((name for name in COLOR_NAMES if name in data), "colors")
         if self._dataset.cell_data:
             warnings.warn(f"data of cells are not kept: {', '.join(self._dataset.cell_data)}", stacklevel=3)
-        nearest = _stages.Closest(source) if data and source.n_faces else None
-        for mesh, one in zip(made, found) if nearest is not None else ():
+        if not data or not source.n_faces:
+            return found
+        nearest = _stages.Closest(source)
+        for mesh, one in zip(made, found):
             at = nearest.find(mesh.in_world())
             corners, weight = np.asarray(source.faces)[at["triangle"]], np.asarray(at["weight"])
             if mesh.colors is not None and color != "colors":
