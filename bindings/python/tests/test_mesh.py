@@ -346,7 +346,7 @@ def test_lists_of_bodies():
 def test_words_of_other_libraries(knot):
     for call, hint in ((lambda: knot.simplify(ratio=0.1), r"round\(ratio \* mesh"), (lambda: bitvox.lod(knot, target_reduction=0.9), r"round\(\(1 - target_reduction\)"),
                        (lambda: bitvox.simplify(knot, face_count=10), "triangles="), (lambda: bitvox.lod(knot, triangles=0.1), r"round\(0.1 \* mesh"),
-                       (lambda: bitvox.boolean(knot, knot, "subtract"), "'difference' is meant"), (lambda: knot.check(threads=-1), "0 takes as many"),
+                       (lambda: bitvox.boolean(knot, knot, "subtract"), "'difference' is meant"), (lambda: knot.check(threads=-1), "0: all processors"),
                        (lambda: bitvox.Volume(np.zeros((2, 2, 2))) > 0.5, "threshold"), (lambda: bitvox.Grid.from_numpy(np.ones((2, 2, 2))) | np.ones((2, 2, 2)), "from_numpy"),
                        (lambda: knot.transform(np.zeros((4, 4))), "last row is")):
         with pytest.raises((TypeError, bitvox.Error), match=hint):

@@ -150,7 +150,7 @@ class Field:
         return None if number == 2**64 - 1 else number
 
     def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, far: Far = "constant", threads: int | None = None,
-                 memory_limit: int | None = None, progress: Progress = None) -> Any:
+                 memory_limit: int | None = None, progress: Progress = None) -> Array:
         """Every center of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
         Parameters

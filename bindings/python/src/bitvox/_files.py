@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, BinaryIO, Iterable
+from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Union
 
 from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
@@ -34,9 +34,16 @@ _LOST = ((lib.BVX_LOST_SKINS, "skins"), (lib.BVX_LOST_MORPHS, "morph targets"), 
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
+if TYPE_CHECKING:
+    class Found(Mesh, Grid, Octree, Sections):  # type: ignore[misc]
+        """One of these, which a file's name does not tell: type checkers take it for each of them, and find what none has."""
+else:
+    Found = Union[Mesh, Grid, Octree, Sections]
+
+
 @entered
 def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
-         drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+         drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Found:
     """Read a mesh or a grid.
 
     Parameters
@@ -59,7 +66,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
 
     Returns
     -------
-    Any
+    Found
         A `Mesh`, a `Grid`, an `Octree` or `Sections`.
 
     Raises
@@ -88,7 +95,8 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
                       threads, memory_limit, progress, folder=os.path.dirname(os.path.abspath(path)))
     if window is not None or close_gap is not None or drop_nonfinite:
         raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf")
-    return call("read_other", path, kind)
+    found: Found = call("read_other", path, kind)
+    return found
 
 
 def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
@@ -111,7 +119,7 @@ def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: flo
 @entered
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> Any:
+          memory_limit: int | None = None, progress: Progress = None) -> Found:
     """Read a mesh, a grid, an octree or sections from the bytes of a file: all that `read` reads of one file, in memory.
 
     Parameters
@@ -137,7 +145,8 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     >>> bitvox.loads(bitvox.dumps(bitvox.read('knot.ply'), 'off'), 'off').n_faces > 1000
     True
     """
-    return _loads(data, format.lower().lstrip("."), window, lattice, close_gap, drop_nonfinite, threads, memory_limit, progress)
+    found: Found = _loads(data, format.lower().lstrip("."), window, lattice, close_gap, drop_nonfinite, threads, memory_limit, progress)
+    return found
 
 
 class _Beside:

@@ -22,7 +22,7 @@ def volume_from(source: Any, scalars: str | None, order: Order | None, spacing: 
     if frame is not None:
         raise ArgumentError("frame is for images of SimpleITK and nibabel: others do not say what their axes are")
     if hasattr(source, "matrix") and hasattr(source, "filled_count"):
-        return _from_voxelgrid(source)
+        return Volume(source.matrix, **placed_by(source.transform))  # a trimesh VoxelGrid
     if hasattr(source, "direction_matrix") and hasattr(source, "point_data"):
         return _from_pyvista(source, scalars)
     if scalars is not None:
@@ -98,10 +98,6 @@ def to_nibabel(volume: Volume) -> Any:
     """See `Volume.to_nibabel`."""
     there = volume.turned("ras") if volume.frame else volume
     return need("nibabel", "medical").Nifti1Image(there.array, affine_of(there), dtype=there.array.dtype)
-
-
-def _from_voxelgrid(source: Any) -> Volume:
-    return Volume(source.matrix, **placed_by(source.transform))
 
 
 def _from_pyvista(image: Any, scalars: str | None) -> Volume:

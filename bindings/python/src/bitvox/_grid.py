@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Sequence, overload
 
 from . import _arrays as arrays
 from ._calls import call
@@ -253,6 +253,10 @@ class Grid:
         made = self.to_numpy()
         return made if dtype is None else made.astype(dtype)
 
+    @overload
+    def __getitem__(self, voxel: tuple[int, int, int]) -> bool: ...  # type: ignore[overload-overlap]
+    @overload
+    def __getitem__(self, voxel: Any) -> Array: ...
     def __getitem__(self, voxel: Any) -> Any:
         """By numpy's rules: whether voxel ``grid[x, y, z]`` of the window is set, negative numbers count from the end; with slices
         or fewer numbers a new bool array, unpacked of the slices alone."""
@@ -601,7 +605,7 @@ class Grid:
         return record(out)
 
     def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, memory_limit: int | None = None,
-             progress: Progress = None) -> Any:
+             progress: Progress = None) -> Array:
         """Where rays first meet a set voxel.
 
         Parameters
@@ -613,7 +617,7 @@ class Grid:
 
         Returns
         -------
-        Any
+        Array
             A record array of n hits with t, position [world], voxel, axis (-1: the ray starts inside), hit (0 or 1).
 
         Examples
@@ -685,7 +689,7 @@ class Grid:
     # ---- parts ----
 
     def components(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
-                   progress: Progress = None) -> Any:
+                   progress: Progress = None) -> Array:
         """The connected parts of the set voxels, in the order of their least voxels (z, y, x).
 
         Parameters
@@ -695,7 +699,7 @@ class Grid:
 
         Returns
         -------
-        Any
+        Array
             A record array with first (linear index of the least voxel, x fastest), voxels, low and size (box, in voxels of the window).
 
         Examples
@@ -712,7 +716,7 @@ class Grid:
         return arrays.records_at(out, "bvx_component", count[0], out)
 
     def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
-              progress: Progress = None) -> Any:
+              progress: Progress = None) -> Array:
         """The label of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
 
         Parameters
@@ -958,6 +962,12 @@ class Grid:
                           stacklevel=2)
         return Grid._made(made, found)
 
+    @overload
+    def distance(self, side: DistanceSide = ..., *, beyond: Beyond = ..., dtype: FloatName = ..., squares: bool = ..., nearest: Literal[False] = ...,
+                 threads: int | None = ..., memory_limit: int | None = ..., progress: Progress = ...) -> Array: ...
+    @overload
+    def distance(self, side: DistanceSide = ..., *, beyond: Beyond = ..., dtype: FloatName = ..., squares: bool = ..., nearest: Literal[True],
+                 threads: int | None = ..., memory_limit: int | None = ..., progress: Progress = ...) -> tuple[Array, Array]: ...
     def distance(self, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32", squares: bool = False,
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Exact Euclidean distances between centers of voxels, an array ``[x, y, z]`` in memory with x running fastest.

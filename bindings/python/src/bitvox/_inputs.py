@@ -36,7 +36,7 @@ def mesh_from(source: Any) -> Mesh:
     if getattr(source, "ndim", 0) == 3 and not hasattr(source, "words"):
         return Mesh(source)
     if hasattr(source, "words") and hasattr(source, "surface"):
-        raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or grid.faces(), bitvox.faces); grids are combined by |, &, -, ^")
+        raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or bitvox.faces(grid)); grids are combined by |, &, -, ^")
     if hasattr(source, "lattice") and hasattr(source, "surface"):
         raise TypeError(f"{type(source).__name__} is not a mesh: give its surface()")
     if _has(source, "combine", "extract_geometry", "keys"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING, Any, Iterable, List, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterable, List, Sequence, Union, overload
 
 from . import _arrays as arrays
 from ._calls import entered
@@ -18,6 +18,9 @@ from ._stages import carried, grid_of, surface, voxelize
 from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Vertices
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._words import Collapsing
     from .reports import LevelsReport
 
 ERROR_KINDS = names_of("BVX_ERROR_")
@@ -179,6 +182,10 @@ def _meshes(made: list[Any], reports: Any, source: Mesh | None, carry_from: Mesh
 # ---- fewer triangles for a mesh as it is ----
 
 
+@overload
+def simplify(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]
+@overload
+def simplify(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
 @entered
 @hinting
 def simplify(

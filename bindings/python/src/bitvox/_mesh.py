@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from array import array as plain_array
-from typing import TYPE_CHECKING, Any, ClassVar, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Sequence, overload
 
 from . import _arrays as arrays
 from ._calls import call, entered
@@ -15,6 +15,9 @@ from ._run import Progress, Run, ffi, hinting, in_range, lib, number_of, options
 from ._words import Array, ErrorKind, Vertices
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._words import Collapsing
     from .reports import Certificate, WriteReport
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
@@ -304,8 +307,8 @@ class Mesh:
         Examples
         --------
         >>> grid = bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]]))
-        >>> [piece.n_faces for piece in grid.faces().split()]
-        [12, 12]
+        >>> len(grid.surface().split())
+        2
         """
         return [self._part(piece) for piece in self._pieces()]
 
@@ -563,7 +566,7 @@ class Mesh:
             run.check(lib.bvx_check_written(run.context, mesh, 1, options, number_of(format.lower().lstrip(".")), out))
         return record(out)
 
-    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Array:
         """Pairs of faces that cross: that have a common point which is neither a common vertex nor on a common edge.
 
         Vertices at equal positions are one. Touching is crossing, and so is an overlap in one plane or a face that is there
@@ -571,7 +574,7 @@ class Mesh:
 
         Returns
         -------
-        Any
+        Array
             An (n, 2) uint32 array of face indices, the lower one first, in ascending order.
 
         Examples
@@ -611,6 +614,10 @@ class Mesh:
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
 
+    @overload
+    def simplify(self, *, triangles: int | None = None, error: float | str | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]
+    @overload
+    def simplify(self, *, triangles: Sequence[int] | None = None, error: Sequence[float | str] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
     @hinting
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
                  error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,

@@ -15,7 +15,7 @@ from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
 from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of
-from ._words import Direction, FaceRule
+from ._words import Array, Direction, FaceRule
 
 if TYPE_CHECKING:
     from .reports import OctreeLevel
@@ -213,7 +213,7 @@ class Octree:
             run.check(lib.bvx_octree_cast(run.context, self._c, states_of(states), ffi.cast("double *", given.pointer), given.count, t_max, out))
         return arrays.records_at(out, "bvx_octree_hit", given.count, out)
 
-    def leaves(self, states: States = None) -> Any:
+    def leaves(self, states: States = None) -> Array:
         """The leaves in a set of states, by default ("surface", "inside").
 
         Examples

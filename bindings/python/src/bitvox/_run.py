@@ -214,9 +214,7 @@ class Run:
         options = ffi.new("bvx_context_options *")
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
         wanted = given.threads if threads is None else threads
-        if wanted == -1:
-            raise OptionRangeError("threads is -1; 0 takes as many as there are processors, 1 to 1024 so many")
-        options.threads = in_range("threads", wanted, 0, 1024) or _default_threads()
+        options.threads = in_range("threads (0: all processors)", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
         self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
@@ -350,10 +348,9 @@ def choice(name: str, value: Any, prefix: str, names: dict[str, str] | tuple[str
 # What other libraries call an operation, and a target of simplification.
 _PEERS = {"difference": ("subtract", "subtraction", "minus", "sub", "diff", "not"), "intersection": ("intersect", "and", "common"),
           "union": ("add", "or", "merge", "unite", "unify", "fuse", "sum")}
-_SHARES = {"ratio": "ratio", "target_ratio": "target_ratio", "target_reduction": "(1 - target_reduction)", "percent": "percent",
-           "reduction": "(1 - reduction)", "factor": "factor"}
-_COUNTS = ("face_count", "target_count", "target_number_of_triangles", "target_faces", "n_faces")
-
+_TARGETS = {**{name: f"round({name} * mesh.n_faces)" for name in ("ratio", "target_ratio", "percent", "factor")},
+            **{name: f"round((1 - {name}) * mesh.n_faces)" for name in ("reduction", "target_reduction")},
+            **{name: name for name in ("face_count", "target_count", "target_faces", "target_number_of_triangles")}}
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -362,11 +359,8 @@ def hinting(function: Callable[P, R]) -> Callable[P, R]:
     """A function that says what it calls a target that other libraries name otherwise."""
     @functools.wraps(function)
     def called(*arguments: P.args, **options: P.kwargs) -> R:
-        for name in options:
-            if name in _SHARES:
-                raise TypeError(f"{function.__name__} takes no {name}: give triangles=round({_SHARES[name]} * mesh.n_faces)")
-            if name in _COUNTS:
-                raise TypeError(f"{function.__name__} takes no {name}: give triangles=, the most that are left")
+        for name in options.keys() & _TARGETS:
+            raise TypeError(f"{function.__name__} takes no {name}: give triangles={_TARGETS[name]}")
         return function(*arguments, **options)
 
     return called

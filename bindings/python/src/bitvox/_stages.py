@@ -945,13 +945,10 @@ def _listed_bodies(bodies: Any, operation: Any) -> tuple[Any, Any, Any]:
     meshes = [Mesh.of(body) for body in bodies]
     if len(meshes) > 2 and operation not in ("union", "difference"):
         raise ArgumentError(f"{operation} of {len(meshes)} meshes: take two at a time; union and difference take several")
-    np, first = arrays.numpy("boolean of a list"), 0
-    vertices, faces = [], []
-    for mesh in meshes[1:]:
-        vertices.append(mesh.in_world())
-        faces.append(np.asarray(mesh.faces, np.int64) + first)
-        first += mesh.n_vertices
-    return meshes[0], Mesh(np.concatenate(vertices), np.concatenate(faces)), operation
+    np = arrays.numpy("boolean of a list")
+    first = np.cumsum([0, *(mesh.n_vertices for mesh in meshes[1:])])
+    faces = np.concatenate([np.asarray(mesh.faces, np.int64) + k for mesh, k in zip(meshes[1:], first)])
+    return meshes[0], Mesh(np.concatenate([mesh.in_world() for mesh in meshes[1:]]), faces), operation
 
 
 def content_hash(data: Any, seed: int = 0) -> int:

@@ -7,7 +7,7 @@ import operator
 import os
 import re
 import zlib
-from typing import Any, BinaryIO, ClassVar, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Iterable, Sequence
 
 from . import _arrays as arrays
 from ._bytes import by_file, bytes_of_open, format_of, read_bytes
@@ -23,6 +23,9 @@ from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_i
 from ._stages import collapsed, level_target
 from ._vti import without_blocks
 from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
+
+if TYPE_CHECKING:
+    from .reports import Label
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
@@ -338,7 +341,7 @@ class Volume:
         made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame)
         return made
 
-    def to_numpy(self, order: Order = "xyz") -> Any:
+    def to_numpy(self, order: Order = "xyz") -> Array:
         """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy.
 
         Examples
@@ -495,7 +498,7 @@ class Volume:
         value = in_range("value", value, -(2**63), 2**64 - 1)
         return self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
 
-    def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
+    def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Label]:
         """The values other than 0 of integer samples, ascending, each with its voxels and their box in the window.
 
         Examples
