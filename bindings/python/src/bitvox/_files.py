@@ -95,8 +95,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
                       threads, memory_limit, progress, folder=os.path.dirname(os.path.abspath(path)))
     if window is not None or close_gap is not None or drop_nonfinite:
         raise ArgumentError("window is for grids, close_gap for sections, drop_nonfinite for .stl .obj .ply .off .glb .gltf")
-    found: Found = call("read_other", path, kind)
-    return found
+    return call("read_other", path, kind)
 
 
 def _plain(data: Any, kind: str, memory_limit: int | None) -> Any:
@@ -145,8 +144,7 @@ def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes |
     >>> bitvox.loads(bitvox.dumps(bitvox.read('knot.ply'), 'off'), 'off').n_faces > 1000
     True
     """
-    found: Found = _loads(data, format.lower().lstrip("."), window, lattice, close_gap, drop_nonfinite, threads, memory_limit, progress)
-    return found
+    return _loads(data, format.lower().lstrip("."), window, lattice, close_gap, drop_nonfinite, threads, memory_limit, progress)
 
 
 class _Beside:

@@ -802,7 +802,9 @@ def repair(
             if measure:
                 found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
             made = small
-        if carry:
+        if found.copied and not targets and dtype is None:
+            made = source.astype()  # with its attributes
+        elif carry:
             made = carry_over(source, made, **limits)
     made.report = found
     return made

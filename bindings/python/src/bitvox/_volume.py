@@ -446,8 +446,7 @@ class Volume:
         """
         pyvista = need("pyvista", "view")
         image = pyvista.ImageData(dimensions=self.shape, spacing=self.spacing, origin=self.center0)
-        if self._turn is not None:
-            image.direction_matrix = self._turn
+        image.direction_matrix = self.direction
         image.point_data["samples"] = self.to_numpy("zyx").reshape(-1)
         return image
 

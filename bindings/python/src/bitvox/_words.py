@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from typing_extensions import TypedDict
 
     class Collapsing(TypedDict, total=False):
-        """Options of `simplify` beside its targets."""
-
         error_kind: ErrorKind | None
         even: float | None
         attribute_weight: float | None
