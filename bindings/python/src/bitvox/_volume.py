@@ -373,7 +373,8 @@ class Volume:
     def __gt__(self, other: Any) -> Any:
         raise TypeError("a volume is compared by volume.threshold(low, high), which gives a Grid, or as volume.array, which gives an array")
 
-    __ge__ = __lt__ = __le__ = __gt__
+    def __ge__(self, other: Any) -> Any:
+        return self > other
 
     def __reduce__(self) -> Any:
         np = arrays.numpy("pickling")
