@@ -179,7 +179,7 @@ enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
 typedef struct bvx_context_options {
     size_t struct_size;  /**< set by bvx_context_options_init */
-    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; builds without one need alloc or arena] */
+    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; BVX_FREESTANDING: alloc or arena] */
     bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
     void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
     void *arena; /**< memory to live in: results at its low end, scratch at its high end; of any alignment, up
@@ -2067,6 +2067,14 @@ typedef struct bvx_volume_report {
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
+/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles cannot tell
+ *  apart. Labels are such.
+ *  low, high  u64: their bits
+ *  Returns BVX_ERR_UNSUPPORTED (samples that are floats).
+ *  [Memory, Cost, Exact: as bvx_threshold] */
+BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low,
+                                       int64_t high, bvx_volume_report *report, bvx_grid *grid);
+
 typedef struct bvx_scalar_options {
     size_t struct_size;
     double level;  /**< value of the surface [Limit: any; not NaN] [Default: 0] */
@@ -2106,7 +2114,7 @@ typedef struct bvx_label {
 } bvx_label;
 
 /** The values other than 0 of a volume of integers, ascending, each with its voxels and their box.
- *  bvx_threshold from a value to itself gives a label's voxels.
+ *  bvx_threshold_whole from a value to itself gives a label's voxels.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_CAPACITY.
  *  [Memory: up to 200 bytes a label]
  *  [Cost: O(samples)] */
@@ -2880,6 +2888,8 @@ typedef struct bvx_read_sections_options {
     double close_gap; /**< CSV: loops whose ends lie farther apart are refused as open polylines; 0 closes all
                            by a straight side [Units: world] [Limit: >= 0] [Default: 0] */
     uint64_t reserved;
+    uint64_t *flipped; /**< CSL: receives how many planes were read although their D has the other sign. All
+                            planes of the file agree in that, else it is refused [Default: NULL] */
 } bvx_read_sections_options;
 
 BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size);

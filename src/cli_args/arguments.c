@@ -159,7 +159,7 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     if (is_taken_by_any(run, word, length))
         return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name,
                          run->command->name);
-    nearest = cli_nearest(name, next_option, run);
+    nearest = strcmp(name, "--output") == 0 ? "-o" : cli_nearest(name, next_option, run);
     if (nearest != NULL)
         return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
                          nearest);

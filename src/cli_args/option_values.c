@@ -31,7 +31,7 @@ static int take_whole(const char *text, const char *stops, double low, double hi
     if (*p < '0' || *p > '9') return 0;
     /* By hand: strtoll would take signs and spaces too. */
     for (; *p >= '0' && *p <= '9'; p++) {
-        if (n > INT64_MAX / 100) return 0;
+        if (n > (INT64_MAX - 9) / 10) return 0;
         n = n * 10 + (*p - '0');
     }
     if (*p != 0 && strchr(stops, *p) == NULL) return 0;

@@ -84,7 +84,7 @@ const cli_argument cli_takes_selection[] = {
     PAIR("--range", "A,B", SHARED(range),
          "of a volume: set voxels whose sample lies from A to B; one end may be\n"
          "left out"),
-    LONG("--label", "N", SHARED(value_label), 0, 9007199254740992.0,
+    LONG("--label", "N", SHARED(value_label), 0, 9223372036854774784.0,
          "of a label map: set the voxels of value N"),
     {0}};
 

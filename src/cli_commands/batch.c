@@ -25,6 +25,7 @@ typedef struct batch {
     cli_options asked; /* as the command line gave them */
     char **path;       /* of each output */
     cli_text reports;  /* of --json */
+    cli_text lost;     /* inputs that failed */
     int done, failed;
     int status; /* of the first failure */
 } batch;
@@ -215,7 +216,7 @@ static int run_file(cli_run *run, batch *b, int i)
     run->context = NULL;
 
     if (status == CLI_DONE) b->done++;
-    else b->failed++;
+    else cli_text_add(&b->lost, "%s %s", b->failed++ == 0 ? "; failed:" : ",", b->asked.input[i]);
     /* The first failure gives the exit status; an interrupt overrides it, and ends the rest. */
     if (b->status == CLI_DONE || status == CLI_INTERRUPTED) b->status = status;
     return status;
@@ -252,6 +253,8 @@ int cli_run_batch(cli_run *run)
         cli_unlock();
     }
     if (b.asked.output_dir != NULL)
-        cli_say(run, "%d of %d files written to %s\n", b.done, b.asked.inputs, b.asked.output_dir);
+        cli_say(run, "%d of %d files written to %s%s\n", b.done, b.asked.inputs, b.asked.output_dir,
+                b.failed != 0 && !b.lost.failed ? b.lost.bytes : "");
+    cli_text_free(&b.lost);
     return cli_end_of_run(run, b.status);
 }

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define MOST_THICKENED 0.05 /* of the volume that all parts have together, from which on it is warned of */
@@ -35,7 +36,9 @@ static const cli_argument repair_rows[] = {
            "lost where no centre lies in them, with a warning; drop: lost [keep]"),
     {.also = cli_takes_shells},
     {.also = cli_takes_keep_largest},
-    FLAG("--if-needed", OWN(if_needed), "copy a mesh that needs nothing, its positions as they are"),
+    FLAG("--if-needed", OWN(if_needed),
+         "copy a mesh that needs nothing, with its attributes; to the same format the\n"
+         "file itself"),
     FLAG("--measure", OWN(measure), "report distances between input and result, and overlaps"),
     {.also = cli_takes_normals},
     {.also = cli_takes_file_of_a_mesh},
@@ -127,7 +130,10 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
                  r->copied ? "; copied" : " (--if-needed copies it)");
     /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
-    if (r->holes != 0)
+    if (r->holes != 0 && c->boundary_edges == 0)
+        cli_tell(made, "  holes       %" PRIu64 " where junctions part, length %.6g, the longest %.6g\n",
+                 r->holes, r->hole_length, r->longest_hole);
+    else if (r->holes != 0)
         cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
                  r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
     if (c->flipped_edges != 0)
@@ -360,14 +366,41 @@ typedef struct repair_job {
     cli_reduction reduction;
 } repair_job;
 
-/* The report's certificate becomes that of the file. */
+/* The input's bytes as they are. */
+static int write_input(cli_run *run)
+{
+    cli_bytes b = {NULL, 0, 0, 0};
+    int result = cli_read_file(run, run->options->input[0], &b);
+    bvx_buffer const file = {.bytes = b.bytes, .size = b.size};
+
+    if (result == CLI_DONE) result = cli_write_output(run, 0, &file);
+    if (result == CLI_DONE) result = cli_keep_outputs(run);
+    if (result == CLI_DONE) run->report.kept = run->report.had;
+    free(b.bytes);
+    return result;
+}
+
+/* 1: the file that is written would say nothing else than the input. */
+static int is_same_file(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+
+    return strcmp(o->input[0], "-") != 0 && run->report.nonfinite == 0 &&
+           cli_input_format(run, o->input[0]) == bvx_format_of_name(o->output) &&
+           cli_turn_of(run) == BVX_TURN_NONE &&
+           cli_given_of(run, "--normals --output-origin --quantize") == NULL;
+}
+
+/* The report's certificate becomes that of the file. A copy is the input itself, which has its attributes. */
 static int write_repaired(cli_run *run, void *work)
 {
     repair_job *const job = work;
+    int const copied = job->report.copied && !job->reduction.done;
     int result;
 
+    if (copied && is_same_file(run)) return write_input(run);
     run->source = &job->source;
-    result = cli_write_mesh(run, &job->repaired);
+    result = cli_write_mesh(run, copied ? &job->source : &job->repaired);
     job->report.after = run->report.mesh[0].certificate;
     return result;
 }

@@ -260,12 +260,12 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
                         cli_input_name(o->input[0]));
-    /* Planes of any direction are not mended. */
-    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend &&
-        job->sections.normals == NULL)
+    if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]),
-                                reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
-                                                                : "; --mend leaves such loops out");
+                                job->sections.normals != NULL
+                                    ? "; --mend is for parallel planes alone: mend the contours before"
+                                : reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
+                                                                  : "; --mend leaves such loops out");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     return check_body(run, job, path);
 }

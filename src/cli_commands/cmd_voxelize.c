@@ -28,7 +28,7 @@ static const cli_argument voxelize_rows[] = {
     LIST("--window", "A,B,C,D,E,F", SHARED(window), 0, LARGEST_SIDE, 6, 6,
          "only voxels A..D-1, B..E-1, C..F-1 of the lattice"),
     WHOLE("--padding", "N", SHARED(padding), 0, 65536,
-          "empty voxels added on every side [0; --mode field: the half-width]"),
+          "empty voxels added on every side [0; --mode field: the half-width, at most 16]"),
     CHOICE("--mode", "MODE", OWN(mode), cli_mode_names, CLI_MODE_SOLID,
            "solid: what lies inside; conservative: all voxels that the surface\n"
            "touches; thin: those that keep a flood through faces out; sampled:\n"
@@ -93,7 +93,7 @@ typedef struct voxel_job {
 
 /* ---- what is requested ---- */
 
-enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 65536 };
+enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
 
 /* Facts of the line. */
 enum {
@@ -263,9 +263,10 @@ static void choose_field_padding(cli_run *run)
     cli_options *const o = run->options;
     double const width = own->field.half_width;
 
-    /* The band reaches so far beyond the mesh; a field without an end takes the usual room. */
+    /* The band reaches so far beyond the mesh. Who asks for a wide one wants distances inside, not a
+     * lattice many times as large; a field without an end takes the usual room. */
     if (!cli_given(run, "--padding") && !o->origin.given)
-        o->padding = width > 0.0 && width < FIELD_MOST_PADDING ? (int32_t)ceil(width) : FIELD_HALF_WIDTH;
+        o->padding = width > 0.0 ? (int32_t)ceil(fmin(width, FIELD_MOST_PADDING)) : FIELD_HALF_WIDTH;
 }
 
 /* The surface of a solid ends where the mesh does, also at the lattice's sides. */

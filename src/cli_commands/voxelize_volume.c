@@ -289,8 +289,8 @@ static int list_labels(cli_run *run, volume_job *j)
 
 static int make_label_mesh(cli_run *run, volume_job *j, int n)
 {
-    double const value = (double)j->labels[n].value;
-    char *const path = cli_numbered_path(run->options->output, j->labels[n].value); /* the report keeps it */
+    int64_t const value = j->labels[n].value;
+    char *const path = cli_numbered_path(run->options->output, value); /* the report keeps it */
     cli_reduction reduction = {0};
     bvx_mesh mesh = {0};
     bvx_grid grid = {0};
@@ -300,15 +300,15 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     int result;
 
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
-    if (value > 9007199254740992.0 || value < -9007199254740992.0)
-        return cli_fail(run, "%s: labels beyond 2^53 are not written",
+    if (value < 0 && j->volume.view.sample_type == BVX_SAMPLE_U64)
+        return cli_fail(run, "%s: labels of 2^63 and more are not written",
                         cli_input_name(run->options->input[0]));
     result = cli_open_output(run, path);
     if (result != CLI_DONE) return result;
     /* The label's box: beyond it there is none of it, so the surface is that of the whole. */
     cli_part_of_volume(&j->volume.view, j->labels[n].low, j->labels[n].size, &view);
     cli_stage_begin(run, "surface");
-    status = bvx_threshold(run->context, &view, value, value, &report, &grid);
+    status = bvx_threshold_whole(run->context, &view, value, value, &report, &grid);
     if (status == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &grid, &grid);
     if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
     cli_stage_end(run);

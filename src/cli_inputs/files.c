@@ -502,8 +502,8 @@ int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh)
     if (!is_mesh_format(format))
         return cli_fail(run,
                         "%s: the name does not end in a mesh format that can be read (" CLI_MESHES_READ
-                        ", also with .gz)",
-                        path);
+                        ", also with .gz)%s",
+                        path, cli_way_to_read(path));
     return read_mesh_file(run, path, format, mesh, NULL);
 }
 

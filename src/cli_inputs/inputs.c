@@ -39,6 +39,21 @@ static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli
     return status;
 }
 
+/* Colours of a .vox that was read: a palette, or other numbers than those that bitvox writes. */
+static int has_vox_colours(const cli_bytes *b)
+{
+    const unsigned char *const p = b->bytes;
+    size_t n;
+
+    for (size_t at = 20; at + 12 <= b->size; at += 12 + n) {
+        n = p[at + 4] | (size_t)p[at + 5] << 8 | (size_t)p[at + 6] << 16 | (size_t)p[at + 7] << 24;
+        if (memcmp(p + at, "RGBA", 4) == 0) return 1;
+        for (size_t i = 19; i < 12 + n && memcmp(p + at, "XYZI", 4) == 0; i += 4)
+            if (p[at + i] != 1) return 1;
+    }
+    return 0;
+}
+
 static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_input *in)
 {
     int32_t const format = cli_input_format(run, in->path);
@@ -54,6 +69,8 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     if (read == BVX_ERR_UNSUPPORTED && format == BVX_FORMAT_NRRD &&
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
+    if (read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL && has_vox_colours(b))
+        cli_warn(run, "%s: the colours of its voxels are not kept", cli_input_name(in->path));
     return cli_check_call(run, read, cli_input_name(in->path));
 }
 
@@ -218,13 +235,19 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
 
     if (status == CLI_DONE) {
         bvx_read_sections_options o;
+        uint64_t flipped = 0;
         bvx_status read;
         bvx_read_sections_options_init(&o, sizeof o);
         o.close_gap = run->options->close_gap;
+        o.flipped = &flipped;
         cli_stage_begin(run, "parse");
         read = bvx_read_sections(run->context, b.bytes, b.size, cli_input_format(run, path), &o, sections);
         cli_end_parse(run, b.size);
         status = cli_check_call(run, read, cli_input_name(path));
+        if (status == CLI_DONE && flipped != 0)
+            cli_warn(run,
+                     "%s: D has the other sign on all planes, A x + B y + C z = D; the points were taken",
+                     cli_input_name(path));
     }
     /* Contours are copied out of the text. */
     free(b.bytes);

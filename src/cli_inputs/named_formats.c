@@ -99,6 +99,24 @@ int32_t cli_turn_of(const cli_run *run)
     return from == CLI_UP_Y && to == CLI_UP_Z ? BVX_TURN_Y_TO_Z : BVX_TURN_NONE;
 }
 
+const char *cli_way_to_read(const char *path)
+{
+    static const struct {
+        const char *endings, *way;
+    } known[] = {{".fbx .dae .blend .3ds .usd .usdz .usdc .x3d .abc ", "; Blender makes .glb of it"},
+                 {".step .stp .iges .igs .brep .fcstd .sldprt ", "; FreeCAD and Gmsh make .stl of it"},
+                 {".3mf .amf .vtp .dxf .dcm .nii .mha ", "; the Python package reads it"}};
+    const char *const dot = strrchr(path, '.');
+    char ending[16] = "";
+
+    for (size_t i = 0; dot != NULL && strlen(dot) < sizeof ending - 1 && dot[i] != 0; i++)
+        ending[i] = (char)(dot[i] >= 'A' && dot[i] <= 'Z' ? dot[i] + ('a' - 'A') : dot[i]);
+    if (ending[0] != 0) ending[strlen(ending)] = ' ';
+    for (size_t i = 0; ending[0] != 0 && i < sizeof known / sizeof known[0]; i++)
+        if (strstr(known[i].endings, ending) != NULL) return known[i].way;
+    return "";
+}
+
 int cli_input_kind(cli_run *run, const char *path, int *kind)
 {
     int32_t const format = cli_input_format(run, path);
@@ -109,7 +127,8 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
                          "--format does not name a mesh or grid format that can be read (" CLI_MESHES_READ
                          " " CLI_GRIDS ")");
     return cli_fail(
-        run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")", path);
+        run, "%s: the name does not end in a mesh or grid format that can be read (" INPUT_ENDINGS ")%s",
+        path, cli_way_to_read(path));
 }
 
 /* ---- volumes and contours ---- */

@@ -374,12 +374,15 @@ static bvx_status select_other_than_zero(cli_run *run, const cli_volume *v, bvx_
 bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_report *report, bvx_grid *grid)
 {
     const cli_options *const o = run->options;
-    double const label = (double)o->value_label;
+    int64_t const label = o->value_label;
     if (o->range.given)
         return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
     /* Nothing chosen: what is not 0, as in a grid of bits. */
     if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
-    if (cli_given(run, "--label")) return bvx_threshold(run->context, &v->view, label, label, report, grid);
+    if (cli_given(run, "--label") && v->view.sample_type < BVX_SAMPLE_F32)
+        return bvx_threshold_whole(run->context, &v->view, label, label, report, grid);
+    if (cli_given(run, "--label"))
+        return bvx_threshold(run->context, &v->view, (double)label, (double)label, report, grid);
     return bvx_threshold(run->context, &v->view, o->below ? -HUGE_VAL : o->level,
                          o->below ? o->level : HUGE_VAL, report, grid);
 }

@@ -47,7 +47,7 @@ static void tell_made(cli_run *run, cli_made *made)
     if (made->members.size != 0) cli_text_add(&run->report.more, "%s", made->members.bytes);
     if (!made->untitled)
         cli_say(run, "%s%s%s\n", cli_input_name(run->options->input[run->command->least_inputs - 1]),
-                out != NULL ? " -> " : "", out != NULL ? out : "");
+                out != NULL ? " -> " : "", out != NULL ? cli_output_name(run, out) : "");
     cli_say_lines(run, &made->head);
     cli_say_lines(run, &made->text);
     cli_warn_lines(run, &made->warnings);

@@ -136,6 +136,6 @@ void cli_tell_written(const cli_run *run, int count, cli_made *made)
     cli_tell(made, "\n");
     for (int i = 0; i < count; i++) /* Levels in one file are one name. */
         if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)
-            cli_tell(made, "%s%s", i == 0 ? "written: " : ", ", m[i].path);
+            cli_tell(made, "%s%s", i == 0 ? "written: " : ", ", cli_output_name(run, m[i].path));
     cli_tell(made, "\n");
 }

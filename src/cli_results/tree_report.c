@@ -95,7 +95,7 @@ void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
 void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made)
 {
     /* What of the tree went out: all of it, a level, or a mesh. */
-    cli_tell(made, "written: %s", run->options->output);
+    cli_tell(made, "written: %s", cli_output_name(run, run->options->output));
     if (t->kind == CLI_GRID) {
         const int32_t *const n = t->grid.size;
         cli_tell(made, ", %" PRId32 " x %" PRId32 " x %" PRId32 " voxels, %" PRIu64 " set", n[0], n[1], n[2],

@@ -1,6 +1,7 @@
 /* messages.c - what is said to people: errors in one line, warnings, text. */
 #include "cli_shell/shell.h"
 
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,13 +107,17 @@ int cli_fail_status(cli_run *run, bvx_status status, const char *about)
 
 int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const char *advice)
 {
-    char text[sizeof run->report.error_message];
+    char text[sizeof run->report.error_message], held[96] = "";
     const char *const message = run->context != NULL ? bvx_last_error(run->context)->text : "";
     /* The library stops because the user asked for it: that is no error of the file. */
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
     /* A call that failed without a context has no message of its own. */
-    snprintf(text, sizeof text, "%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
-             message[0] != 0 ? message : bvx_status_text(status), advice);
+    /* What the library was given is less than what the option says. */
+    if (status == BVX_ERR_BUDGET && run->context_limit != 0)
+        snprintf(held, sizeof held, "; the file takes %" PRIu64 " bytes of --memory-limit besides",
+                 run->general->memory_limit - run->context_limit);
+    snprintf(text, sizeof text, "%s%s%s%s%s", about != NULL ? about : "", about != NULL ? ": " : "",
+             message[0] != 0 ? message : bvx_status_text(status), held, advice);
     return tell_error(run, CLI_FAILED, status_name(status), text);
 }
 

@@ -251,6 +251,11 @@ static const char *same_file(const cli_run *run, const cli_output *o)
     return NULL;
 }
 
+const char *cli_output_name(const cli_run *run, const char *path)
+{
+    return cli_is_standard_output(run, path) ? "standard output" : path;
+}
+
 int cli_is_standard_output(const cli_run *run, const char *path)
 {
     return run->standard_name[0] != 0 && strcmp(path, run->standard_name) == 0;

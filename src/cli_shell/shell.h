@@ -187,6 +187,8 @@ void cli_forget_output(cli_run *run, int number);
 int cli_keep_outputs(cli_run *run);
 /* 1 for the name that stands for standard output. */
 int cli_is_standard_output(const cli_run *run, const char *path);
+/* The path as lines name it. */
+const char *cli_output_name(const cli_run *run, const char *path);
 /* Remove what was not kept. */
 void cli_drop_outputs(cli_run *run);
 /* The part of it that an interrupt does, with the lock held. */

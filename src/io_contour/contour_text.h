@@ -12,6 +12,8 @@ typedef struct bvxi_contour_file {
     bvx_sections sections; /* owned; freed by the caller after a failure */
     uint64_t normal_room;  /* of its normals */
     int oblique;           /* some planes are not parallel to the first one */
+    uint64_t upright;      /* planes whose points lie where their equation says, and not on its other side */
+    uint64_t flipped;      /* the other way round */
 } bvxi_contour_file;
 
 /* "FORMAT: line N: what". */

@@ -46,6 +46,7 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     f.sections.owned = 1;
     status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f) : bvxi_read_contour_table(&f, o.close_gap);
     if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
+    if (status == BVX_OK && o.flipped != NULL) *o.flipped = f.flipped;
 
     /* What finish did not move out is freed: after success that is nothing. */
     bvxi_free(context, f.sections.normals, f.sections.normals == NULL ? 0 : f.normal_room * 24);

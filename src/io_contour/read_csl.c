@@ -121,6 +121,7 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
                              uint64_t count, double equation)
 {
     double largest = 0.0, low = HUGE_VAL, high = -HUGE_VAL;
+    int lies, mirrored;
 
     for (uint64_t i = 0; i < count; i++) {
         double *const p = points + 3 * i;
@@ -136,7 +137,13 @@ static bvx_status csl_points(bvxi_contour_file *f, const char *start, const doub
 
     /* Between the points is near enough: single points off their plane are
      * the body's matter, and their mean is what is written. */
-    if (!(equation >= low - CSL_PLANE_OFF * largest && equation <= high + CSL_PLANE_OFF * largest))
+    largest *= CSL_PLANE_OFF;
+    lies = equation >= low - largest && equation <= high + largest;
+    mirrored = -equation >= low - largest && -equation <= high + largest;
+    f->upright += lies && !mirrored;
+    f->flipped += mirrored && !lies;
+    /* Some writers have A x + B y + C z = D: then all planes do. */
+    if ((!lies && !mirrored) || (f->upright != 0 && f->flipped != 0))
         return bvxi_contour_fail(f, start, BVX_ERR_FORMAT,
                                  "the plane's points do not lie where its equation says; check its D, "
                                  "which is less than 0 for a plane on the normal's side of the origin");
@@ -253,6 +260,7 @@ static void csl_settle_planes(bvxi_contour_file *f)
     /* Loops and points are walked together once, as both stand in the order of the planes. */
     for (uint64_t i = 0; i < s->section_count; i++) {
         uint64_t const first = point;
+        if (f->flipped != 0) s->positions[i] = -s->positions[i];
         for (; loop < s->loop_count && s->loops[loop].section == i; loop++) {
             uint64_t const end = s->loops[loop].first_point + s->loops[loop].point_count;
             point = end > point ? end : point;

@@ -10,9 +10,10 @@
  * Source: Kindlmann. Definition of NRRD File Format. Geometry: "space directions" with "space origin", the
  * centre of the first sample whatever the centring; else "spacings", or the axes' ends divided up, with "axis
  * mins", which are the low faces of cells (cells where the file leaves it open, as the reference library
- * does) or the first samples of nodes. The lattice's origin is the low corner of the first voxel. A space's
- * name (which way is left) changes no number. A detached head's samples stand in bytes of the caller's.
- * Guarantee: the bytes agree with the head, as far as is known, before anything is made. */
+ * does) or the first samples of nodes; else the first sample is at 0, as SimpleITK and VTK have it. The
+ * lattice's origin is the low corner of the first voxel. A space's name (which way is left) changes no
+ * number. A detached head's samples stand in bytes of the caller's. Guarantee: the bytes agree with the
+ * head, as far as is known, before anything is made. */
 
 /* ---- geometry ---- */
 
@@ -45,7 +46,7 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
 
         /* An origin is the centre of the first sample; a minimum is a face or a centre, by the axis. */
         if ((h->has & NRRD_HAS_ORIGIN) != 0) origin[a] = nrrd_corner(h, spacing[a], a);
-        else origin[a] = !low ? 0.0 : h->node[a] ? h->min[a] - 0.5 * spacing[a] : h->min[a];
+        else origin[a] = (low ? h->min[a] : 0.0) - (low && !h->node[a] ? 0.0 : 0.5 * spacing[a]);
     }
 }
 

@@ -387,6 +387,22 @@ void bvxi_range_make(int32_t type, double low, double high, bvxi_range *range)
     }
 }
 
+/* From the type's own ends inwards. The ends of a u64 are its bits; those of a lesser unsigned type are the
+ * same as signed numbers. */
+static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *range)
+{
+    bvxi_range_make(type, -THRESHOLD_F64_MAX, THRESHOLD_F64_MAX, range);
+    if (type == BVX_SAMPLE_U64) {
+        range->low.u = (uint64_t)low;
+        range->high.u = (uint64_t)high;
+        range->empty = range->low.u > range->high.u;
+        return;
+    }
+    if (low > range->low.i) range->low.i = low;
+    if (high < range->high.i) range->high.i = high;
+    range->empty = range->low.i > range->high.i;
+}
+
 /* ---- counts ---- */
 
 static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
@@ -441,10 +457,11 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
 
 /* ---- public ---- */
 
-static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
-                                bvx_volume_report *report, bvx_grid *grid)
+/* From real[0] to real[1], or where that is NULL from whole[0] to whole[1]. */
+static bvx_status run_threshold(bvx_context *context, const char *name, const bvx_volume_view *volume,
+                                const double *real, const int64_t *whole, bvx_volume_report *report,
+                                bvx_grid *grid)
 {
-    static const char name[] = "bvx_threshold";
     bvxi_range range;
     bvx_volume_report counts;
     bvx_window window;
@@ -457,10 +474,13 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
 
     /* NaN compares with nothing, so such a range would be neither empty nor full. */
-    if (low != low || high != high)
+    if (real != NULL && (real[0] != real[0] || real[1] != real[1]))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
                              "%s: an end of the range is NaN", name);
-    bvxi_range_make(volume->sample_type, low, high, &range);
+    if (real == NULL && volume->sample_type >= BVX_SAMPLE_F32)
+        return bvxi_fail(context, BVX_ERR_UNSUPPORTED, "%s: the samples are floats", name);
+    if (real != NULL) bvxi_range_make(volume->sample_type, real[0], real[1], &range);
+    else range_of_whole(volume->sample_type, whole[0], whole[1], &range);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
@@ -481,5 +501,14 @@ static bvx_status run_threshold(bvx_context *context, const bvx_volume_view *vol
 bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                          bvx_volume_report *report, bvx_grid *grid)
 {
-    return BVXI_CALL(context, run_threshold(context, volume, low, high, report, grid));
+    double const ends[2] = {low, high};
+    return BVXI_CALL(context, run_threshold(context, "bvx_threshold", volume, ends, NULL, report, grid));
+}
+
+bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
+                               bvx_volume_report *report, bvx_grid *grid)
+{
+    int64_t const ends[2] = {low, high};
+    return BVXI_CALL(context,
+                     run_threshold(context, "bvx_threshold_whole", volume, NULL, ends, report, grid));
 }

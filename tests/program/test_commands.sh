@@ -79,6 +79,11 @@ works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
 refuses 2 'box.npy is not a mesh' info box.npy --crossings
 refuses 2 'waves.raw is not a mesh' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --crossings
+# A model of MagicaVoxel: one voxel of colour 5. A file of bitvox has no colours.
+printf 'VOX \226\0\0\0MAIN\0\0\0\0\054\0\0\0SIZE\014\0\0\0\0\0\0\0\001\0\0\0\001\0\0\0\001\0\0\0XYZI\010\0\0\0\0\0\0\0\001\0\0\0\0\0\0\005' >five.vox
+warns 'five.vox: the colours of its voxels are not kept' convert five.vox -o five.vox
+works 'a .vox without colours' convert five.vox -o again.vox
+holds 'without a word' test ! -s err
 works 'info of a grid' info box.npy
 holds 'info: dims' says '^  dims +12 x 8 x 8$'
 holds 'info: voxels and share' says '^  voxels +128 set, 16.7 % of all$'

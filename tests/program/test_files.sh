@@ -56,6 +56,11 @@ gives 'a section brought near' 0 'closed, manifold' sections utm.csv -o near.stl
 refuses 2 'is for meshes; x.npy is not a mesh' convert knot.obj -o x.npy --output-origin 0,0,0
 refuses 2 'is for meshes; x.npy is not a mesh' voxelize knot.obj -o x.npy --output-origin 0,0,0
 
+# What makes something of files that are not read.
+refuses 1 'Blender makes .glb' info a.fbx
+refuses 1 'FreeCAD and Gmsh make .stl' repair part.STEP -o x.ply
+refuses 1 'the Python package reads it' lod a.3mf -o x.ply
+
 # Two cubes that share an edge by numbers of their own: .ply keeps them apart, readers of .stl join them.
 cube() { # FIRST NUMBER, X, Y
     for z in 0 1; do printf 'v %s %s %s\nv %s %s %s\nv %s %s %s\nv %s %s %s\n' "$2" "$3" $z $(($2 + 1)) "$3" $z $(($2 + 1)) $(($3 + 1)) $z "$2" $(($3 + 1)) $z; done

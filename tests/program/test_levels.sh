@@ -190,6 +190,7 @@ refuses 1 'limit' lod "$knot" -o c.ply --triangles 400 --resolution 256 --memory
 works 'a finer mesh for memory limits' repair "$knot" -o fine.ply --resolution 96 --quiet
 reports 'lod of a fine mesh' 'r["levels"]["solid"] is False' lod fine.ply -o c.ply --triangles 400 --samples 0
 refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
+holds 'what the file takes of the limit' grep -q 'suffice; the file takes 1228971 bytes of --memory-limit besides' err
 rm -f fine.ply
 warns 'the measured surface has 1 piece, the input 2: parts that touch became one' lod two.obj -o c.ply --triangles 200 --samples 0 --solid
 warns 'less volume than the input: parts that overlap count once' lod two.obj -o c.ply --triangles 200 --samples 0 --solid

@@ -85,6 +85,9 @@ refuses 2 'fields are written as' voxelize "$knot" -o - --format off --mode fiel
 refuses 2 'a picture format' render "$knot" -o - --format ply
 refuses 2 '--format is for standard input and output' convert "$knot" -o x.ply --format ply
 refuses 1 'none.ply' repair none.ply -o -
+refuses 2 'did you mean -o?' repair "$knot" --output x.ply
+run repair "$knot" -o - --format obj --resolution 16
+holds 'standard output by its name' sh -c "grep -q -e '-> standard output\$' err"
 if streams && has script && script -qc true /dev/null >/dev/null 2>&1; then
     script -qc "'$program' convert '$knot' -o -" typed >/dev/null 2>&1
     holds 'a terminal is refused' grep -q 'standard output is a terminal' typed
@@ -185,7 +188,7 @@ rm -f alone.*
 run repair in/a_stl.stl in/bad.stl in/a_off.off none.ply --output-dir some --resolution 32
 holds 'a failing input does not stop the others' sh -c "test $status = 1 && test \"\$(ls some)\" = 'a_off.off
 a_stl.stl' && cmp some/a_off.off of_repair/a_off.off && grep -q '^bitvox: in/bad.stl: STL' err && grep -q '^bitvox: none.ply: ' err &&
-    grep -q '^2 of 4 files written to some' out"
+    grep -q '^2 of 4 files written to some; failed: .*, ' out"
 run voxelize knot.bvx in/bad.stl --output-dir some
 holds 'the status is that of the first failure' test $status = 2
 run repair in/a_stl.stl in/bad.stl --output-dir some --resolution 32 --json

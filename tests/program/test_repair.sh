@@ -106,6 +106,18 @@ refuses 2 'normals of triangles' "$knot" -o result.stl --normals
 refuses 1 'No such file' missing.ply -o result.ply
 "$program" repair "$knot" -o needed.ply --if-needed --json >needed.json 2>/dev/null && grep -q '"needs": "nothing", "copied": true' needed.json
 result 'a sound mesh is copied' $?
+# The same format: the file itself, also over itself. Another one: with the attributes.
+printf '# its own\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 3/3 2/2\nf 1/1 2/2 4/3\nf 2/2 3/3 4/1\nf 3/3 1/1 4/2\n' >own.obj
+cp own.obj same.obj
+run repair same.obj -o same.obj --if-needed
+[ $status = 0 ] && [ ! -s err ] && cmp -s own.obj same.obj
+result 'what needs nothing keeps its bytes' $?
+run repair own.obj -o own.ply --if-needed
+[ $status = 0 ] && [ ! -s err ] && "$program" convert own.ply -o back.obj --quiet && [ "$(grep -c '^vt ' back.obj)" -ge 3 ]
+result 'a copy in another format has the attributes' $?
+run repair own.obj -o same.obj --resolution 16
+[ $status = 0 ] && grep -q 'texture coordinates are not kept; --carry' err
+result 'what is lost is said' $?
 certified 'parts are kept' "$knot" --resolution 24 --least-part 0
 # Two boxes apart: the smaller one goes without a word about the volume that is gone with it.
 printf 'v %s\n' '0 0 0' '1 0 0' '0 1 0' '1 1 0' '0 0 1' '1 0 1' '0 1 1' '1 1 1' '3 0 0' '3.9 0 0' '3 1 0' '3.9 1 0' '3 0 1' '3.9 0 1' '3 1 1' '3.9 1 1' >boxes.obj

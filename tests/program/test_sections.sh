@@ -98,7 +98,10 @@ gives 'block without model' 2 'block requires --block-model' sections prism.csv 
 gives 'blocks of an open body' 2 'closed body' sections prism.csv -o x.ply --caps open --block 1,1,1 --block-model b.csv
 gives 'another label' 1 'no loop has the label 4' sections prism.csv -o x.ply --label 4
 sed 's/^1,0,2,6,5$/1,0,2,60,5/' prism.csv >crossed.csv
-gives 'loops that cross' 1 'cross or touch' sections crossed.csv -o x.ply
+gives 'loops that cross' 1 '; --mend splits loops there' sections crossed.csv -o x.ply
+printf 'CSLC\n2 2\n1 3 1 0 0 1 1\n0 0 1 4 0 1 4 4 1\n3 1 0 1 2\n2 3 1 0 0 1 2\n0 0 2 4 0 2 4 4 2\n3 1 0 1 2\n' >signs.csl
+gives 'the other sign of D' 0 'closed, manifold' sections signs.csl -o signs.ply
+holds 'with a warning' grep -q 'signs.csl: D has the other sign on all planes' err
 sed -n '1p;/^1,/p' prism.csv >single.csv
 gives 'a single section' 1 'in only one section (index 0, at 0)' sections single.csv -o x.ply
 sed 's/^2,4/2,0/' prism.csv >repeated.csv

@@ -51,6 +51,13 @@ for n in 1 2 7; do gives "part $n is closed" 0 'closed      yes' info part_$n.st
 gives 'one label' 0 'closed, manifold' voxelize "$labels" -o seven.stl --label 7
 same 'one label alone and among all' seven.stl part_7.stl
 gives 'labels need a number in the name' 2 'needs %d' voxelize "$labels" -o part.stl --all-labels
+# Three labels that are one double: 2^53 and one more, and two more.
+# shellcheck disable=SC2059
+for k in 0 1 2; do printf "\\00$k\\0\\0\\0\\0\\0\\040\\0"; done >wide.raw
+for type in i64 u64; do
+    gives "a label of 64 bits, $type" 0 '1 set' voxelize wide.raw -o wide.bvx --shape 3,1,1 --sample-type $type --label 9007199254740993
+    gives "every label of 64 bits, $type" 0 '3 labels' voxelize wide.raw -o wide_%d.stl --shape 3,1,1 --sample-type $type --all-labels
+done
 gives 'a number without labels' 2 'is for --all-labels' voxelize "$labels" -o part_%d.stl --label 1
 # The side-car of a volume tells its place.
 "$program" voxelize "$labels" -o placed.npy --label 1 >out 2>err </dev/null
@@ -116,17 +123,17 @@ gives 'parts of distances' 2 'are for voxels' voxelize "$fixtures/knot.ply" -o x
 if "$program" info "$fixtures/knot.ply.gz" 2>&1 | grep -q 'without zlib'; then
     skip 'gzip samples' 'made without zlib'
 elif command -v gzip >/dev/null 2>&1; then
-    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: gzip\n\n' && gzip -c "$fixtures/waves.raw"; } >packed.nrrd
+    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\naxis mins: 0 0 0\nencoding: gzip\n\n' && gzip -c "$fixtures/waves.raw"; } >packed.nrrd
     gives 'gzip samples' 0 '3643 set' voxelize packed.nrrd -o packed.bvx --level 120
     same 'their grid' packed.bvx level.bvx
     gzip -c "$fixtures/waves.raw" >other.raw.gz
-    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: gzip\ndata file: other.raw.gz\n' >apart.nhdr
+    printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\naxis mins: 0 0 0\nencoding: gzip\ndata file: other.raw.gz\n' >apart.nhdr
     gives 'gzip samples in another file' 0 '3643 set' voxelize apart.nhdr -o apart.bvx --level 120
     same 'their grid too' apart.bvx level.bvx
     gives 'what is other than 0 without a choice' 0 'set' voxelize apart.nhdr -o all.bvx
     head -c 3000 packed.nrrd >cut.nrrd
     gives 'gzip samples cut short' 1 'damaged' voxelize cut.nrrd -o cut.bvx --level 120
-    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\nencoding: raw\n\n' && cat "$fixtures/waves.raw"; } >plain.nrrd
+    { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 48 40 32\nspacings: 1 1 1.25\naxis mins: 0 0 0\nencoding: raw\n\n' && cat "$fixtures/waves.raw"; } >plain.nrrd
     gives 'a grid' 0 'set' convert plain.nrrd -o plain.bvx
     gives 'a grid of gzip samples' 0 'set' convert packed.nrrd -o packed_grid.bvx
     same 'the same grid' packed_grid.bvx plain.bvx

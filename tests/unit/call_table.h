@@ -405,6 +405,10 @@ static bvx_status threshold(const world *w)
 {
     return bvx_threshold(w->ctx, w->volume, 1, 200, NULL, (bvx_grid *)w->out);
 }
+static bvx_status threshold_whole(const world *w)
+{
+    return bvx_threshold_whole(w->ctx, w->volume, 1, 200, NULL, (bvx_grid *)w->out);
+}
 static bvx_status extract_scalar(const world *w)
 {
     TAKE_OPTIONS(scalar, o);
@@ -701,6 +705,7 @@ static const call calls[] = {
     CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_merge, BODY, TO_MESH),
     CALL(threshold, VOLUME, TO_GRID),
+    CALL(threshold_whole, VOLUME, TO_GRID),
     CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
     CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN),
     CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),

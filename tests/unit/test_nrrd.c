@@ -62,9 +62,10 @@ static void test_nrrd_writes_centres(void)
 
 static void test_nrrd_places(void)
 {
-    check_nrrd_place("", 0, 0, 0, 1, 1, 1);
-    check_nrrd_place("spacings: 0.5 2 4\n", 0, 0, 0, 0.5, 2, 4);
-    check_nrrd_place("spacings: nan 2 NaN\n", 0, 0, 0, 1, 2, 1);
+    /* Without an origin the first sample's centre is at 0. */
+    check_nrrd_place("", -0.5, -0.5, -0.5, 1, 1, 1);
+    check_nrrd_place("spacings: 0.5 2 4\n", -0.25, -1, -2, 0.5, 2, 4);
+    check_nrrd_place("spacings: nan 2 NaN\n", -0.5, -1, -0.5, 1, 2, 1);
     check_nrrd_place(
         "space: left-posterior-superior\nspace directions: (0.5,0,0) (0,2,0) (0,0,4)\nspace origin: (10,20,30)\n",
         9.75, 19, 28, 0.5, 2, 4);
@@ -77,7 +78,7 @@ static void test_nrrd_places(void)
     check_nrrd_place("axis mins: 1 2 3\nspacings: 0.5 2 4\n", 1, 2, 3, 0.5, 2, 4); /* open: cells */
     check_nrrd_place("axis mins: 1 2 3\nspacings: 0.5 2 4\ncenters: cell node cell\n", 1, 1, 3, 0.5, 2, 4);
     check_nrrd_place("axismins: 1 2 3\naxismaxs: 4 6 7\ncenters: cell node cell\n", 1, 0, 3, 1, 4, 2);
-    check_nrrd_place("Axis Mins: 1 nan 3\nCenterings: Cell Node Cell\n", 1, 0, 3, 1, 1, 1);
+    check_nrrd_place("Axis Mins: 1 nan 3\nCenterings: Cell Node Cell\n", 1, -0.5, 3, 1, 1, 1);
 }
 
 /* The corner that our writer keeps counts where it leads to the file's first sample, else not. */
@@ -91,8 +92,8 @@ static void test_nrrd_corner_key(void)
         "space dimension: 3\nspace directions: (2,0,0) (0,1,0) (0,0,1)\nspace origin: (7,0.5,0.5)\n"
         "bitvox low corner:=(5,0,0)\n",
         6, 0, 0, 2, 1, 1);
-    check_nrrd_place("bitvox low corner:=(5,0,0)\n", 0, 0, 0, 1, 1, 1);
-    check_nrrd_place("bitvox low corner:=(5,0\n", 0, 0, 0, 1, 1, 1);
+    check_nrrd_place("bitvox low corner:=(5,0,0)\n", -0.5, -0.5, -0.5, 1, 1, 1);
+    check_nrrd_place("bitvox low corner:=(5,0\n", -0.5, -0.5, -0.5, 1, 1, 1);
 }
 
 static void test_nrrd_heads(void)

@@ -136,6 +136,28 @@ static void test_csl_of_parallel_planes_has_one_normal(void)
     TEST_ASSERT_EQUAL_DOUBLE(1.0, s.positions[1]);
 }
 
+/* Some writers have A x + B y + C z = D. */
+static void test_csl_with_the_other_sign_of_d(void)
+{
+    static const char text[] = "CSLC\n4 2\n1 3 1 0 0 1 1\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n"
+                               "2 3 1 0 0 -1 -2\n0 0 2 1 0 2 1 1 2\n3 1 0 1 2\n3 0 0 0 0 1 3\n"
+                               "4 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n";
+    uint64_t flipped = 7;
+    bvx_read_sections_options o;
+
+    bvx_read_sections_options_init(&o, sizeof o);
+    o.flipped = &flipped;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, text, sizeof text - 1, BVX_FORMAT_CSL, &o, &s));
+    TEST_ASSERT_EQUAL_UINT64(2, flipped); /* the plane without points and that at 0 have no side to tell */
+    TEST_ASSERT_EQUAL_UINT64(4, s.section_count);
+    for (int i = 0; i < 4; i++) TEST_ASSERT_EQUAL_DOUBLE((i + 1) % 4, s.positions[i]);
+
+    /* One plane has the right sign: which of the two does? */
+    refuse(
+        "CSLC\n2 2\n1 3 1 0 0 1 1\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n2 3 1 0 0 1 -2\n0 0 2 1 0 2 1 1 2\n3 1 0 1 2\n",
+        BVX_FORMAT_CSL, BVX_ERR_FORMAT, "line 6: the plane's points do not lie where");
+}
+
 static void test_csl_refusals(void)
 {
     refuse("CSLC\n1 2\n1 3 1 0 0 1 7\n0 0 1 1 0 1 1 1 1\n3 1 0 1 2\n", BVX_FORMAT_CSL, BVX_ERR_FORMAT,
@@ -538,6 +560,7 @@ int main(void)
     RUN_TEST(test_csl_has_a_byte_order_mark);
     RUN_TEST(test_csl_has_planes_of_any_direction);
     RUN_TEST(test_csl_of_parallel_planes_has_one_normal);
+    RUN_TEST(test_csl_with_the_other_sign_of_d);
     RUN_TEST(test_csl_refusals);
     RUN_TEST(test_csv_by_hand);
     RUN_TEST(test_csv_of_many_sections);

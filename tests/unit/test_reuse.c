@@ -65,6 +65,13 @@ ROW(close_grid, bvx_grid_close(c, &m->solid, NULL, &r->grid))
 ROW(keep, bvx_grid_keep(c, &m->solid, NULL, &r->grid))
 ROW(cavities, bvx_grid_fill_cavities(c, &m->solid, 6, 0, &r->grid, NULL))
 ROW(threshold, bvx_threshold(c, &m->volume, 0, 1e9, NULL, &r->grid))
+/* The bits of floats above 0 are integers above 0. */
+static bvx_status threshold_whole(bvx_context *c, const model *m, results *r)
+{
+    bvx_volume_view view = m->volume;
+    view.sample_type = BVX_SAMPLE_I32;
+    return bvx_threshold_whole(c, &view, 1, INT32_MAX, NULL, &r->grid);
+}
 ROW(expand, bvx_octree_expand(c, m->tree, 0, 0, NULL, &r->grid))
 ROW(read_npy, bvx_read_grid(c, m->npy.bytes, m->npy.size, BVX_FORMAT_NPY, NULL, &r->grid))
 ROW(read_bvx, bvx_read_grid(c, m->bvx.bytes, m->bvx.size, BVX_FORMAT_BVX, NULL, &r->grid))
@@ -310,6 +317,7 @@ static const struct row {
     {"bvx_grid_keep", keep},
     {"bvx_grid_fill_cavities", cavities},
     {"bvx_threshold", threshold},
+    {"bvx_threshold_whole", threshold_whole},
     {"bvx_octree_expand", expand},
     {"bvx_read_grid, .npy", read_npy},
     {"bvx_read_grid, .bvx", read_bvx},

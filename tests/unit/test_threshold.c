@@ -173,6 +173,42 @@ static void test_threshold_of_64_bit_ends(void)
     free_volume(&t);
 }
 
+/* Voxels of one value each, of neighbours that are one double. */
+static void test_threshold_whole_tells_64_bit_integers_apart(void)
+{
+    int64_t const i[4] = {(INT64_C(1) << 53) + 1, (INT64_C(1) << 53) + 2, INT64_MIN, INT64_MIN + 1};
+    static const int32_t size[3] = {4, 1, 1};
+    test_volume t;
+    bvx_grid g = {0};
+
+    make_volume(&t, BVX_SAMPLE_I64, size, 0, x_first, 0, 0);
+    memcpy(t.memory + 1, i, sizeof i);
+    for (int k = 0; k < 8; k++) {
+        /* Bits of a u64 order in another way, but each is itself. */
+        t.view.sample_type = k < 4 ? BVX_SAMPLE_I64 : BVX_SAMPLE_U64;
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, i[k % 4], i[k % 4], NULL, &g));
+        TEST_ASSERT_EQUAL_HEX64(UINT64_C(1) << k % 4, g.words[0]);
+    }
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, i[1], i[2], NULL, &g));
+    TEST_ASSERT_EQUAL_HEX64(6, g.words[0]);
+    t.view.sample_type = BVX_SAMPLE_I64;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, i[2], i[0], NULL, &g));
+    TEST_ASSERT_EQUAL_HEX64(13, g.words[0]);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, i[1], i[0], NULL, &g));
+    TEST_ASSERT_EQUAL_HEX64(0, g.words[0]);
+
+    /* Ends beyond the type's own; floats have no such ends. */
+    t.view.sample_type = BVX_SAMPLE_I8;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, INT64_MIN, INT64_MAX, NULL, &g));
+    TEST_ASSERT_EQUAL_HEX64(15, g.words[0]);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_threshold_whole(ctx, &t.view, 128, INT64_MAX, NULL, &g));
+    TEST_ASSERT_EQUAL_HEX64(0, g.words[0]);
+    t.view.sample_type = BVX_SAMPLE_F64;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_threshold_whole(ctx, &t.view, 0, 1, NULL, &g));
+    bvx_grid_free(ctx, &g);
+    free_volume(&t);
+}
+
 static void test_threshold_leaves_nan_and_infinity_out_and_counts_them(void)
 {
     static const int32_t size[3] = {200, 3, 2};
@@ -372,6 +408,7 @@ int main(void)
     RUN_TEST(test_threshold_is_the_same_on_all_paths_and_threads);
     RUN_TEST(test_threshold_ends_between_floats);
     RUN_TEST(test_threshold_of_64_bit_ends);
+    RUN_TEST(test_threshold_whole_tells_64_bit_integers_apart);
     RUN_TEST(test_threshold_leaves_nan_and_infinity_out_and_counts_them);
     RUN_TEST(test_threshold_refusals);
     RUN_TEST(test_labels_of_every_whole_type);

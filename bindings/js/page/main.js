@@ -62,6 +62,7 @@ function cancel() {
 const REMEDIES = {
     cancelled: () => 'Cancelled.',
     format: text => `This file is broken, or is not what its name says. ${text}`,
+    name: text => `This kind of file is not read here. ${text}.`,
     empty: text => `There is nothing to work on. ${text}`,
     range: text => `A number in this mesh cannot be used. ${text}`,
     memory: text =>
@@ -163,10 +164,10 @@ async function open(file) {
             status: 'memory',
             message: `${file.name} has ${number(file.size)} bytes; ${number(LARGEST_FILE)} are possible`,
         });
-    if (file && !/\.(stl|obj|ply|off)(\.gz)?$/i.test(file.name))
+    if (file && !/\.(stl|obj|ply|off|glb)(\.gz)?$/i.test(file.name))
         return sayError({
-            status: 'format',
-            message: `${file.name} does not end with .stl, .obj, .ply or .off`,
+            status: 'name',
+            message: `${file.name} does not end with .stl, .obj, .ply, .off or .glb`,
         });
 
     await during(`Reading ${file?.name ?? 'the sample'} ...`, async () => {
@@ -219,7 +220,7 @@ async function download() {
         const level = Number($('level').value || 0);
         const { bytes } = await ask('save', { format, level });
         const link = document.createElement('a');
-        const stem = (state.source.name ?? 'knot').replace(/\.(stl|obj|ply|off)(\.gz)?$/i, '');
+        const stem = (state.source.name ?? 'knot').replace(/\.(stl|obj|ply|off|glb)(\.gz)?$/i, '');
         link.href = URL.createObjectURL(new Blob([bytes]));
         link.download = `${stem}_${state.job}${format === 'glb' || state.results.length < 2 ? '' : `_${level}`}.${format}`;
         link.click();

@@ -70,3 +70,14 @@ def test_volumes_are_collections(ball):
     assert dask.base.tokenize(volume) != dask.base.tokenize(volume.erode())
     assert "24" in volume._repr_html_() and "chunks" in volume._repr_html_()
     assert volume.compute(scheduler="synchronous") == whole
+
+
+def test_arrays_that_are_laid_out():
+    assert big.from_dask(np.ones((4, 4, 4))).count() == 64 and big.Samples(np.ones((4, 4, 4))).threshold(0.5).count() == 64
+    near = np.array([2**53 + 1, 2**53 + 2], "u8").reshape(1, 1, 2)
+    assert big.Samples(da.from_array(near, chunks=1)).threshold(2**53 + 1, 2**53 + 1).count() == 1
+    unknown = da.from_array(np.ones((4, 4, 4)), chunks=2)
+    unknown = unknown[unknown[:, 0, 0] > 0]
+    for take in (big.from_dask, big.Samples):
+        with pytest.raises(bitvox.ArgumentError, match="compute_chunk_sizes"):
+            take(unknown)

@@ -43,7 +43,7 @@ def test_field_against_closest_points(dtype):
 def test_bands_windows_and_options():
     found = bitvox.field(TETRAHEDRON, resolution=24, half_width=2.0)
     assert 0 < found.band.count < np.prod(found.shape) and found.value((0, 0, 0)) in (None, 0)
-    assert np.abs(found.distances).max() <= found.half_width
+    assert found.half_width == 2.0 and np.abs(found.distances).max() <= 2.0 * max(found.spacing)
     band, distances = found.band, found.distances
     count, first = band.count, distances.copy()
     del found
@@ -71,7 +71,9 @@ def test_bands_windows_and_options():
     with pytest.raises(bitvox.ArgumentError):
         whole.surface(sharp_angle=0.5)
     far = bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0, features=True).to_numpy(far="propagated")
-    assert far.max() > 1.5 * bitvox.field(TETRAHEDRON, resolution=12, half_width=1.0).half_width
+    assert far.max() > 1.5 * max(whole.spacing)
+    wide = bitvox.field(TETRAHEDRON, resolution=12, half_width=100)  # no lattice a thousand times as large
+    assert wide.half_width == 100.0 and wide.shape == (44, 44, 44)
 
 
 def test_field_files(tmp_path):

@@ -1,6 +1,8 @@
 """Meshes: arrays of any kind, without a wrong answer."""
 
+import os
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -300,3 +302,68 @@ def test_normals():
     assert np.allclose(ball.normals(averaged=True)[1], mean / np.linalg.norm(mean, axis=1, keepdims=True), atol=1e-6)
     with pytest.raises(bitvox.EmptyError):
         bitvox.Mesh(np.zeros((3, 3)), np.zeros((0, 3), np.uint32)).normals()
+
+
+def test_pieces_keep_their_attributes():
+    (a, faces), (b, _) = box_mesh(), box_mesh((5, 0, 0), (9, 4, 4))
+    both = bitvox.Mesh(np.concatenate([a, b]), np.concatenate([faces, faces + 8]), colors=np.arange(48).reshape(16, 3), normals=np.ones((16, 3)),
+                       materials=np.arange(24), uvs=np.arange(10).reshape(5, 2), uv_faces=np.arange(72).reshape(24, 3) % 5)
+    large, small = both.split()
+    assert large.check().volume == pytest.approx(64) and small.check().volume == pytest.approx(1) and small.check().closed
+    assert np.array_equal(large.colors, both.colors[8:]) and np.array_equal(large.materials, both.materials[12:])
+    assert np.array_equal(small.uv_faces, both.uv_faces[:12]) and np.array_equal(small.uvs, both.uvs)
+    assert both.keep(largest=1) == large and both.keep(largest=2).n_faces == 24 and bitvox.Mesh(np.zeros((0, 3)), np.zeros((0, 3), int)).split() == []
+    corners = bitvox.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0], [3, 0, 0]], [[0, 1, 2], [3, 4, 1]])
+    assert len(corners.split()) == 1  # a common vertex is enough
+    chain = np.arange(4001)
+    long = bitvox.Mesh(np.c_[chain, chain % 2, 0 * chain].astype(float), np.c_[chain[:-2], chain[1:-1], chain[2:]][:, ::-1])
+    assert len(long.split()) == 1
+
+
+def test_a_surface_without_crumbs():
+    array = np.zeros((30, 20, 20))
+    array[3:12, 3:17, 3:17], array[6:9, 7:12, 7:12] = 5.0, 0.0  # a body with a cavity
+    array[15:17, 4:6, 4:6], array[20, 10, 10], array[28, 2, 2] = 5.0, 5.0, 2.0
+    for turn in (None, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]):
+        volume, alone = (bitvox.Volume(np.where(mask, array, 0.0), direction=turn) for mask in (True, np.arange(30)[:, None, None] < 13))
+        assert volume.surface(3.0).check().components == 4
+        assert volume.surface(3.0, keep_largest=1) == alone.surface(3.0) and volume.report.inside == alone.report.inside
+        assert volume.surface(3.0, keep_largest=2).check().components == 3
+
+
+def test_lists_of_bodies():
+    bodies = [bitvox.Mesh(*box_mesh((x, 0, 0), (x + 2, 2, 2))) for x in (0, 1, 5)]
+    union = bitvox.boolean(bodies, "union", resolution=64)
+    assert union.check().closed and union.volume == pytest.approx(20, rel=0.03)
+    assert bitvox.boolean(bodies, "difference", resolution=64).volume == pytest.approx(4, rel=0.05)
+    with pytest.raises(bitvox.ArgumentError, match="two at a time"):
+        bitvox.boolean(bodies, "xor")
+    for wrong in ((bodies[0], "union"), (bodies[0], bodies[1])):
+        with pytest.raises(TypeError, match="two meshes and an operation"):
+            bitvox.boolean(*wrong)
+
+
+def test_words_of_other_libraries(knot):
+    for call, hint in ((lambda: knot.simplify(ratio=0.1), r"round\(ratio \* mesh"), (lambda: bitvox.lod(knot, target_reduction=0.9), r"round\(\(1 - target_reduction\)"),
+                       (lambda: bitvox.simplify(knot, face_count=10), "triangles="), (lambda: bitvox.lod(knot, triangles=0.1), r"round\(0.1 \* mesh"),
+                       (lambda: bitvox.boolean(knot, knot, "subtract"), "'difference' is meant"), (lambda: knot.check(threads=-1), "0: all processors"),
+                       (lambda: bitvox.Volume(np.zeros((2, 2, 2))) > 0.5, "threshold"), (lambda: bitvox.Grid.from_numpy(np.ones((2, 2, 2))) | np.ones((2, 2, 2)), "from_numpy"),
+                       (lambda: knot.transform(np.zeros((4, 4))), "last row is")):
+        with pytest.raises((TypeError, bitvox.Error), match=hint):
+            call()
+
+
+def test_a_missed_target_is_said():
+    noise = bitvox.Grid.from_numpy(np.random.default_rng(0).random((8, 8, 8)) > 0.5).surface()
+    with pytest.warns(UserWarning, match="level 0 has [0-9]+ triangles for 10; strict=True"):
+        assert not noise.simplify(triangles=10).report.met
+    with pytest.warns(UserWarning, match="level 0 has .*, level 1 has"):
+        bitvox.lod(noise, triangles=(10, 5))
+    with pytest.raises(bitvox.RangeError), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        noise.simplify(triangles=10, strict=True)
+
+
+def test_names_of_files_may_be_bytes(knot, tmp_path):
+    knot.save(os.fsencode(tmp_path / "k.ply"))
+    assert bitvox.read(os.fsencode(tmp_path / "k.ply")) == knot

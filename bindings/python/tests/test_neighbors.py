@@ -206,3 +206,53 @@ def test_e57(tmp_path):
         file.write_scan_raw({"cartesianX": x, "cartesianY": y, "cartesianZ": z}, rotation=np.array([1.0, 0, 0, 0]), translation=move)
     file.close()
     check_cloud(tmp_path / "a.e57", 1e-5)  # pye57 writes floats of 32 bits
+
+
+def test_data_of_points_stay_with_levels():
+    pyvista = pytest.importorskip("pyvista")
+    from bitvox import pyvista_accessor  # noqa: F401
+
+    mesh = pyvista.Sphere(theta_resolution=40, phi_resolution=40).elevation()
+    mesh.point_data["part"] = (mesh.points[:, 2] > 0).astype(np.int32) * 7
+    mesh.point_data["RGB"] = np.tile(np.uint8([200, 10, 60]), (mesh.n_points, 1))
+    for level in (*mesh.bitvox.lod(triangles=(600, 200)), mesh.bitvox.simplify(triangles=300), mesh.bitvox.repair(resolution=24)):
+        assert {"Elevation", "part", "RGB", "Normals"} <= set(level.point_data.keys()) and "colors" not in level.point_data
+        assert np.abs(level.point_data["Elevation"] - level.points[:, 2]).max() < 0.05
+        assert set(level.point_data["part"]) == {0, 7} and (level.point_data["part"] == 7 * (level.points[:, 2] > 0)).mean() > 0.9
+        assert (level.point_data["RGB"][:, :3] == [200, 10, 60]).all()
+        assert np.allclose(np.linalg.norm(level.point_data["Normals"], axis=1), 1, atol=1e-5)
+    mesh.cell_data["face"] = np.arange(mesh.n_cells)
+    with pytest.warns(UserWarning, match="cells are not kept: face"):
+        mesh.bitvox.simplify(triangles=300)
+
+
+def test_octrees_are_leaves_in_pyvista(tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    from bitvox import pyvista_accessor
+
+    tree = bitvox.refine(bitvox.Grid.from_numpy(np.ones((4, 4, 4))).surface(), base=4, levels=3)
+    tree.save(tmp_path / "deep.bvx")
+    found = pyvista_accessor.read(str(tmp_path / "deep.bvx"))
+    assert isinstance(found, pyvista.UnstructuredGrid) and found.volume == pytest.approx(tree.volume)
+    assert tree.to_pyvista(states="inside").n_cells < found.n_cells == len(tree.leaves())
+
+
+@pytest.mark.parametrize("kind", ["to_sitk", "to_nibabel", "to_pyvista"])
+@pytest.mark.parametrize("frame", ["lps", "ras", None])
+def test_volumes_go_where_they_came_from(kind, frame):
+    for module in ("SimpleITK", "nibabel", "pyvista"):
+        pytest.importorskip(module)
+    turn = np.array([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, -1]])
+    volume = bitvox.Volume(np.arange(60, dtype=np.int64).reshape(3, 4, 5), spacing=(1, 2, 3), center0=(4, 5, 6), direction=turn, frame=frame)
+    back = bitvox.Volume.of(getattr(volume, kind)())
+    assert np.array_equal(back.array, volume.array) and back.array.dtype == volume.array.dtype
+    wanted = volume if frame in (back.frame, None) or back.frame is None else volume.turned(back.frame)
+    assert np.allclose(back.to_world([[0, 0, 0], [2, 3, 4]]), wanted.to_world([[0, 0, 0], [2, 3, 4]]))
+
+
+def test_grids_of_others():
+    for module in ("SimpleITK", "trimesh", "pyvista"):
+        pytest.importorskip(module)
+    grid = bitvox.Grid.from_numpy(np.random.default_rng(2).random((5, 4, 3)) > 0.5, spacing=(1, 2, 3), corner=(7, 8, 9))
+    for held in (grid, bitvox.Volume.of(grid), bitvox.Volume.of(grid).to_sitk(), bitvox.Volume.of(grid).to_pyvista(), grid.to_pyvista(), grid.to_trimesh()):
+        assert bitvox.Grid.of(held) == grid

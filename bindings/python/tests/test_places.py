@@ -173,7 +173,12 @@ def test_pyvista(turn):
     set_one = np.zeros(image.n_points, np.uint8)
     set_one[100] = 1
     image.point_data["s"] = set_one
+    if not (np.isclose(np.abs(turn).max(axis=0), 1)).all():
+        with pytest.raises(bitvox.ArgumentError, match="oblique"):
+            image.bitvox.grid("s")
+        return
     grid = image.bitvox.grid("s")
+    assert bitvox.Grid.of(image, scalars="s") == grid
     where = np.array(grid.center0) + grid.voxels() * np.array(grid.spacing)
     reach = 1e-4 if (np.abs(turn).max(axis=0) == 1).all() else max(SPACING)
     assert len(where) >= 1 and np.abs(where - image.points[100]).max() < reach

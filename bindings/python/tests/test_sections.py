@@ -78,7 +78,7 @@ def test_cubic_blend_is_nearer():
 def test_loops_that_meet_are_mended():
     keyhole = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 2), (1, 2), (1, 3), (3, 3), (3, 1), (1, 1), (1, 2), (0, 2)]
     meeting = Sections([Loop([(x, y, z) for x, y in keyhole]) for z in (0, 1)])
-    with pytest.raises(bitvox.FormatError, match="crosses or touches itself"):
+    with pytest.raises(bitvox.FormatError, match="crosses or touches itself.*; mend=True splits"):
         meeting.surface()
     mended = meeting.surface(mend=True)
     assert (mended.report.mended_loops, mended.report.holes) == (2, 2)
@@ -345,3 +345,40 @@ def test_drawings_and_structures_keep_planes_of_any_direction(tmp_path):
     bitvox.formats.write_rtstruct(stack, tmp_path / "cross.dcm")
     again = bitvox.read(tmp_path / "cross.dcm")
     assert np.allclose(again.normals, stack.normals, atol=1e-6) and again.section_of == stack.section_of
+
+
+NAMES = ("left, outer", "rechts \u00e4", "7")
+
+
+def named_stack():
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    return bitvox.Sections([bitvox.Loop(square + [3 * i, 0, z], name) for i, name in enumerate(NAMES) for z in (0, 1)])
+
+
+def test_names_of_bodies_stand_in_tables(tmp_path):
+    stack = named_stack()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stack.save(tmp_path / "a.csv")
+        assert bitvox.read(tmp_path / "a.csv") == stack and bitvox.loads(bitvox.dumps(stack, "csv"), "csv").labels == list(NAMES)
+        assert bitvox.from_sections(tmp_path / "a.csv", label="left, outer").n_faces
+        bitvox.slice_mesh(bitvox.Grid.from_numpy(np.ones((4, 4, 4))).surface(), spacing=1, label=5).save(tmp_path / "n.csl")
+    assert bitvox.dumps(bitvox.Sections([stack.loops[0].points]), "csv").startswith(b"section,position,loop,label,x,y\n")
+    with pytest.warns(UserWarning, match=r"1 for 'left, outer', 2 for .*3 for '7'.*\.csv keeps"):
+        stack.save(tmp_path / "a.csl")
+    assert bitvox.read(tmp_path / "a.csl").labels == ["1", "2", "3"]
+
+
+def test_columns_of_others_name_no_bodies():
+    head, rows = "section,position,loop,label,x,y,body", ["0,0,0,1,0,0,a", "0,0,0,1,1,0,a", "0,0,0,1,0,1,a"]
+    assert bitvox.loads("\n".join([head, *rows]).encode(), "csv").labels == ["a"]
+    more = [row.replace("0,0,0,1", "0,0,1,2", 1) for row in rows]
+    assert bitvox.loads("\n".join([head, *rows, *more]).encode(), "csv").labels == ["1", "2"]  # two bodies of one name
+
+
+def test_a_csl_with_the_other_sign_of_d():
+    rows = "0 0 {0} 4 0 {0} 4 4 {0}\n3 1 0 1 2\n"
+    text = "CSLC\n2 2\n" + "".join(f"{i} 3 1 0 0 1 {sign}{i}\n{rows.format(i)}" for i, sign in ((1, "{s}"), (2, "{s}")))
+    with pytest.warns(UserWarning, match="D has the other sign on all planes"):
+        found = bitvox.loads(text.replace("{s}", "").encode(), "csl")
+    assert found == bitvox.loads(text.replace("{s}", "-").encode(), "csl") and found.positions == [1.0, 2.0]

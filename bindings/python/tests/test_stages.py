@@ -332,3 +332,10 @@ def test_render(ball):
             bitvox.render(grid, **options)
     with pytest.raises(bitvox.ArgumentError):
         bitvox.render(ball, slices=("z", 3))
+
+
+def test_what_needs_no_repair_keeps_its_attributes(knot):
+    colored = bitvox.Mesh(knot.vertices, knot.faces, colors=np.full((knot.n_vertices, 3), 9), uvs=np.zeros((knot.n_vertices, 2)))
+    same = bitvox.repair(colored, if_needed=True)
+    assert same == colored and same.report.copied and (same.colors == colored.colors).all() and same.uvs is not None and colored.report is None
+    assert bitvox.repair(colored, if_needed=True, triangles=500).n_faces <= 500

@@ -80,11 +80,31 @@ RIGHT = """
     lazy: big.Volume = big.voxelize("a.ply", resolution=8)
     field = bitvox.field(mesh, sign="winding")
     surface: bitvox.Mesh = field.surface(interpolation="tangent")
+    many: list[bitvox.Mesh] = bitvox.simplify(mesh, triangles=(20, 10), strict=True)
+    inside: bool = solid[1, 2, 3]
+    sums: int = sum(one.value for one in volume.labels())
+    nearest: int = int(solid.distance(nearest=True)[1].max()) + int(field.to_numpy().shape[0]) + int(solid.components()["voxels"][0])
+
+
+    def load(path: str) -> bitvox.Mesh:
+        return bitvox.read(path)
+
+
+    def solid_of(path: str) -> bitvox.Grid:
+        return bitvox.read(path).crop()
+
+
+    def fewer(given: bitvox.Mesh) -> bitvox.Mesh:
+        return given.simplify(triangles=500)
+
+
 """
 WRONG = ["bitvox.voxelise('x')", "bitvox.does_not_exist", "bitvox.voxelize('x', fill='partiy')", "bitvox.voxelize('x', mode='hollow')", "solid.surface().sav('x')",
          "bitvox.boolean('a', 'b', 'minus')", "solid.downsample(2, 'some')", "bitvox.lod('x', method='fast')", "bitvox.check('x').close", "solid.distance('left')",
          "bitvox.from_sections('x', caps='round')", "bitvox.repair('x', sign='normal')", "bitvox.Volume([1], frame='las')", "bitvox.field('x').surface(interpolation='best')",
-         "solid.to_numpy('yxz')", "bitvox.slice_mesh('x', axis='w')", "solid.hollow(1.0, drain_side='down')", "bitvox.surface(solid, face_rule='none')", "bitvox.simplify('x', open='shell')"]
+         "solid.to_numpy('yxz')", "bitvox.slice_mesh('x', axis='w')", "solid.hollow(1.0, drain_side='down')", "bitvox.surface(solid, face_rule='none')", "bitvox.simplify('x', open='shell')",
+         "bitvox.read('x').sav()", "mesh.simplify(triangles=5).fac", "mesh.simplify(triangles=(5, 4)).faces", "volume.labels()[0].valu", "solid[0, 0, 0].shape",
+         "solid.distance().shap", "field.to_numpy().shap"]
 
 
 def checked(tmp_path, lines):

@@ -303,3 +303,20 @@ def test_grid_of_gzip_samples(tmp_path):
         bitvox.loads(head % b"gzip" + gzip.compress(a.tobytes() * 100), "nrrd")
     with pytest.raises(bitvox.MemoryLimitError):
         bitvox.loads(packed, "nrrd", memory_limit=100)
+
+
+@pytest.mark.parametrize("dtype", ["i8", "u8"])
+def test_64_bit_integers_are_told_apart(dtype):
+    near = [2**53 + 1, 2**53 + 2, 2**53 + 3, *([2**64 - 1, 2**64 - 2, 2**63] if dtype == "u8" else [-(2**63), 1 - 2**63, 2**63 - 1])]
+    v = bitvox.Volume(np.array(near, dtype).reshape(1, 1, 6))
+    assert [v.threshold(a, a).count for a in near] == [v.label(a).count for a in near] == [1] * 6
+    assert [v.label(one.value).count for one in v.labels()] == [1] * 6
+    assert v.threshold(np.array(near[1], dtype)[()]).count == sum(a >= near[1] for a in near)
+    assert v.threshold(2**53 + 4, 2**62).count == 0 and v.threshold(2**64).count == 0 and v.threshold(0.2, 0.8).count == 0
+    assert v.threshold().count == 6 and v.label(-7).count == 0
+    floats = bitvox.Volume(np.full((1, 1, 1), 2.0**53))
+    assert (floats.threshold(2**53).count, floats.threshold(2**53 + 1).count, floats.threshold(0, 2**53 - 1).count) == (1, 0, 0)
+    with pytest.raises(bitvox.ArgumentError, match="9007199254740993"):
+        v.threshold(2**53 + 1, 2**53)
+    with pytest.raises(bitvox.ArgumentError, match="NaN"):
+        v.threshold(float("nan"))

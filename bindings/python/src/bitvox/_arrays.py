@@ -368,8 +368,10 @@ def matrix_in(matrix: Any) -> Any:
         full = np.eye(4)
         full[:3, :3] = found
         found = full
-    if found.shape != (4, 4) or not np.isfinite(found).all() or found[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
-        raise ArgumentError(f"matrix has shape {found.shape}; it must be (3, 3), or (4, 4) with the last row 0 0 0 1, of finite numbers")
+    if found.shape != (4, 4):
+        raise ArgumentError(f"matrix has shape {found.shape}; it must be (3, 3) or (4, 4)")
+    if not np.isfinite(found).all() or found[3].tolist() != [0.0, 0.0, 0.0, 1.0]:
+        raise ArgumentError(f"matrix: the last row is {found[3].tolist()}; it must be 0 0 0 1, and all numbers finite")
     if np.linalg.matrix_rank(found[:3, :3]) < 3:
         raise ArgumentError("matrix: it flattens, so nothing of volume would be left")
     return found

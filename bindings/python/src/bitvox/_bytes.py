@@ -88,7 +88,9 @@ def new_beside(path: str) -> tuple[int, str]:
         except FileExistsError:
             continue
         except FileNotFoundError:
-            raise FileNotFoundError(2, "there is no such folder", os.path.dirname(path)) from None
+            folder = os.path.dirname(path)
+            why = "no file can be made in this folder" if os.path.isdir(folder) else "there is no such folder"
+            raise FileNotFoundError(2, why, folder) from None
 
 
 def umask() -> int:

@@ -92,8 +92,8 @@ class Field:
 
     @property
     def half_width(self) -> float:
-        """Of the band [world]; infinity: every center has a value."""
-        return self._c.half_width
+        """Of the band [largest spacings], as `field` takes it; infinity: every center has a value."""
+        return round(self._c.half_width / max(self.spacing), 12)  # the library keeps the product
 
     @property
     def sign(self) -> str:
@@ -150,7 +150,7 @@ class Field:
         return None if number == 2**64 - 1 else number
 
     def to_numpy(self, order: Order = "xyz", *, vectors: bool = False, far: Far = "constant", threads: int | None = None,
-                 memory_limit: int | None = None, progress: Progress = None) -> Any:
+                 memory_limit: int | None = None, progress: Progress = None) -> Array:
         """Every center of the window as float32: ``array[x, y, z]`` or, with order "zyx", ``array[z, y, x]``.
 
         Parameters
@@ -367,8 +367,8 @@ def field(
     resolution, spacing, corner
         as for `voxelize`; or a ``lattice``.
     padding
-        empty voxels added on every side. Default: the half-width, so that the band fits (3 without a band; 0 with a
-        ``corner``).
+        empty voxels added on every side. Default: the half-width, so that the band fits, but at most 16 (3 without a band; 0
+        with a ``corner``).
     half_width
         of the band: centers so near to the mesh have a value [largest spacings]; 0 or infinity: all centers.
     sign
@@ -411,7 +411,7 @@ def field(
     set_window("window", options.window, window)
     source = Mesh.of(mesh)
     if padding is None:  # room for the band around the mesh
-        padding = 0 if lattice is not None or corner is not None else math.ceil(width) if 0.0 < width < 65536.0 else 3
+        padding = 0 if lattice is not None or corner is not None else 3 if math.isinf(width) else math.ceil(min(width, 16.0)) if width > 0.0 else 3
     where = place(source, resolution, spacing, padding, lattice, corner)
     made = ffi.gc(ffi.new("bvx_field *"), function("bvxpy_free_field"))
     with Run(threads, memory_limit, progress) as run:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, BinaryIO, Iterable
+from typing import TYPE_CHECKING, Any, BinaryIO, Iterable, Union
 
 from ._bytes import by_file, bytes_of_open, format_of, new_beside, read_bytes, umask, write_bytes
 from ._calls import call, entered
@@ -18,7 +18,7 @@ from ._mesh import Mesh, new_mesh, subtract
 from ._nrrd import unpacked
 from ._octree import Octree, states_of
 from ._run import Progress, Run, ffi, formats_in, function, lib, number_of, options_of
-from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, read_sections
+from ._sections import SECTION_FORMATS, SECTION_OUTPUTS, Sections, named, read_sections
 from ._volume import Volume, volume_of_bits
 from ._vti import without_blocks
 
@@ -34,9 +34,16 @@ _LOST = ((lib.BVX_LOST_SKINS, "skins"), (lib.BVX_LOST_MORPHS, "morph targets"), 
 _BESIDE = ("npy", "vox")  # the lattice stands in FILE.json
 
 
+if TYPE_CHECKING:
+    class Found(Mesh, Grid, Octree, Sections):  # type: ignore[misc]
+        """One of these, which a file's name does not tell: type checkers take it for each of them, and find what none has."""
+else:
+    Found = Union[Mesh, Grid, Octree, Sections]
+
+
 @entered
 def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, window: WindowLike = None, close_gap: float | None = None,
-         drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+         drop_nonfinite: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Found:
     """Read a mesh or a grid.
 
     Parameters
@@ -59,7 +66,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
 
     Returns
     -------
-    Any
+    Found
         A `Mesh`, a `Grid`, an `Octree` or `Sections`.
 
     Raises
@@ -80,7 +87,7 @@ def read(path: str | os.PathLike[str] | BinaryIO, *, format: str | None = None, 
     """
     if hasattr(path, "read"):
         return _read_open(path, format, window, close_gap, drop_nonfinite, threads, memory_limit, progress)
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, format)
     if kind in MESH_FORMATS + GRID_FORMATS + SECTION_FORMATS:
         beside = path + ".json" if kind in _BESIDE and os.path.isfile(path + ".json") else None
@@ -111,7 +118,7 @@ def _read_open(file: Any, format: str | None, window: WindowLike, close_gap: flo
 @entered
 def loads(data: Any, format: str, *, window: WindowLike = None, lattice: bytes | None = None,
           close_gap: float | None = None, drop_nonfinite: bool = False, threads: int | None = None,
-          memory_limit: int | None = None, progress: Progress = None) -> Any:
+          memory_limit: int | None = None, progress: Progress = None) -> Found:
     """Read a mesh, a grid, an octree or sections from the bytes of a file: all that `read` reads of one file, in memory.
 
     Parameters
@@ -303,7 +310,8 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             run.check(lib.bvx_write_mesh_with(run.context, mesh, options, number_of(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
-    return bytes(ffi.buffer(out.bytes, out.size))
+    data = bytes(ffi.buffer(out.bytes, out.size))
+    return named(data, thing, kind) if isinstance(thing, Sections) else data
 
 
 def _write_options(*, normals: bool = False, allow_rounding: bool = False, up: str | None = None, quantize: bool = False) -> Any:
@@ -358,7 +366,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
     --------
     >>> bitvox.write_levels('knot.glb', bitvox.lod('knot.ply', triangles=(800, 200)))
     """
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, None)
     if kind not in MESH_OUTPUTS:
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
@@ -403,7 +411,7 @@ def write(thing: Any, path: str | os.PathLike[str], *, format: str | None = None
     >>> bitvox.read('solid.nrrd').shape[0]
     31
     """
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = format_of(path, format)
     data = dumps(thing, kind, states=states, vectors=vectors, normals=normals, origin=origin, allow_rounding=allow_rounding, up=up,
                  quantize=quantize, threads=threads, memory_limit=memory_limit, progress=progress)

@@ -21,6 +21,8 @@ def volume_from(source: Any, scalars: str | None, order: Order | None, spacing: 
             return made if frame is None else made.turned(frame)
     if frame is not None:
         raise ArgumentError("frame is for images of SimpleITK and nibabel: others do not say what their axes are")
+    if hasattr(source, "matrix") and hasattr(source, "filled_count"):
+        return Volume(source.matrix, **placed_by(source.transform))  # a trimesh VoxelGrid
     if hasattr(source, "direction_matrix") and hasattr(source, "point_data"):
         return _from_pyvista(source, scalars)
     if scalars is not None:
@@ -80,8 +82,28 @@ def affine_of(volume: Volume) -> Any:
     return made
 
 
+@entered
+def to_sitk(volume: Volume) -> Any:
+    """See `Volume.to_sitk`."""
+    there = volume.turned("lps") if volume.frame else volume
+    image = need("SimpleITK", "medical").GetImageFromArray(there.to_numpy("zyx"))
+    image.SetSpacing(there.spacing)
+    image.SetOrigin(there.center0)
+    image.SetDirection(there.direction.ravel().tolist())
+    return image
+
+
+@entered
+def to_nibabel(volume: Volume) -> Any:
+    """See `Volume.to_nibabel`."""
+    there = volume.turned("ras") if volume.frame else volume
+    return need("nibabel", "medical").Nifti1Image(there.array, affine_of(there), dtype=there.array.dtype)
+
+
 def _from_pyvista(image: Any, scalars: str | None) -> Volume:
     np = arrays.numpy("PyVista")
+    if not hasattr(image, "active_scalars_name"):  # VTK's own
+        image = need("pyvista", "view").wrap(image)
     name = image.active_scalars_name if scalars is None else scalars
     turn, steps = np.asarray(image.direction_matrix, float).reshape(3, 3), np.asarray(image.spacing, float)
     first = np.asarray(image.origin, float) + turn @ (np.asarray(image.extent[::2]) * steps)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import warnings
-from typing import TYPE_CHECKING, Any, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Sequence, overload
 
 from . import _arrays as arrays
 from ._calls import call
@@ -140,6 +140,29 @@ class Grid:
             rows[z] = padded.view("<u8")
         return grid
 
+    @classmethod
+    def of(cls, source: Any, *, scalars: str | None = None) -> Grid:
+        """A grid of what other libraries hold, in its place: the voxels whose value is not 0.
+
+        Parameters
+        ----------
+        source
+            a trimesh VoxelGrid, a mask that `Volume.of` takes (SimpleITK, nibabel, PyVista, xarray), a `Volume` or a `Grid`. Axes that
+            are flipped or permuted are turned; oblique ones are refused, as by `Volume.threshold`.
+        scalars
+            of PyVista: which point or cell data; None: the active ones.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.ones((2, 3, 4)))
+        >>> bitvox.Grid.of(grid.to_pyvista()) == bitvox.Grid.of(grid.to_trimesh()) == grid
+        True
+        """
+        if isinstance(source, cls):
+            return source
+        made: Grid = call("grid_from", source, scalars)
+        return made
+
     def _pack(self, zyx: Any, sample: int) -> None:
         """Set what is not 0 in an array [z, y, x], of a type of samples that the library reads where they lie, in any order: all but
         what it finds to be 0."""
@@ -230,6 +253,10 @@ class Grid:
         made = self.to_numpy()
         return made if dtype is None else made.astype(dtype)
 
+    @overload
+    def __getitem__(self, voxel: tuple[int, int, int]) -> bool: ...  # type: ignore[overload-overlap]
+    @overload
+    def __getitem__(self, voxel: Any) -> Array: ...
     def __getitem__(self, voxel: Any) -> Any:
         """By numpy's rules: whether voxel ``grid[x, y, z]`` of the window is set, negative numbers count from the end; with slices
         or fewer numbers a new bool array, unpacked of the slices alone."""
@@ -317,6 +344,8 @@ class Grid:
         return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
 
     def _combined(self, other: Any, operation: Any) -> Grid:
+        if hasattr(other, "__array_interface__"):
+            raise TypeError("an array has no place of its own: Grid.from_numpy(array, lattice=grid.lattice, low=grid.low) gives it that of a grid")
         if not isinstance(other, Grid):
             return NotImplemented
         return self._through(lambda run, made: operation(run.context, self._c, other._c, made))
@@ -576,7 +605,7 @@ class Grid:
         return record(out)
 
     def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, memory_limit: int | None = None,
-             progress: Progress = None) -> Any:
+             progress: Progress = None) -> Array:
         """Where rays first meet a set voxel.
 
         Parameters
@@ -588,7 +617,7 @@ class Grid:
 
         Returns
         -------
-        Any
+        Array
             A record array of n hits with t, position [world], voxel, axis (-1: the ray starts inside), hit (0 or 1).
 
         Examples
@@ -660,7 +689,7 @@ class Grid:
     # ---- parts ----
 
     def components(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
-                   progress: Progress = None) -> Any:
+                   progress: Progress = None) -> Array:
         """The connected parts of the set voxels, in the order of their least voxels (z, y, x).
 
         Parameters
@@ -670,7 +699,7 @@ class Grid:
 
         Returns
         -------
-        Any
+        Array
             A record array with first (linear index of the least voxel, x fastest), voxels, low and size (box, in voxels of the window).
 
         Examples
@@ -687,7 +716,7 @@ class Grid:
         return arrays.records_at(out, "bvx_component", count[0], out)
 
     def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
-              progress: Progress = None) -> Any:
+              progress: Progress = None) -> Array:
         """The label of each voxel's part: uint32 ``labels[x, y, z]``, 0 for empty voxels, 1 for the part with the least voxel.
 
         Parameters
@@ -933,6 +962,12 @@ class Grid:
                           stacklevel=2)
         return Grid._made(made, found)
 
+    @overload
+    def distance(self, side: DistanceSide = ..., *, beyond: Beyond = ..., dtype: FloatName = ..., squares: bool = ..., nearest: Literal[False] = ...,
+                 threads: int | None = ..., memory_limit: int | None = ..., progress: Progress = ...) -> Array: ...
+    @overload
+    def distance(self, side: DistanceSide = ..., *, beyond: Beyond = ..., dtype: FloatName = ..., squares: bool = ..., nearest: Literal[True],
+                 threads: int | None = ..., memory_limit: int | None = ..., progress: Progress = ...) -> tuple[Array, Array]: ...
     def distance(self, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32", squares: bool = False,
                  nearest: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
         """Exact Euclidean distances between centers of voxels, an array ``[x, y, z]`` in memory with x running fastest.

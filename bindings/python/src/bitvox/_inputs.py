@@ -36,7 +36,7 @@ def mesh_from(source: Any) -> Mesh:
     if getattr(source, "ndim", 0) == 3 and not hasattr(source, "words"):
         return Mesh(source)
     if hasattr(source, "words") and hasattr(source, "surface"):
-        raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or grid.faces(), bitvox.faces); grids are combined by |, &, -, ^")
+        raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or bitvox.faces(grid)); grids are combined by |, &, -, ^")
     if hasattr(source, "lattice") and hasattr(source, "surface"):
         raise TypeError(f"{type(source).__name__} is not a mesh: give its surface()")
     if _has(source, "combine", "extract_geometry", "keys"):
@@ -97,9 +97,12 @@ def _from_polydata(source: Any) -> Mesh:
                 uvs=getattr(source, "active_texture_coordinates", None))
 
 
+COLOR_NAMES = ("colors", "RGB", "RGBA", "rgb", "rgba")
+
+
 def _point_colors(source: Any) -> Any:
     """PyVista's colors: bytes by point, three or four, under a name that says so."""
-    for name in ("colors", "RGB", "RGBA", "rgb", "rgba"):
+    for name in COLOR_NAMES:
         if name in source.point_data:
             found = source.point_data[name]
             if found.dtype == "uint8" and found.ndim == 2 and found.shape[1] in (3, 4):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, List, Sequence, Union
+import warnings
+from typing import TYPE_CHECKING, Any, Iterable, List, Sequence, Union, overload
 
 from . import _arrays as arrays
 from ._calls import entered
@@ -12,11 +13,14 @@ from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, lib, names_of, options_of
+from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, hinting, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
 from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Vertices
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._words import Collapsing
     from .reports import LevelsReport
 
 ERROR_KINDS = names_of("BVX_ERROR_")
@@ -113,7 +117,7 @@ class _Targets:
             options.error_kind = choice("error_kind", error_kind, "BVX_ERROR_", ERROR_KINDS)
         self.array = None
         if triangles is not None:
-            wanted = [in_range("triangles", n, 1, 2**64 - 1) for n in _listed(triangles, "triangles")]
+            wanted = [_count_in(n) for n in _listed(triangles, "triangles")]
             _falls(wanted, "triangles", rising=False)
             self.array = options.target_triangles = ffi.new("uint64_t[]", wanted)
             self.count = len(wanted)
@@ -124,6 +128,21 @@ class _Targets:
             self.count = len(errors)
         else:
             self.count = _halvings(mesh.n_faces) if count is None else in_range("count", count, 1, 64)
+
+
+def _count_in(value: Any) -> int:
+    if isinstance(value, float) and 0.0 < value < 1.0:
+        raise ArgumentError(f"triangles is {value!r}; it must be a number of them: of a share, round({value!r} * mesh.n_faces)")
+    return in_range("triangles", value, 1, 2**64 - 1)
+
+
+def _warn_of_missed(levels: Iterable[Mesh]) -> None:
+    """One line of the targets that are not kept."""
+    missed = [f"level {i} has {one.triangles} triangles for {one.target}" if not one.target_error else
+              f"level {i} lies further than {one.target_error:.4g}" for i, one in enumerate(level.report for level in levels) if not one.met]
+    if missed:
+        more = f" and {len(missed) - 3} more" if len(missed) > 3 else ""
+        warnings.warn(f"missed targets: {', '.join(missed[:3])}{more}; strict=True makes it an error", stacklevel=4)
 
 
 def _halvings(triangles: int) -> int:
@@ -163,7 +182,12 @@ def _meshes(made: list[Any], reports: Any, source: Mesh | None, carry_from: Mesh
 # ---- fewer triangles for a mesh as it is ----
 
 
+@overload
+def simplify(mesh: Any, *, triangles: int | None = None, error: Distance | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]
+@overload
+def simplify(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
 @entered
+@hinting
 def simplify(
     mesh: Any,
     *,
@@ -272,6 +296,7 @@ def simplify(
         level.frame, found = frame, level.report.certificate
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
         level.report = level.report._replace(certificate=found._replace(low=low, high=high))
+    _warn_of_missed(levels)
     return levels[0] if single else list(levels)
 
 
@@ -337,6 +362,7 @@ def plan_levels(
     return out[0]
 
 
+@hinting
 def lod(
     source: Any,
     *,
@@ -524,6 +550,7 @@ def lod(
         del kept
         result = _meshes(_take(array, targets.count), reports, mesh, mesh if carry else None, limits)
     result.report = record(report)
+    _warn_of_missed(result)
     return result
 
 

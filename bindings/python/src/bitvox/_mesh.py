@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import os
 from array import array as plain_array
-from typing import TYPE_CHECKING, Any, ClassVar, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Sequence, overload
 
 from . import _arrays as arrays
 from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
-from ._run import Progress, Run, ffi, lib, number_of, options_of, quiet
+from ._run import Progress, Run, ffi, hinting, in_range, lib, number_of, options_of, quiet
 from ._words import Array, ErrorKind, Vertices
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ._words import Collapsing
     from .reports import Certificate, WriteReport
 
 _POSITIONS = {"float32": "BVX_F32", "float64": "BVX_F64"}
@@ -265,6 +268,67 @@ class Mesh:
         other._vertices = arrays.vertices_in(vertices)
         return other
 
+    def _part(self, chosen: Any) -> Mesh:
+        """These triangles with the vertices and attributes that they use."""
+        np = arrays.numpy("parts of meshes")
+        used, numbers = np.unique(np.asarray(self.faces)[chosen], return_inverse=True)
+        other = self.astype()
+        other._vertices, other._faces = np.asarray(self._vertices)[used], numbers.reshape(-1, 3).astype(np.uint32)
+        for name in ("_colors", "_normals", "_uvs2", *(("_uvs",) if self._uv_faces is None else ())):
+            values = getattr(self, name)
+            setattr(other, name, None if values is None else np.asarray(values)[used])
+        for name in ("_materials", "_uv_faces"):
+            values = getattr(self, name)
+            setattr(other, name, None if values is None else np.ascontiguousarray(np.asarray(values)[chosen]))
+        other._keys = other.report = None
+        return other
+
+    def _pieces(self) -> list[Any]:
+        """Indices of the triangles of each piece, the one of most area first."""
+        np = arrays.numpy("pieces of meshes")
+        faces = np.asarray(self.faces).astype(np.int64)
+        arrays.refuse_negative(faces)
+        if faces.size and int(faces.max()) >= self.n_vertices:
+            raise RangeError(f"vertex index {faces.max()}, but there are {self.n_vertices} vertices")
+        label, before = np.arange(self.n_vertices), None
+        while before is None or (label != before).any():  # each vertex takes the least label around it, then that one's own
+            before = label.copy()
+            np.minimum.at(label, faces, label[faces].min(axis=1, keepdims=True))
+            label = label[label]
+        _, piece = np.unique(label[faces[:, 0]], return_inverse=True)
+        a, b, c = (self.in_world()[faces[:, k]] for k in range(3))
+        area = np.bincount(piece, np.linalg.norm(np.cross(b - a, c - a), axis=1))
+        parts = np.split(np.argsort(piece, kind="stable"), np.cumsum(np.bincount(piece))[:-1])
+        return [parts[i] for i in np.argsort(-area, kind="stable")]
+
+    def split(self) -> list[Mesh]:
+        """The pieces of the mesh, which share no vertex, the one of most area first, each with its attributes.
+
+        Examples
+        --------
+        >>> grid = bitvox.Grid.from_numpy(np.array([[[1, 0, 1, 1]]]))
+        >>> len(grid.surface().split())
+        2
+        """
+        return [self._part(piece) for piece in self._pieces()]
+
+    def keep(self, *, largest: int) -> Mesh:
+        """The pieces of most area, as `split` has them, in one mesh. The wall of a cavity is a piece of its own.
+
+        Parameters
+        ----------
+        largest
+            so many.
+
+        Examples
+        --------
+        >>> bitvox.read('knot.ply').keep(largest=1).check().components
+        1
+        """
+        np = arrays.numpy("Mesh.keep")
+        pieces = self._pieces()[: in_range("largest", largest, 1, 2**63 - 1)]
+        return self._part(np.sort(np.concatenate(pieces))) if pieces else self
+
     def drop_nonfinite(self) -> Mesh:
         """A copy without vertices that are NaN or infinite and without the triangles that use them, which every other call
         refuses; ``mesh.n_faces`` less that of the copy is how many went.
@@ -502,7 +566,7 @@ class Mesh:
             run.check(lib.bvx_check_written(run.context, mesh, 1, options, number_of(format.lower().lstrip(".")), out))
         return record(out)
 
-    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Any:
+    def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Array:
         """Pairs of faces that cross: that have a common point which is neither a common vertex nor on a common edge.
 
         Vertices at equal positions are one. Touching is crossing, and so is an overlap in one plane or a face that is there
@@ -510,7 +574,7 @@ class Mesh:
 
         Returns
         -------
-        Any
+        Array
             An (n, 2) uint32 array of face indices, the lower one first, in ascending order.
 
         Examples
@@ -550,6 +614,11 @@ class Mesh:
                                            ffi.cast("float *", arrays.address(vertices)), ffi.cast("float *", arrays.address(facets))))
         return vertices, facets
 
+    @overload
+    def simplify(self, *, triangles: int | None = None, error: float | str | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]
+    @overload
+    def simplify(self, *, triangles: Sequence[int] | None = None, error: Sequence[float | str] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
+    @hinting
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
                  error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,
                  attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed",

@@ -6,15 +6,16 @@ import os
 from typing import TYPE_CHECKING, Any, ClassVar, Iterable, Union
 
 from . import _arrays as arrays
+from ._bytes import by_file
 from ._calls import TABLE, call
-from ._errors import ArgumentError
+from ._errors import ArgumentError, need
 from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
 from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of
-from ._words import Direction, FaceRule
+from ._words import Array, Direction, FaceRule
 
 if TYPE_CHECKING:
     from .reports import OctreeLevel
@@ -212,7 +213,7 @@ class Octree:
             run.check(lib.bvx_octree_cast(run.context, self._c, states_of(states), ffi.cast("double *", given.pointer), given.count, t_max, out))
         return arrays.records_at(out, "bvx_octree_hit", given.count, out)
 
-    def leaves(self, states: States = None) -> Any:
+    def leaves(self, states: States = None) -> Array:
         """The leaves in a set of states, by default ("surface", "inside").
 
         Examples
@@ -277,6 +278,16 @@ class Octree:
         return with_positions(
             options, dtype, lambda run, made: lib.bvx_extract_octree(run.context, self._c, states_of(states), options, made),
             threads=threads, memory_limit=memory_limit, progress=progress)
+
+    def to_pyvista(self, *, states: States = None) -> Any:
+        """A pyvista.UnstructuredGrid of the leaves in a set of ``states``, as the .vtu that `save` writes has it; needs ``bitvox[view]``.
+
+        Examples
+        --------
+        >>> bitvox.refine('knot.ply', base=8, levels=2).to_pyvista().n_cells > 100
+        True
+        """
+        return by_file(call("dumps", self, "vtu", states=states), "vtu", need("pyvista", "view").read)
 
     def save(self, path: str | os.PathLike[str], *, states: States = None) -> None:
         """Write to ``path`` the whole octree (.bvx, which `bitvox.read` reads), or a VTK unstructured grid (.vtu) of the leaves

@@ -12,7 +12,7 @@ import functools
 import os
 import re
 import time
-from typing import Any, Callable, Iterator, NamedTuple, Union
+from typing import Any, Callable, Iterator, NamedTuple, ParamSpec, TypeVar, Union
 
 from . import _native
 from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, UnsupportedError, VersionError, need
@@ -214,7 +214,7 @@ class Run:
         options = ffi.new("bvx_context_options *")
         lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
         wanted = given.threads if threads is None else threads
-        options.threads = in_range("threads", wanted, 0, 1024) or _default_threads()
+        options.threads = in_range("threads (0: all processors)", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
         self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
@@ -337,11 +337,33 @@ def choice(name: str, value: Any, prefix: str, names: dict[str, str] | tuple[str
         raise TypeError(f"{name} must be one of {', '.join(names)}, not {value!r}")
     plain = value.lower().replace("_", "-")
     if plain not in names:
-        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}")
+        meant = next((f" ({word!r} is meant?)" for word, others in _PEERS.items() if word in names and plain in others), "")
+        raise ArgumentError(f"{name} is {value!r}; it must be one of {', '.join(names)}{meant}")
     number = getattr(lib, prefix + plain.upper().replace("-", "_"), None)
     if number is None:
         raise UnsupportedError(f"{name}={value!r}: this build of the library has no such rule")
     return number
+
+
+# What other libraries call an operation, and a target of simplification.
+_PEERS = {"difference": ("subtract", "subtraction", "minus", "sub", "diff", "not"), "intersection": ("intersect", "and", "common"),
+          "union": ("add", "or", "merge", "unite", "unify", "fuse", "sum")}
+_TARGETS = {**{name: f"round({name} * mesh.n_faces)" for name in ("ratio", "target_ratio", "percent", "factor")},
+            **{name: f"round((1 - {name}) * mesh.n_faces)" for name in ("reduction", "target_reduction")},
+            **{name: name for name in ("face_count", "target_count", "target_faces", "target_number_of_triangles")}}
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def hinting(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that says what it calls a target that other libraries name otherwise."""
+    @functools.wraps(function)
+    def called(*arguments: P.args, **options: P.kwargs) -> R:
+        for name in options.keys() & _TARGETS:
+            raise TypeError(f"{function.__name__} takes no {name}: give triangles={_TARGETS[name]}")
+        return function(*arguments, **options)
+
+    return called
 
 
 def number_of(format: str) -> int:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
-from ._errors import ArgumentError
+from ._errors import ArgumentError, Error
 from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
@@ -285,7 +285,8 @@ class Sections:
         return from_sections(self, **options)
 
     def save(self, path: Any, format: str | None = None) -> None:
-        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing).
+        """Write to ``path``, by its ending or ``format``: .csl, .csv (planes z = position) or .svg (a drawing). Names of bodies stand in
+        .csv; .csl holds numbers alone, which a warning lists.
 
         Examples
         --------
@@ -543,7 +544,12 @@ def from_sections(
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
         with Run(**limits) as run:
-            run.check(build(run.context, given._struct(run), options, made))
+            try:
+                run.check(build(run.context, given._struct(run), options, made))
+            except Error as why:
+                if why.reason in ("BVX_REASON_LOOPS_MEET", "BVX_REASON_LOOP_FLAT") and not mend and given.normals is None:
+                    why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
+                raise
         mesh = Mesh._made(made)
         _warn_of_wishes(mesh, parts, genus, report)
         mesh = collapsed(mesh, targets, limits)
@@ -674,5 +680,38 @@ def read_sections(data: Any, number: int, close_gap: float | None, run: Run) -> 
     made = new_sections()
     options = options_of("read_sections_options")
     options.close_gap = 0.0 if close_gap is None else float(close_gap)
+    flipped = options.flipped = ffi.new("uint64_t *")
     run.check(function("bvx_read_sections")(run.context, data, len(data), number, options, made))
-    return Sections._made(made)
+    if flipped[0]:
+        warnings.warn("D has the other sign on all planes of the .csl, A x + B y + C z = D; the points were taken", stacklevel=5)
+    found = Sections._made(made)
+    names = _names_in(bytes(ffi.buffer(data))) if number == lib.BVX_FORMAT_CSV else {}
+    found.loops = [loop._replace(label=names.get(loop.label, loop.label)) for loop in found.loops]
+    return found
+
+
+def named(data: bytes, sections: Sections, kind: str) -> bytes:
+    """A file of numbered bodies with the names that they have; a warning where the format has no place for names."""
+    names = {str(number): label for label, number in sections._numbers().items() if label not in (str(number), "")}
+    if names and kind == "csl":
+        said = ", ".join(f"{number} for {name!r}" for number, name in names.items())
+        warnings.warn(f".csl has numbers in place of names: {said}; .csv keeps names", stacklevel=5)
+    if not names or kind != "csv":
+        return data
+    rows = data.decode().splitlines()
+    texts = {number: " ".join(name.split()) for number, name in names.items()}
+    return "".join(f"{row},{texts.get(row.split(',')[3], '') if i else 'body'}\n" for i, row in enumerate(rows)).encode()
+
+
+def _names_in(data: bytes) -> dict[str, str]:
+    """The names of bodies that the last column of a table has, as `named` writes it."""
+    head, _, rest = data.partition(b"\n")
+    columns = head.decode(errors="replace").strip().split(",")
+    if columns[-1] != "body" or "label" not in columns:
+        return {}
+    at, found = columns.index("label"), {}
+    for row in rest.decode(errors="replace").splitlines():
+        words = row.split(",", len(columns) - 1)  # a name may hold commas
+        if len(words) == len(columns) and words[at] and words[-1]:
+            found[words[at]] = words[-1]
+    return found if len(set(found.values())) == len(found) else {}

@@ -802,7 +802,9 @@ def repair(
             if measure:
                 found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
             made = small
-        if carry:
+        if found.copied and not targets and dtype is None:
+            made = source.astype()  # with its attributes
+        elif carry:
             made = carry_over(source, made, **limits)
     made.report = found
     return made
@@ -832,7 +834,7 @@ def collapsed(made: Mesh, targets: dict[str, Any], limits: dict[str, Any]) -> Me
 def boolean(
     a: Any,
     b: Any,
-    operation: Operation,
+    operation: Operation | None = None,
     *,
     resolution: int | None = None,
     lattice: Lattice | None = None,
@@ -860,7 +862,8 @@ def boolean(
     Parameters
     ----------
     a, b
-        what `Mesh.of` takes.
+        what `Mesh.of` takes; or ``boolean([a, b, c], "union")``, a list and the operation: the union of all, or the first without all
+        others. The surface is measured anew on voxels, so flat faces get more triangles than they had: ``triangles`` and ``error``.
     operation
         "union", "intersection", "difference" (a without b) or "xor".
     resolution
@@ -904,6 +907,8 @@ def boolean(
     >>> bitvox.boolean(knot, moved, 'union', resolution=64).check().closed
     True
     """
+    if operation is None:
+        a, b, operation = _listed_bodies(a, b)
     options = options_of("boolean_options")
     if lattice is not None:
         if resolution is not None:
@@ -933,6 +938,19 @@ def boolean(
         made = collapsed(made, targets, limits)
     made.report = record(report)
     return made
+
+
+def _listed_bodies(bodies: Any, operation: Any) -> tuple[Any, Any, Any]:
+    """boolean([a, b, c], operation) as a, what the others are together, and the operation."""
+    if not isinstance(operation, str) or not isinstance(bodies, (list, tuple)) or len(bodies) < 2:
+        raise TypeError("boolean takes two meshes and an operation, or a list of two and more and an operation")
+    meshes = [Mesh.of(body) for body in bodies]
+    if len(meshes) > 2 and operation not in ("union", "difference"):
+        raise ArgumentError(f"{operation} of {len(meshes)} meshes: take two at a time; union and difference take several")
+    np = arrays.numpy("boolean of a list")
+    first = np.cumsum([0, *(mesh.n_vertices for mesh in meshes[1:])])
+    faces = np.concatenate([np.asarray(mesh.faces, np.int64) + k for mesh, k in zip(meshes[1:], first)])
+    return meshes[0], Mesh(np.concatenate([mesh.in_world() for mesh in meshes[1:]]), faces), operation
 
 
 def content_hash(data: Any, seed: int = 0) -> int:

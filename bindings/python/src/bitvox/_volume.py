@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
+import operator
 import os
 import re
 import zlib
-from typing import Any, BinaryIO, ClassVar, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Iterable, Sequence
 
 from . import _arrays as arrays
 from ._bytes import by_file, bytes_of_open, format_of, read_bytes
 from ._calls import call, entered
-from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError
+from ._errors import ArgumentError, FormatError, MissingExtraError, UnsupportedError, need
 from ._grid import Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
@@ -21,6 +23,9 @@ from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_i
 from ._stages import collapsed, level_target
 from ._vti import without_blocks
 from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
+
+if TYPE_CHECKING:
+    from .reports import Label
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
 _INFINITY = float("inf")
@@ -45,7 +50,8 @@ class Volume:
     order
         "xyz" (array[x, y, z]) or "zyx" (array[z, y, x], as most medical readers give it).
     spacing, corner
-        of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world].
+        of the lattice that is made: edges of a voxel, low corner of voxel (0, 0, 0) [world]. The corner is at 0 where none is given, so the
+        first sample is half a voxel from 0; with numpy's indices, scikit-image, SimpleITK and VTK it is at 0: ``center0=(0, 0, 0)``.
     center0
         center of voxel (0, 0, 0), in place of the corner: what SimpleITK, NRRD and VTK's point data call the origin [world].
     direction
@@ -335,7 +341,7 @@ class Volume:
         made._set(self._array[part], self.lattice, tuple(a + s.start for a, s in zip(self.low, part)), self._turn, self.frame)
         return made
 
-    def to_numpy(self, order: Order = "xyz") -> Any:
+    def to_numpy(self, order: Order = "xyz") -> Array:
         """The samples, ``array[x, y, z]``, or with order "zyx" ``array[z, y, x]``; no copy.
 
         Examples
@@ -363,6 +369,12 @@ class Volume:
                 and np.array_equal(self._array, other._array, equal_nan=self._array.dtype.kind == "f"))
 
     __hash__: ClassVar[None] = None  # type: ignore[assignment]
+
+    def __gt__(self, other: Any) -> Any:
+        raise TypeError("a volume is compared by volume.threshold(low, high), which gives a Grid, or as volume.array, which gives an array")
+
+    def __ge__(self, other: Any) -> Any:
+        return self > other
 
     def __reduce__(self) -> Any:
         np = arrays.numpy("pickling")
@@ -405,6 +417,40 @@ class Volume:
         affine[:3, 3] = self.center0[::-1]
         return self.to_numpy("zyx"), {"name": name or "volume", "affine": affine}, "image"
 
+    def to_sitk(self) -> Any:
+        """An image of SimpleITK in the same place, in its world "lps"; a copy. Needs ``bitvox[medical]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume.of(bitvox.Volume(np.zeros((2, 3, 4))).to_sitk()).shape
+        (2, 3, 4)
+        """
+        return call("to_sitk", self)
+
+    def to_nibabel(self) -> Any:
+        """A Nifti1Image of nibabel in the same place, in its world "ras". Needs ``bitvox[medical]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_nibabel().shape
+        (2, 3, 4)
+        """
+        return call("to_nibabel", self)
+
+    def to_pyvista(self) -> Any:
+        """A pyvista.ImageData with the point data "samples". Needs ``bitvox[view]``.
+
+        Examples
+        --------
+        >>> bitvox.Volume(np.zeros((2, 3, 4))).to_pyvista().dimensions
+        (2, 3, 4)
+        """
+        pyvista = need("pyvista", "view")
+        image = pyvista.ImageData(dimensions=self.shape, spacing=self.spacing, origin=self.center0)
+        image.direction_matrix = self.direction
+        image.point_data["samples"] = self.to_numpy("zyx").reshape(-1)
+        return image
+
     # ---- what is made of it ----
 
     def threshold(self, low: float = -_INFINITY, high: float = _INFINITY, *, threads: int | None = None,
@@ -422,22 +468,23 @@ class Volume:
         >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).threshold(2, 4).count
         3
         """
-        low, high = number("low", low), number("high", high)
+        low, high = _exact("low", low), _exact("high", high)
         if low > high:
-            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
+            raise ArgumentError(f"low is {low} and high is {high}: no sample is at or above the one and at or below the other")
         grid, report = new_grid(), ffi.new("bvx_volume_report *")
-        given = self if self._turn is None else self._without_resampling()
+        given = self._without_resampling()
+        bounds, function = _bounds(self._array.dtype, low, high)
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_threshold(run.context, given._c, low, high, report, grid))
+            run.check(function(run.context, given._c, *bounds, report, grid))
         self.report = record(report)
         return Grid._made(grid, self.report)
 
     def _without_resampling(self) -> Volume:
         """With axes along the world's, where that needs no new samples."""
         np = arrays.numpy("Volume")
-        if (np.abs(np.abs(self._turn).max(axis=0) - 1.0) > 1e-9).any():
+        if self._turn is not None and (np.abs(np.abs(self._turn).max(axis=0) - 1.0) > 1e-9).any():
             raise ArgumentError("the volume lies oblique to the world's axes, and a Grid lies along them: take volume.aligned().threshold(...), "
-                                "which samples it anew, or volume.surface(level), which does not")
+                                "which samples it anew, or volume.surface(level), which does not (of a pyvista.ImageData: image.bitvox.volume())")
         return self.aligned()
 
     def label(self, value: int, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -448,11 +495,10 @@ class Volume:
         >>> bitvox.Volume(np.arange(8).reshape(2, 2, 2)).label(3).count
         1
         """
-        if abs(in_range("value", value, -(2**63), 2**64 - 1)) > 2**53:
-            raise ArgumentError(f"value is {value}; labels beyond 2**53 cannot be chosen")
-        return self.threshold(float(value), float(value), threads=threads, memory_limit=memory_limit, progress=progress)
+        value = in_range("value", value, -(2**63), 2**64 - 1)
+        return self.threshold(value, value, threads=threads, memory_limit=memory_limit, progress=progress)
 
-    def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Any]:
+    def labels(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> list[Label]:
         """The values other than 0 of integer samples, ascending, each with its voxels and their box in the window.
 
         Examples
@@ -470,7 +516,7 @@ class Volume:
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
     def surface(self, level: float = 0.0, *, below: bool = False, face_rule: FaceRule = "separate", dtype: Any = None,
-                open_sides: str | Iterable[str] = (), keys: bool = False, triangles: int | None = None,
+                open_sides: str | Iterable[str] = (), keys: bool = False, keep_largest: int | None = None, triangles: int | None = None,
                 error: float | str | None = None, error_kind: ErrorKind | None = None, local_frame: bool = False, threads: int | None = None,
                 memory_limit: int | None = None, progress: Progress = None) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
@@ -483,6 +529,8 @@ class Volume:
             what lies at or below the level is inside.
         face_rule, dtype, open_sides, keys, local_frame
             as for `bitvox.surface`.
+        keep_largest
+            the surface of so many of the largest connected parts alone, without the crumbs; each has its cavities.
         triangles, error, error_kind
             most triangles of the surface, or its distance to what it would be without, by edges that
             collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
@@ -508,6 +556,7 @@ class Volume:
             raise ArgumentError(f"{next(iter(targets))} and {'keys' if keys else 'open_sides'} contradict each other: parts of a surface are "
                                 "merged whole; simplify what merge makes")
         limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
+        given = self if keep_largest is None else self._without_crumbs(number("level", level), below, keep_largest, {**limits, "progress": None})
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
         options.level, options.below, options.report = number("level", level), int(bool(below)), report
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
@@ -515,9 +564,22 @@ class Volume:
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
         with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
-            mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, self._c, options, made), **limits)
+            mesh = with_positions(options, dtype, lambda run, made: lib.bvx_extract_scalar(run.context, given._c, options, made), **limits)
             self.report = record(report)
             return self._in_world(collapsed(mesh, targets, limits))
+
+    def _without_crumbs(self, level: float, below: bool, largest: int, limits: dict[str, Any]) -> Volume:
+        """A copy whose smaller parts have a sample of outside: parts share no edge of the lattice, so the others' surface stays."""
+        np, plain = arrays.numpy("Volume.surface"), Volume.__new__(Volume)
+        plain._set(self._array, self.lattice, self.low, None, self.frame)
+        every = plain.threshold(*((-_INFINITY, level) if below else (level, _INFINITY)), **limits)
+        dropped = (every - every.keep(largest=largest, **limits)).to_numpy()
+        if not dropped.any():
+            return self
+        array = np.array(self._array)
+        array[dropped] = self._array[~every.to_numpy()][0]
+        plain._set(array, self.lattice, self.low, self._turn, self.frame)
+        return plain
 
     def _in_world(self, mesh: Mesh) -> Mesh:
         """A mesh in the volume's own frame, turned into the world; a mirror turns its faces."""
@@ -573,6 +635,30 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, (str, bytes)):
         raise TypeError(f"{name} must be a number, not {value!r}")
     return float(value)
+
+
+def _exact(name: str, value: Any) -> int | float:
+    """A number without rounding."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        return number(name, value)
+
+
+def _bounds(dtype: Any, low: int | float, high: int | float) -> tuple[tuple[Any, Any], Any]:
+    """The ends of a threshold as the samples' own kind of numbers, inwards, and the library's function of that kind."""
+    if low != low or high != high:
+        raise ArgumentError(f"low is {low} and high is {high}; neither may be NaN")
+    if dtype.kind == "f":
+        ends = float(low), float(high)  # an integer may lie between two doubles
+        return (math.nextafter(ends[0], _INFINITY) if ends[0] < low else ends[0],
+                math.nextafter(ends[1], -_INFINITY) if ends[1] > high else ends[1]), lib.bvx_threshold
+    least, most = (0, 2 ** (8 * dtype.itemsize) - 1) if dtype.kind == "u" else (-(2 ** (8 * dtype.itemsize - 1)), 2 ** (8 * dtype.itemsize - 1) - 1)
+    first = least if low <= least else most + 1 if low > most else math.ceil(low)
+    last = most if high >= most else least - 1 if high < least else math.floor(high)
+    if first > last:
+        first, last = 1, 0  # nothing
+    return tuple(end - 2**64 if end >= 2**63 else end for end in (first, last)), lib.bvx_threshold_whole  # type: ignore[return-value]
 
 
 def _volume_from(array: Any, lattice: Lattice, low: Any, turn: Any, frame: Frame | None, report: Any) -> Volume:
@@ -662,7 +748,7 @@ def read_volume(path: str | os.PathLike[str] | BinaryIO, *, format: str | None =
             raise UnsupportedError(f".{kind} has its samples in another file, so an open one is not enough: give its name")
         return by_file(data, kind, lambda name: read_volume(name, shape=shape, dtype=dtype, spacing=spacing, corner=corner, offset=offset, frame=frame,
                                                             threads=threads, memory_limit=memory_limit, progress=progress))
-    path = os.fspath(path)
+    path = os.fsdecode(path)
     kind = "dcm" if format is None and os.path.isdir(path) else format_of(path, format)
     if kind in ("nii", "dcm"):
         if any(option is not None for option in (shape, dtype, spacing, corner)) or offset:
@@ -755,6 +841,13 @@ def resampled_bits(grid: Grid, matrix: Any, spacing: Any) -> Grid:
     """See `Grid.transform`: what `Volume.aligned` makes of 0 and 1 by the nearest sample."""
     volume = volume_of_bits(grid).transform(matrix).aligned(spacing=spacing, method="nearest", outside=0)
     return Grid.from_numpy(volume.array, spacing=volume.spacing, center0=volume.center0)
+
+
+@entered
+def grid_from(source: Any, scalars: str | None) -> Grid:
+    """See `Grid.of`."""
+    volume = Volume.of(source, scalars=scalars)._without_resampling()
+    return Grid.from_numpy(volume.array, lattice=volume.lattice, low=volume.low)
 
 
 def volume_of_bits(grid: Grid) -> Volume:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Callable, Literal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -10,6 +10,23 @@ if TYPE_CHECKING:
     Array = NDArray[Any]
 else:
     Array = Any
+
+if TYPE_CHECKING:
+    from typing_extensions import TypedDict
+
+    class Collapsing(TypedDict, total=False):
+        error_kind: ErrorKind | None
+        even: float | None
+        attribute_weight: float | None
+        lock_border: bool
+        locked: Any
+        vertices: Vertices
+        strict: bool
+        samples: int | None
+        dtype: Any
+        threads: int | None
+        memory_limit: int | None
+        progress: bool | Callable[[str, float], Any] | None
 
 Fill = Literal["parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto"]
 BooleanFill = Literal["parity", "nonzero", "vote", "winding", "auto"]

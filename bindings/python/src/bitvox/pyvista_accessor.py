@@ -6,6 +6,7 @@ PyVista finds it by itself (an entry point), from 0.48 on; with an older one imp
 from __future__ import annotations
 
 import operator
+import warnings
 from typing import Any
 
 import pyvista
@@ -15,7 +16,9 @@ from . import _files, _levels, _stages
 from ._errors import ArgumentError
 from ._field import field as measure
 from ._grid import Grid
-from ._octree import Octree, refine
+from ._inputs import COLOR_NAMES
+from ._mesh import Mesh
+from ._octree import refine
 from ._sections import Sections, slice_mesh
 from ._volume import Volume
 from ._words import Operation
@@ -31,18 +34,46 @@ class MeshAccessor:
         """A pyvista.ImageData with the cell data "solid"; options as for `bitvox.voxelize`."""
         return _stages.voxelize(self._dataset, **options).to_pyvista()
 
+    def _with_data(self, made: list[Mesh]) -> list[Any]:
+        """PolyData with what the dataset has at its points: between them by the nearest triangle, integers by its nearest corner."""
+        np, source = arrays.numpy("PyVista"), Mesh.of(self._dataset)
+        found = [mesh.to_pyvista() for mesh in made]
+        data = {name: np.asarray(values) for name, values in self._dataset.point_data.items() if values.dtype.kind in "fiub"}
+        color = next((name for name in COLOR_NAMES if name in data), "colors")
+        if self._dataset.cell_data:
+            warnings.warn(f"data of cells are not kept: {', '.join(self._dataset.cell_data)}", stacklevel=3)
+        if not data or not source.n_faces:
+            return found
+        nearest = _stages.Closest(source)
+        for mesh, one in zip(made, found):
+            at = nearest.find(mesh.in_world())
+            corners, weight = np.asarray(source.faces)[at["triangle"]], np.asarray(at["weight"])
+            if mesh.colors is not None and color != "colors":
+                one.rename_array("colors", color)
+            for name, values in data.items():
+                if name in one.point_data:
+                    continue
+                if values.dtype.kind != "f":
+                    one.point_data[name] = values[corners[np.arange(len(corners)), weight.argmax(axis=1)]]
+                    continue
+                between = np.einsum("nk...,nk->n...", values[corners], weight)
+                if name == self._dataset.point_data.active_normals_name:
+                    between /= np.maximum(np.linalg.norm(between, axis=1, keepdims=True), 1e-30)
+                one.point_data[name] = between.astype(values.dtype)
+        return found
+
     def lod(self, **options: Any) -> list[Any]:
-        """Levels of detail as PolyData; options as for `bitvox.lod`."""
-        return [level.to_pyvista() for level in _levels.lod(self._dataset, **options)]
+        """Levels of detail as PolyData with the data of the dataset's points; options as for `bitvox.lod`."""
+        return self._with_data(_levels.lod(self._dataset, **options))
 
     def simplify(self, **options: Any) -> Any:
-        """A PolyData of fewer triangles, or a list of them; options as for `bitvox.simplify`."""
+        """A PolyData of fewer triangles, or a list of them, with the data of the dataset's points; options as for `bitvox.simplify`."""
         made = _levels.simplify(self._dataset, **options)
-        return [level.to_pyvista() for level in made] if isinstance(made, list) else made.to_pyvista()
+        return self._with_data(made) if isinstance(made, list) else self._with_data([made])[0]
 
     def repair(self, **options: Any) -> Any:
-        """A closed PolyData; options as for `bitvox.repair`."""
-        return _stages.repair(self._dataset, **options).to_pyvista()
+        """A closed PolyData with the data of the dataset's points; options as for `bitvox.repair`."""
+        return self._with_data([_stages.repair(self._dataset, **options)])[0]
 
     def field(self, **options: Any) -> Any:
         """A pyvista.ImageData with the point data "distance"; options as for `bitvox.field`."""
@@ -93,9 +124,9 @@ class ImageAccessor:
         self._dataset = dataset
 
     def grid(self, scalars: str | None = None, *, threshold: float | None = None) -> Grid:
-        """A `bitvox.Grid` of cell data, or of point data: then voxels lie about the points. Directions are kept: flipped and permuted axes
-        are turned, of oblique ones the nearest samples are taken."""
-        volume = self.volume(scalars).aligned(method="nearest", outside=0)
+        """A `bitvox.Grid` of cell data, or of point data: then voxels lie about the points. Flipped and permuted axes are turned; an oblique
+        image is refused, as by `bitvox.Volume.threshold`."""
+        volume = self.volume(scalars)._without_resampling()
         array = volume.array
         return Grid.from_numpy(array if threshold is None else array > threshold, lattice=volume.lattice)
 
@@ -170,8 +201,6 @@ def read(path: str, **options: Any) -> Any:
     found = _files.read(path, **options)
     if isinstance(found, Sections):
         return lines_of(found)
-    if isinstance(found, Octree):
-        found = found.expand()
     return found.to_pyvista()
 
 

@@ -6,12 +6,23 @@ import itertools
 from typing import Any, Iterator, Sequence
 
 from .. import _arrays as arrays
-from .._errors import ArgumentError, LatticeError
+from .._errors import ArgumentError, LatticeError, need
 from .._grid import Grid
 from .._lattice import Lattice, Window
 from .._run import SIDES, in_range
 
 Index = tuple[int, int, int]
+
+
+def laid_out(array: Any) -> Any:
+    """A Dask array of three axes and known chunks; others are laid out as one."""
+    if not hasattr(array, "chunks"):
+        array = need("dask.array", "big").from_array(array)
+    if array.ndim != 3:
+        raise ArgumentError(f"array has {array.ndim} axes; it must have three")
+    if any(side != side for side in array.shape):
+        raise ArgumentError("array has chunks of unknown size; its compute_chunk_sizes() finds them")
+    return array
 
 
 class Chunks:

@@ -12,7 +12,7 @@ from .._run import settings
 from .._stages import merge
 from .._volume import Volume as WholeVolume
 from .._words import FaceRule
-from .chunks import Chunks, Index
+from .chunks import Chunks, Index, laid_out
 from .store import array_of
 from .volume import Volume
 
@@ -40,8 +40,7 @@ class Samples(Placed):
     lattice: Lattice
 
     def __init__(self, array: Any, lattice: Lattice | None = None) -> None:
-        if array.ndim != 3:
-            raise ArgumentError(f"array has {array.ndim} axes; it must have three")
+        array = laid_out(array)
         where = Lattice(array.shape) if lattice is None else lattice
         if where.shape != tuple(array.shape):
             raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
@@ -83,7 +82,7 @@ class Samples(Placed):
         3
         """
         if low > high:
-            raise ArgumentError(f"low is {low:g} and high is {high:g}: no sample is at or above the one and at or below the other")
+            raise ArgumentError(f"low is {low} and high is {high}: no sample is at or above the one and at or below the other")
         cut, made = self._cut(chunks), need("dask", "big").delayed(_threshold, pure=True)
         return Volume(cut, {i: made(self._window(*cut.window(i)), self.lattice, cut.window(i).low, low, high) for i in cut})
 

@@ -15,7 +15,7 @@ from .._mesh import Mesh
 from .._run import settings
 from .._stages import merge
 from .._stages import surface as whole_surface
-from .chunks import Chunks, Index, join, overlap
+from .chunks import Chunks, Index, join, laid_out, overlap
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
 from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
@@ -511,9 +511,7 @@ def from_dask(array: Any, lattice: Lattice | None = None, *, chunks: int | Seque
     >>> bitvox.big.from_dask(dask.array.ones((4, 4, 4), chunks=2)).count()
     64
     """
-    dask = need("dask", "big")
-    if array.ndim != 3:
-        raise ArgumentError(f"array has {array.ndim} axes; it must have three")
+    dask, array = need("dask", "big"), laid_out(array)
     where = Lattice(array.shape) if lattice is None else lattice
     if where.shape != tuple(array.shape):
         raise ArgumentError(f"array has shape {array.shape}, the lattice {where.shape}")
