@@ -284,11 +284,11 @@ static int judge_elsewhere(const collapse_sweep *s, bvxi_edge_planned *plan, con
     return STAR_TURNS;
 }
 
-/* A refused edge may be safe after its neighbours have gone: it costs four times as much from now on. */
+/* A refused edge may be safe after its neighbours have gone: it costs four times as much as those that were tried. */
 static void refuse(const collapse_sweep *s, int32_t edge, float cost)
 {
     bvxi_collapse *const c = s->c;
-    float const more = 4 * (cost > s->threshold ? cost : s->threshold) + 1e-37f;
+    float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
 
     bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
     bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge)));
