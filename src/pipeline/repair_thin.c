@@ -64,8 +64,13 @@ static bvx_status thicken(repair_walls *t)
                                 BVXI_COST_WALLS_SIDE * bvxi_sides_of(job->lattice.dims)};
     bvxi_steps steps = {job->ctx, cost, WALLS_STEPS, 0.0};
 
+    const double *const h = job->lattice.spacing;
+    uint64_t voxels;
+
     /* How many walls are thin is known step by step. */
     BVXI_TRY(BVXI_STEP(&steps, WALLS_GATHER, bvxi_walls_gather(&t->walls)));
+    BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
+    job->report.crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
     if (t->walls.count == 0) return BVX_OK;
     cost[WALLS_ASK] = BVXI_COST_ASK * (double)t->walls.count;
     BVXI_TRY(BVXI_STEP(&steps, WALLS_ASK, bvxi_walls_ask(&t->walls, 1.0)));
@@ -85,7 +90,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
     job->report.thin_voxels = job->report.thin_components = 0;
-    job->report.thin_wall = 0;
+    job->report.thin_wall = job->report.crossing_volume = 0;
     job->report.thin_resolution = job->report.thin_kept = 0;
     if (job->body.triangle_count == 0) return BVX_OK;
     /* nobody asks what is lost */
