@@ -62,9 +62,8 @@ static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, 
     if (asked->count == TURNS_LANES) ask_centres(block, asked);
 }
 
-/* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
-static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
-                       const double h[3], int32_t *whole, int *clear)
+int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
+                         const double h[3], int32_t *whole, int *clear)
 {
     /* The bend grows with the square of the way, so a centre near the middle has less of it. */
     double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
@@ -104,16 +103,15 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
                 /* What is known already is passed over. */
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
-                if (tell_centre(block, look, reach2, h, &whole, &clear))
+                if (bvxi_turns_of_centre(block, look, reach2, h, &whole, &clear))
                     set_turns(block, row, x, whole, block->want_clear && clear);
                 else ask_later(block, x, y, z, asked);
             }
         }
 }
 
-/* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
-static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
-                      int32_t *whole, int *clear)
+int bvxi_turns_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                       int32_t *whole, int *clear)
 {
     double spread = look->rest + look->bend + look->edge_bend, n;
 
@@ -136,7 +134,7 @@ static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_s
     int clear;
 
     /* No doubt for any of them: the whole brick at once. */
-    if (is_settled(block, b, look, &whole, &clear)) {
+    if (bvxi_turns_settled(block, b, look, &whole, &clear)) {
         settle_brick(block, b, whole, block->want_clear && clear);
         return 1;
     }
@@ -148,8 +146,7 @@ static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_s
     return 1;
 }
 
-/* The middle of a brick, and how far its centres lie from it. */
-static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3])
+double bvxi_turns_middle(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3])
 {
     const bvxi_sheet *const s = block->sheet;
     int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
@@ -176,7 +173,7 @@ static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_
 
     /* The largest reach serves all four, as they are of one side. */
     for (int32_t i = 0; i < TURNS_LANES; i++) {
-        double const own = middle_of_brick(block, &b[i < bricks ? i : 0], p[i]);
+        double const own = bvxi_turns_middle(block, &b[i < bricks ? i : 0], p[i]);
         reach = own > reach ? own : reach;
     }
     /* Four bricks cost little more than one. */
