@@ -161,7 +161,7 @@ static inline int is_certain(const bvxi_turns_block *block, double turns, double
     return off + rest < 0.5 && (!block->want_clear || off + rest < 0.25 || off - rest > 0.25);
 }
 
-/* sheet_turns.c: the middle of a brick, and how far its centres lie from it. */
+/* sheet_near.c: the middle of a brick, and how far its centres lie from it. */
 double bvxi_turns_middle(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3]);
 /* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
 int bvxi_turns_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
