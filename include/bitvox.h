@@ -1084,7 +1084,8 @@ typedef struct bvx_repair_report {
     int32_t needs;      /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
     int32_t copied;     /**< 1: it needed none and was copied (if_needed) */
     int32_t thin_kept;  /**< 1: thin walls are in the result; 0: there are none, or they are lost */
-    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong */
+    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong, and
+                             if the result has more handles than the input */
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
                           parts_dropped and cavities_dropped too */
     uint64_t turned; /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to 4,096)
@@ -1094,13 +1095,18 @@ typedef struct bvx_repair_report {
     double thin_wall;         /**< nine tenths of them have a wall at least this thick [Units: world] */
     int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: voxels of lattice] */
     int32_t thin_resolution; /**< at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
-    int32_t reserved0;
-    double parts_volume;   /**< sum of the volumes of the input's components. No solid of them is larger: a
+    int32_t handles; /**< of the input, each triangle once, turned, and a lid in each hole; -1: copied, not
+                          manifold, or without sides */
+    double parts_volume;    /**< sum of the volumes of the input's components. No solid of them is larger: a
                                 larger result has walls or rods as thick as voxels. 0: the input is open, or
                                 its sides are unknown [Units: world] */
-    uint64_t thin_shelled; /**< of shelled_triangles, those of components that have a volume but no voxel at
+    uint64_t thin_shelled;  /**< of shelled_triangles, those of components that have a volume but no voxel at
                                 the back of most of their area: a higher resolution makes them bodies */
-    uint64_t reserved;
+    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh: what
+                                 volume the result should have, overlaps counted once, whatever was wrong with
+                                 the input. Walls that thin_voxels counts are not all in it. 0: copied, or
+                                 nothing encloses a centre. Rounded to a float [Units: world] */
+    double shelled_area;    /**< of shelled_triangles [Units: world^2] */
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {

@@ -314,10 +314,15 @@ export interface RepairReport {
     thinLow: Triple;
     thinHigh: Triple;
     thinResolution: number;
+    /** Of the input, each triangle once, turned, and a lid in each hole; -1: copied, not manifold, or without sides. */
+    handles: number;
     /** The sum of the volumes of the input's components; 0: open, or its sides are unknown. */
     partsVolume: number;
     /** Of shelledTriangles, those of components that have a volume but no voxel at their back. */
     thinShelled: number;
+    /** What volume the result should have, whatever was wrong with the input; 0: copied, or nothing encloses a centre. */
+    crossingVolume: number;
+    shelledArea: number;
 }
 
 /** [bvx_boolean_options] */

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_THICKENED 0.05 /* of the volume that all parts have together, from which on it is warned of */
+#define MOST_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
+#define MOST_SHELLED 0.03 /* of the mesh's area, the same */
 
 /* ---- its options ---- */
 
@@ -95,6 +96,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_truth(t, "thin_kept", r->thin_kept);
     if (r->thin_voxels != 0) json_thin_box(t, r);
     cli_json_count(t, "shelled_triangles", r->shelled_triangles);
+    cli_json_value(t, "shelled_area", r->shelled_area);
     cli_json_count(t, "thin_shelled", r->thin_shelled);
     cli_json_count(t, "sheet_edges", r->sheet_edges);
     cli_text_add(t, ", \"needs\": \"%s\"", need_names[r->needs]);
@@ -104,6 +106,7 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_value(t, "volume_before", r->before.volume);
     cli_json_value(t, "volume_after", r->after.volume);
     if (r->parts_volume != 0) cli_json_value(t, "parts_volume", r->parts_volume);
+    if (r->crossing_volume != 0) cli_json_value(t, "crossing_volume", r->crossing_volume);
     if (measured) {
         cli_json_count(t, "overlaps", r->overlaps);
         cli_json_value(t, "mean_input_to_output", r->distance.mean_a_to_b);
@@ -169,7 +172,8 @@ int cli_changed_as_asked(const bvx_repair_report *r)
     return r->parts_dropped + r->cavities_dropped > r->crumbs;
 }
 
-void cli_advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
+/* Returns 1 where the result is thicker, and it is said. */
+static int advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
 {
     /* Where volumes cannot be compared, that bodies became shells of voxels says it. */
     if (r->parts_volume == 0 && r->thin_shelled != 0)
@@ -178,29 +182,54 @@ void cli_advise_thickened(const bvx_repair_report *r, const char *what, const ch
                    " triangles of bodies that are thinner than voxels: they became shells; %s",
                    what, r->thin_shelled, remedy);
     /* Filled cavities are no walls that became thicker. */
-    if (cli_changed_as_asked(r) && r->cavities_dropped != 0) return;
+    if (cli_changed_as_asked(r) && r->cavities_dropped != 0) return 0;
     /* Of an open mesh there is no volume to compare with. */
-    if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_THICKENED) * r->parts_volume) return;
+    if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_CHANGED) * r->parts_volume) return 0;
     cli_advise(made,
                "%s has a volume of %.6g, all parts of the mesh together have %.6g (%+.1f %%): walls and rods "
                "thinner than voxels became as thick as these; %s",
                what, r->after.volume, r->parts_volume, (r->after.volume / r->parts_volume - 1.0) * 100.0,
                remedy);
+    return 1;
 }
 
 /* Handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
- * curve where they do, and a curve takes a pair of triangles at least. */
-static void warn_of_handles(const bvx_repair_report *r, const char *remedy, cli_made *made)
+ * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
+void cli_warn_of_handles(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
 {
-    int64_t const had = cli_count_handles(&r->before), has = cli_count_handles(&r->after);
+    int64_t const has = cli_count_handles(&r->after);
 
-    if (!cli_is_sound(&r->before) || has <= had + (int64_t)r->crossings) return;
-    /* They overlap, and what else is wrong with them kept their crossings from being counted. */
-    if (r->crossings == 0 && r->overlaps != 0) return;
+    if (r->handles < 0 || (r->shelled && !r->before.closed) || has <= r->handles + (int64_t)r->crossings)
+        return;
     cli_advise(made,
-               "the result has %" PRId64 " handles, the mesh %" PRId64
+               "%s has %" PRId64 " handles, the mesh %" PRId32
                ": what is thinner than voxels, or less than one apart, has met; %s",
-               has, had, remedy);
+               what, has, r->handles, remedy);
+}
+
+void cli_warn_of_shells(const bvx_repair_report *r, cli_made *made)
+{
+    double const share = r->shelled && r->before.area > 0 ? r->shelled_area / r->before.area : 0.0;
+
+    if (share > MOST_SHELLED)
+        cli_advise(made,
+                   "%" PRIu64
+                   " triangles, %.3g %% of the area, enclose nothing and became shells, hollow and --shell "
+                   "voxels thick",
+                   r->shelled_triangles, 100.0 * share);
+}
+
+void cli_advise_measured(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
+{
+    double const wanted = r->crossing_volume, off = wanted > 0 ? r->after.volume / wanted - 1.0 : 0.0;
+
+    if (advise_thickened(r, what, remedy, made) || cli_changed_as_asked(r) || r->shelled) return;
+    /* Where walls were put back there is more than lines of centres see. */
+    if (fabs(off) > MOST_CHANGED && (off < 0.0 || r->thin_voxels == 0))
+        cli_advise(made,
+                   "%s has a volume of %.6g, the mesh about %.6g (%+.1f %%): what is some voxels thin is cut "
+                   "off, or filled; %s",
+                   what, r->after.volume, wanted, off * 100.0, remedy);
 }
 
 /* Dropped walls, parts and handles that the mesh does not have, and a size that has changed without
@@ -230,17 +259,18 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    ": what is thinner than a voxel broke, or cavities closed; take a "
                    "higher --resolution, or --least-part",
                    r->after.components, r->before.components);
-    warn_of_handles(r, remedy, made);
-    /* What follows compares sizes, and these have one only as a body without overlaps. */
+    cli_warn_of_handles(r, "the result", remedy, made);
+    cli_warn_of_shells(r, made);
+    /* Only a body without overlaps has the mesh's own volume and area. */
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
-        cli_changed_as_asked(r)) {
-        cli_advise_thickened(r, "the result", remedy, made);
+        r->before.duplicates != 0 || cli_changed_as_asked(r)) {
+        cli_advise_measured(r, "the result", remedy, made);
         return;
     }
-    if (fabs(r->after.volume - volume) > 0.05 * volume)
+    if (fabs(r->after.volume - volume) > MOST_CHANGED * volume)
         cli_advise(made, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
                    r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);
-    else if (fabs(r->after.area - area) > 0.05 * area)
+    else if (fabs(r->after.area - area) > MOST_CHANGED * area)
         cli_advise(made, "the result's area is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
                    r->after.area, area, (r->after.area / area - 1.0) * 100.0, remedy);
 }

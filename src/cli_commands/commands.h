@@ -18,9 +18,13 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
 void cli_report_repair(cli_text *members, const bvx_repair_report *repair, int measured);
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
 int cli_changed_as_asked(const bvx_repair_report *repair);
-/* Where what was made has more volume than all parts of the mesh together. */
-void cli_advise_thickened(const bvx_repair_report *repair, const char *what, const char *remedy,
-                          cli_made *made);
+/* Sheets that are hollow bodies now; handles that the mesh does not have; a volume that is not the mesh's,
+ * whatever is wrong with that. */
+void cli_warn_of_shells(const bvx_repair_report *repair, cli_made *made);
+void cli_warn_of_handles(const bvx_repair_report *repair, const char *what, const char *remedy,
+                         cli_made *made);
+void cli_advise_measured(const bvx_repair_report *repair, const char *what, const char *remedy,
+                         cli_made *made);
 
 /* ---- solids.c: the rules that fill a mesh ---- */
 

@@ -241,9 +241,12 @@ static void warn_of_input(const lod_collapse *l, cli_made *made)
             "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut, the "
             "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --solid joins what they part",
             r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1], b[2]);
+    if (!is_solid(l)) return;
+    cli_warn_of_shells(&r->repair, made);
+    cli_warn_of_handles(&r->repair, "the measured surface", "take a higher --resolution", made);
     /* Where one volume says it, the other need not. */
-    if (is_solid(l) && !(l->run.before.closed && l->run.before.oriented))
-        cli_advise_thickened(&r->repair, "the measured surface", "take a higher --resolution", made);
+    if (!(l->run.before.closed && l->run.before.oriented))
+        cli_advise_measured(&r->repair, "the measured surface", "take a higher --resolution", made);
 }
 
 static int make_collapse(cli_run *run, void *work, cli_made *made)

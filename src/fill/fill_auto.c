@@ -151,14 +151,16 @@ static uint64_t count_parts(const bvxi_patches *p)
     return n;
 }
 
-/* By part, at its least triangle: the volume that it encloses; counts those that are inside out. */
+/* By part, at its least triangle: the volume that it encloses, 0 where it is open; counts those that are
+ * inside out. */
 static uint64_t sum_volumes(const auto_work *w, double *volume)
 {
     uint64_t inverted = 0;
 
     /* From the centre, so that large coordinates do not take the digits. */
     for (uint64_t t = 0; t < w->patches.triangles; t++)
-        volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
+        if (!w->patches.open[w->patches.part[t]])
+            volume[w->patches.part[t]] += bvxi_patches_volume(&w->choice.view, t, w->centre);
     for (uint64_t t = 0; t < w->patches.triangles; t++) inverted += w->patches.part[t] == t && volume[t] < 0;
     return inverted;
 }
@@ -207,28 +209,43 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
 #define AUTO_DEPTHS 0.3 /* of the choice: rows have been looked at */
 #define AUTO_EDGES  0.4 /* and edges */
 
-static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
+/* Counted first without a list: most meshes have none, and then no memory is needed for it. */
+static bvx_status count_pairs(bvx_context *ctx, const auto_work *w, uint64_t *pairs)
+{
+    bvxi_welded const welded = welded_choice(w);
+
+    return BVXI_SHARE(ctx, AUTO_EDGES, 1.0,
+                      bvxi_mesh_crossings(ctx, w->job.function, &welded, pairs, NULL, 0));
+}
+
+/* pairs: how many triangles cross, 0 where they have not been counted. */
+static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w, uint64_t pairs)
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
-    bvxi_welded const welded = welded_choice(w);
     double *volume;
-    uint64_t pairs = 0;
-    bvx_status status;
+    bvx_status status = BVX_OK;
 
-    /* Counted first without a list: most meshes have none, and then no memory is needed for it. */
-    BVXI_TRY(BVXI_SHARE(ctx, AUTO_EDGES, 1.0,
-                        bvxi_mesh_crossings(ctx, w->job.function, &welded, &pairs, NULL, 0)));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
+    if (sum_volumes(w, volume) != 0) {
+        if (pairs == 0) status = count_pairs(ctx, w, &pairs);
+        if (status == BVX_OK && pairs != 0) status = turn_inverted(ctx, w, volume, pairs);
+    }
+    bvxi_drop(ctx, volume);
+    return status;
+}
+
+static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
+{
+    uint64_t pairs = 0;
+
+    BVXI_TRY(count_pairs(ctx, w, &pairs));
     if (pairs == 0) {
         choose_auto(w, BVX_FILL_PARITY,
                     (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
         return BVX_OK;
     }
-
     choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
-    status = sum_volumes(w, volume) != 0 ? turn_inverted(ctx, w, volume, pairs) : BVX_OK;
-    bvxi_drop(ctx, volume);
-    return status;
+    return turn_closed_parts(ctx, w, pairs);
 }
 
 /* Rows that are looked at before a choice [Memory: 8 bytes each]. A lattice with
@@ -310,7 +327,7 @@ static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_la
     }
     if (w->patches.open_edges != 0) {
         choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN);
-        return BVX_OK;
+        return turn_closed_parts(ctx, w, 0);
     }
     return choose_closed(ctx, w, lattice);
 }

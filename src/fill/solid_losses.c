@@ -192,8 +192,7 @@ static double voxel_size(const bvx_lattice *l)
     return l->spacing[0] * l->spacing[1] * l->spacing[2];
 }
 
-/* As many times as long along each axis as the crossings say: a box comes out exact. */
-static double volume_by_crossings(const bvxi_walls *walls, double volume)
+double bvxi_volume_by_crossings(const bvxi_walls *walls, double volume)
 {
     double made = volume;
 
@@ -211,7 +210,7 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     bvxi_walls_report(walls, &found);
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
-    report->crossing_volume = volume_by_crossings(walls, report->volume);
+    report->crossing_volume = bvxi_volume_by_crossings(walls, report->volume);
     /* Nothing is thin. */
     if (found.voxels == 0) return;
     report->thin_wall = found.wall * walls->unit;

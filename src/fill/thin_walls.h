@@ -90,6 +90,9 @@ void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report);
 void bvxi_walls_of_solid(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                          const bvx_grid *solid, const bvx_solid_report *report, bvxi_walls *walls);
 void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report);
+/* The volume of a solid that was searched, so many times as long along each axis as crossings say: a box
+ * comes out exact. 0: it has none. */
+double bvxi_volume_by_crossings(const bvxi_walls *walls, double volume);
 
 /* Voxels along the longest axis, now longest, with which a wall is as thick
  * as holds anywhere; 0 where there is no such number. */

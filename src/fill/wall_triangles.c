@@ -223,6 +223,7 @@ static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
     near_job *const job = user;
     const bvxi_walls *const t = job->walls;
     double *const low = job->low[piece], *const high = job->high[piece];
+    double const size[3] = {t->unit, t->unit, t->unit}, scale = bvxi_unit_scale(size, size);
     uint64_t begin, end;
 
     (void)worker;
@@ -231,7 +232,7 @@ static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
         uint32_t *const c = t->corner + 3 * n;
 
         job->sorted[n] = order_corners(&t->near, c);
-        job->keys[n] = bvxi_view_corners_hash(&t->near, c);
+        job->keys[n] = bvxi_view_corners_hash(&t->near, c, scale);
         job->numbers[n] = (uint32_t)n;
         for (int k = 0; k < 3; k++) {
             double p[3];

@@ -335,8 +335,9 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
 static int is_side_turned(const patch_side *s, int chance)
 {
     if (chance) return 2 * s->turn >= 3 * s->keep && (s->inward || s->turn >= LEAST_VOTES);
-    return s->inward && s->turn >= LEAST_VOTES && 2 * s->turn >= 3 * s->keep && s->beside >= LEAST_BESIDE &&
-           16 * s->beside >= s->turn;
+    /* A closed one is judged by its volume, where the rule for inside is chosen. */
+    return s->border > 0 && s->inward && s->turn >= LEAST_VOTES && 2 * s->turn >= 3 * s->keep &&
+           s->beside >= LEAST_BESIDE && 16 * s->beside >= s->turn;
 }
 
 bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)

@@ -126,6 +126,7 @@ static void balance_edge(patch_work *w, uint64_t at, uint64_t n)
     /* Half of an edge's triangles running each way is balance; what is more stays open. */
     for (uint64_t i = 0; i < n; i++) down += runs_down(w, at + i) ^ w->out->turn[w->numbers[at + i] / 3];
     w->out->open_edges += 2 * down > n ? 2 * down - n : n - 2 * down;
+    if (2 * down != n) w->out->open[w->out->part[w->numbers[at] / 3]] = 1;
 
     /* The first edge that a manifold would not have is kept for the message. */
     if (n == 1 || (n == 2 && down == 1)) return;
@@ -262,7 +263,6 @@ static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w->numbers));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w->link));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n, "the patches' marks", &w->torn));
     return bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w->sums, "the patches' sums", &w->sums);
 }
 
@@ -283,6 +283,8 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     choose_turned(w);
     BVXI_TRY(turn_whole_patches(ctx, w));
     for (uint64_t t = 0; t < w->out->triangles; t++) w->out->turned += w->out->turn[t];
+    /* What is torn has been decided: the marks are of open parts from here on. */
+    memset(w->torn, 0, (size_t)w->out->triangles);
     each_edge(w, balance_edge);
     return BVX_OK;
 }
@@ -311,6 +313,8 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 4, "the triangles' parts", &patches->part));
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the turned triangles", &patches->turn));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the patches' marks", &patches->open));
+    w.torn = patches->open;
     mark = bvxi_scratch_begin(ctx);
     BVXI_TRY(open_patch_work(ctx, &w));
     return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
@@ -318,6 +322,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
 
 void bvxi_patches_close(bvx_context *ctx, bvxi_patches *patches)
 {
+    bvxi_drop(ctx, patches->open);
     bvxi_drop(ctx, patches->turn);
     bvxi_drop(ctx, patches->part);
     memset(patches, 0, sizeof *patches);

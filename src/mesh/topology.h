@@ -71,6 +71,8 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
 typedef struct bvxi_patches {
     uint32_t *part; /* of each triangle: the least one of its part [Size: triangles] */
     uint8_t *turn;  /* by triangle, 1: it is turned round [Size: triangles] */
+    uint8_t *
+        open; /* by a part's least triangle, 1: after turning an edge of the part is open [Size: triangles] */
     uint64_t triangles;
     uint64_t turned;       /* triangles that are */
     uint64_t unorientable; /* patches whose triangles no turning makes run the same way round */
@@ -84,7 +86,7 @@ typedef struct bvxi_patches {
 
 /* Find what to turn so that the triangles of each patch run the same way round, as most of them do. Where no
  * side has five eighths of them, the volume that they enclose about centre becomes positive. Of an open mesh,
- * patches that face inward where others face outward are turned whole (patch_sides.c); chance: the triangles
+ * open patches that face inward where others face outward are turned whole (patch_sides.c); chance: the triangles
  * are those of two that face either way, so that parity alone says which patches are right. representative:
  * topology.h. The view's indices have been checked. Scratch: beside the result 105 bytes a triangle, while
  * it works; of an open mesh of several patches up to 1 MB more.

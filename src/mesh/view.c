@@ -421,7 +421,7 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     return BVX_OK;
 }
 
-uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3])
+uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner[3], double scale)
 {
     bvxi_hash hash;
 
@@ -431,7 +431,7 @@ uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner
         double p[3];
 
         bvxi_view_position(view, corner[k], p);
-        for (int a = 0; a < 3; a++) p[a] += 0.0; /* -0 is 0 */
+        for (int a = 0; a < 3; a++) p[a] = p[a] * scale + 0.0; /* -0 is 0 */
         bvxi_hash_f64(&hash, p, 3);
     }
     return bvxi_hash_end(&hash);

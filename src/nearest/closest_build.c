@@ -117,7 +117,7 @@ static uint64_t hash_of_corners(const bvx_mesh_view *view, uint64_t triangle)
 
     bvxi_view_triangle(view, triangle, c);
     turn_to_lowest(view, c);
-    return bvxi_view_corners_hash(view, c);
+    return bvxi_view_corners_hash(view, c, 1.0);
 }
 
 /* A few triangles of one key by their hashes, which are in keys. */

@@ -121,12 +121,12 @@ uint64_t bvxi_mark_inside_out(bvxi_mesh_piece *pieces, uint64_t count)
     uint64_t marked = 0;
 
     if (count > MOST_TURNED) return 0;
-    /* What lies in an inverted body is turned with it, so that its cavities stay cavities. */
+    /* What lies in an inverted body is turned with it, so that its cavities stay cavities; not what is open. */
     for (uint64_t n = 0; n < count; n++) {
         if (!is_inverted_root(pieces, count, n)) continue;
         pieces[n].turned = 1;
         for (uint64_t m = 0; m < count; m++)
-            if (is_within_box(&pieces[m], &pieces[n])) pieces[m].turned = 1;
+            if (is_within_box(&pieces[m], &pieces[n])) pieces[m].turned = pieces[m].volume6 != 0;
     }
     for (uint64_t n = 0; n < count; n++) marked += pieces[n].turned;
     return marked;

@@ -234,6 +234,7 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     job.options = &o;
     job.given = mesh;
     job.known = known;
+    job.report.handles = -1;
     mine = repaired->positions == NULL;
     status = repair_steps(&job, repaired);
     bvxi_repair_let_go(&job);

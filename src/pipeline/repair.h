@@ -4,6 +4,7 @@
 #define BVXI_REPAIR_H
 
 #include "grid/grid.h"
+#include "mesh/topology.h"
 #include "pipeline/thicken.h"
 #include "winding/holes.h"
 
@@ -20,6 +21,7 @@ typedef struct bvxi_repair_job {
     uint32_t *parted;     /* body's, then sheets', or NULL: body is mesh [Size: mesh.triangle_count * 3] */
     /* of each vertex: the least one that it hangs together with, or NULL [Size: given->vertex_count] */
     uint32_t *piece;
+    bvxi_patches patches; /* of mesh, where edges were looked at; until its pieces are known */
     bvx_lattice lattice;
     int32_t resolution;  /* that it was fitted by, where none was given */
     bvx_grid solid;      /* what body encloses; without words before the first, as inside */

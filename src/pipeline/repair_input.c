@@ -40,25 +40,25 @@ const char bvxi_repair_name[] = "bvx_repair";
 static bvx_status turn_flipped(bvxi_repair_job *job, const double low[3], const double high[3],
                                const uint32_t *representative, int32_t *sign)
 {
+    bvxi_patches *const patches = &job->patches;
     double centre[3];
-    bvxi_patches patches;
 
     /* Around the middle, so that volumes keep their digits. */
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
     BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre,
-                               job->report.before.duplicates != 0, &patches));
-    if (patches.unorientable != 0 || (patches.odd_edges == 0 && patches.open_edges != 0)) {
+                               job->report.before.duplicates != 0, patches));
+    if (patches->unorientable != 0 || (patches->odd_edges == 0 && patches->open_edges != 0)) {
         /* What only shows once triangles are there once each does not count. */
         if (job->report.before.flipped_edges != 0) *sign = BVX_SIGN_VOTE;
-    } else if (patches.turned != 0) {
+        bvxi_patches_close(job->ctx, patches);
+    } else if (patches->turned != 0) {
         /* Scratch may be there from leaving out copies. */
         if (job->corner == NULL)
             BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->triangle_count * 12,
                                 "the turned triangles", &job->corner));
-        bvxi_patches_turn(&job->mesh, &patches, job->corner, &job->mesh);
-        job->report.turned = patches.turned;
+        bvxi_patches_turn(&job->mesh, patches, job->corner, &job->mesh);
+        job->report.turned = patches->turned;
     }
-    bvxi_patches_close(job->ctx, &patches);
     return BVX_OK;
 }
 
@@ -226,54 +226,47 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, const uint32_t *represen
     return BVX_OK;
 }
 
-/* Volumes of pieces by the marks given; those that are inside out are turned. */
+/* Volumes of pieces by the marks given; closed ones that are inside out are turned. */
 static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representative,
                                const bvxi_piece_marks *by)
 {
-    bvx_repair_report *const r = &job->report;
+    const bvxi_patches *const known = &job->patches;
     bvxi_mesh_piece *pieces = NULL;
     uint64_t count;
 
-    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, by, &r->before, &pieces, &count));
-    r->parts_volume = bvxi_mesh_pieces_volume(pieces, count);
+    BVXI_TRY(bvxi_mesh_pieces_open(job->ctx, &job->mesh, by, &job->report.before, &pieces, &count));
+    /* What an open piece encloses is not known. */
+    for (uint64_t n = 0; n < count && by->part != NULL; n++)
+        if (known->open[pieces[n].mark]) pieces[n].volume6 = 0;
+    if (known->open_edges == 0) job->report.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
     if (job->options->sign == BVX_SIGN_AUTO && count > 1)
         BVXI_TRY(turn_inside_out(job, representative, by, pieces, count));
     bvxi_drop(job->ctx, pieces);
     return BVX_OK;
 }
 
-/* Bodies that touch at vertices are one piece by them, whose volume says nothing of either. */
-static bvx_status judge_touching(bvxi_repair_job *job, const uint32_t *representative)
-{
-    const bvx_certificate *const c = &job->report.before;
-    bvxi_piece_marks by = {.piece = job->piece};
-    bvxi_patches patches;
-    double centre[3];
-
-    for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
-    BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &patches));
-    by.part = patches.part;
-    BVXI_TRY(judge_marked(job, representative, &by));
-    bvxi_patches_close(job->ctx, &patches);
-    return BVX_OK;
-}
-
-/* The pieces of the mesh; where all is closed and has sides, those that are inside out are turned, and what
- * they would have together if none overlapped is known. */
+/* The pieces of the mesh; closed ones that are inside out are turned, and where all are closed, what they
+ * would have together if none overlapped is known. */
 static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representative)
 {
-    bvx_repair_report *const r = &job->report;
+    const bvx_certificate *const c = &job->report.before;
     bvxi_piece_marks by = {0};
-    int touching;
+    double centre[3];
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->given->vertex_count * 4, "the vertices' pieces",
                         &job->piece));
     bvxi_pieces(&job->mesh, representative, job->piece);
-    if (!r->before.closed || r->before.duplicates != 0 || r->sign == BVX_SIGN_VOTE) return BVX_OK;
+    if (job->patches.part == NULL && (!c->closed || c->duplicates != 0)) return BVX_OK;
 
+    /* Bodies that touch at vertices are one piece by them, whose volume says nothing of either. */
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
+    if (job->patches.part == NULL && c->nonmanifold_vertices != 0 && c->components > 1)
+        BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &job->patches));
     by.piece = job->piece;
-    touching = r->before.nonmanifold_vertices != 0 && r->before.components > 1;
-    return touching ? judge_touching(job, representative) : judge_marked(job, representative, &by);
+    by.part = job->patches.part;
+    if (job->report.sign != BVX_SIGN_VOTE) BVXI_TRY(judge_marked(job, representative, &by));
+    bvxi_patches_close(job->ctx, &job->patches);
+    return BVX_OK;
 }
 
 bvx_status bvxi_repair_take(bvxi_repair_job *job)

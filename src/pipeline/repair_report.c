@@ -164,6 +164,27 @@ static int has_other_size(const bvx_repair_report *r)
            bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
 }
 
+/* Of a certificate, with lids in so many holes. */
+static int64_t lidded_handles(const bvx_certificate *c, uint64_t holes)
+{
+    return (int64_t)c->components - (c->euler + (int64_t)holes) / 2;
+}
+
+/* The handles of the mesh as it was taken. Where the result has more, parts that cross may be why. */
+static bvx_status compare_handles(bvxi_repair_job *job)
+{
+    bvx_repair_report *const r = &job->report;
+    bvx_certificate c = r->before;
+    int64_t handles;
+
+    if (r->turned + c.duplicates != 0) BVXI_TRY(bvx_mesh_check(job->ctx, &job->mesh, 1, &c));
+    if (!c.edge_manifold || !c.vertex_manifold || !c.oriented) return BVX_OK;
+    handles = lidded_handles(&c, r->holes);
+    r->handles = handles < INT32_MAX ? (int32_t)handles : INT32_MAX;
+    if (lidded_handles(&r->after, 0) <= handles || r->crossings != 0) return BVX_OK;
+    return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
+}
+
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
     bvx_mesh_view result;
@@ -173,7 +194,8 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     job->report.lattice = job->lattice;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.2, bvx_mesh_check(job->ctx, &result, 0, &job->report.after)));
     if (job->report.before.boundary_edges + job->report.before.nonmanifold_edges != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.25, find_holes(job)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.22, find_holes(job)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.25, compare_handles(job)));
 
     if (job->options->measure || has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, count_overlaps(job)));

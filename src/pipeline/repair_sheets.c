@@ -351,8 +351,12 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
     uint32_t c[3];
 
     /* Counted first: bodies from the front, sheets from where they begin. */
+    job->report.shelled_area = 0;
     for (uint64_t i = 0; i < sums->count; i++)
-        if (is_sheet(&sums->piece[i])) sheet_triangles += sums->piece[i].triangles;
+        if (is_sheet(&sums->piece[i])) {
+            sheet_triangles += sums->piece[i].triangles;
+            job->report.shelled_area += sums->piece[i].area;
+        }
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
     if (sheet_triangles == 0) return BVX_OK;

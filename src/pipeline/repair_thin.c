@@ -57,8 +57,12 @@ static bvx_status tell_walls(repair_walls *t)
 static bvx_status thicken(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
+    const double *const h = job->lattice.spacing;
+    uint64_t voxels;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.4, bvxi_walls_gather(&t->walls)));
+    BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &voxels));
+    job->report.crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
     if (t->walls.count == 0) return BVX_OK;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.6, bvxi_walls_ask(&t->walls, 1.0)));
     BVXI_TRY(tell_walls(t));
@@ -74,7 +78,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
     job->report.thin_voxels = job->report.thin_components = 0;
-    job->report.thin_wall = 0;
+    job->report.thin_wall = job->report.crossing_volume = 0;
     job->report.thin_resolution = job->report.thin_kept = 0;
     if (job->body.triangle_count == 0) return BVX_OK;
     /* nobody asks what is lost */

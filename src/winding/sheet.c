@@ -273,22 +273,34 @@ double bvxi_sheet_angle(const bvxi_sheet *s, const int64_t p[3], double near)
     return sum.turns;
 }
 
+/* What is gathered around the place begins at 0, and the look has no near parts yet. */
+static void start_look(double reach, double edge_rest, bvxi_sheet_look *look, sheet_sum *sum)
+{
+    memset(look, 0, sizeof *look);
+    sum->gradient[0] = sum->gradient[1] = sum->gradient[2] = sum->rest = sum->bend = 0;
+    sum->look = look;
+    sum->reach = reach;
+    sum->edge_rest = edge_rest;
+}
+
+static void end_look(const sheet_sum *sum)
+{
+    bvxi_sheet_look *const look = sum->look;
+
+    look->turns = sum->turns;
+    look->rest = BVXI_SHEET_ROUNDING + sum->rest;
+    look->bend = sum->bend;
+    for (int a = 0; a < 3; a++) look->gradient[a] = sum->gradient[a];
+}
+
 void bvxi_sheet_around(const bvxi_sheet *s, const int64_t p[3], double reach, double near, double edge_rest,
                        bvxi_sheet_look *look)
 {
     sheet_sum sum;
 
-    /* What is gathered around the place begins at 0, and the look has no near parts yet. */
-    sum.gradient[0] = sum.gradient[1] = sum.gradient[2] = sum.rest = sum.bend = 0;
-    memset(look, 0, sizeof *look);
-    sum.look = look;
-    sum.reach = reach;
-    sum.edge_rest = edge_rest;
+    start_look(reach, edge_rest, look, &sum);
     add_sheet(s, p, near, &sum);
-    look->turns = sum.turns;
-    look->rest = BVXI_SHEET_ROUNDING + sum.rest;
-    look->bend = sum.bend;
-    for (int a = 0; a < 3; a++) look->gradient[a] = sum.gradient[a];
+    end_look(&sum);
 }
 
 int bvxi_sheet_conclude(double turns, double error, int32_t want_clear, bvxi_sheet_answer *answer)
@@ -316,23 +328,42 @@ bvxi_sheet_answer bvxi_sheet_turns(const bvxi_sheet *s, const int64_t p[3], int3
     return answer;
 }
 
-double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count)
+/* All triangles of these cells, one by one: nothing of them is far. */
+static void add_cells(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count,
+                      sheet_sum *sum)
 {
     const uint32_t *const all = s->tree->corner;
-    sheet_sum sum;
 
-    sum.reach = 0;
-    start_sheet_sum(s, p, &sum);
+    start_sheet_sum(s, p, sum);
     for (uint64_t i = 0; i < count; i++) {
-        /* All triangles of these cells, one by one: nothing of them is far. */
         const bvxi_sheet_cell *const c = &s->tree->cell[cells[i]];
         for (uint64_t t = c->first; t < c->end; t++) {
             uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};
             bvxi_seen_point seen[3];
             const bvxi_seen_point *const three[3] = {&seen[0], &seen[1], &seen[2]};
-            for (int k = 0; k < 3; k++) see_point(s, corner[k], &sum, &seen[k]);
-            add_triangle(s, corner, three, p, &sum);
+            for (int k = 0; k < 3; k++) see_point(s, corner[k], sum, &seen[k]);
+            for (int k = 0; k < 3 && sum->reach > 0; k++) add_sheet_edge(&seen[k], &seen[(k + 1) % 3], sum);
+            add_triangle(s, corner, three, p, sum);
         }
     }
-    return turns_of_product(&sum);
+    sum->turns = turns_of_product(sum);
+}
+
+double bvxi_sheet_cells_angle(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count)
+{
+    sheet_sum sum;
+
+    sum.reach = 0;
+    add_cells(s, p, cells, count, &sum);
+    return sum.turns;
+}
+
+void bvxi_sheet_cells_around(const bvxi_sheet *s, const int64_t p[3], const uint32_t *cells, uint64_t count,
+                             double reach, double edge_rest, bvxi_sheet_look *look)
+{
+    sheet_sum sum;
+
+    start_look(reach, edge_rest, look, &sum);
+    add_cells(s, p, cells, count, &sum);
+    end_look(&sum);
 }

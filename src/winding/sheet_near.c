@@ -5,8 +5,11 @@
  * half of all directions as it is flat.
  *
  * Guarantee: answers are right or none is given; where the way passes an edge or a triangle's edge by less
- * than rounding can tell, or ends in its plane, there is none. */
-#include "winding/sheet.h"
+ * than rounding can tell, or ends in its plane, there is none.
+ *
+ * The last three functions say what a look from the middle of a brick has for its centres; both ways of
+ * cutting blocks use them. */
+#include "winding/turns.h"
 #include "core/vec3.h"
 
 /* Going by h, an edge from a to b sweeps the parallelogram a, b, b - h, a - h. Both halves of it, a, b, c = b
@@ -94,4 +97,59 @@ int bvxi_sheet_entered(const bvxi_sheet_look *look, const double h[3], int32_t *
         *times += added;
     }
     return 1;
+}
+
+/* ---- What a look from the middle of a brick says of its centres ---- */
+
+int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
+                         const double h[3], int32_t *whole, int *clear)
+{
+    /* The bend grows with the square of the way, so a centre near the middle has less of it. */
+    double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
+    const double *const g = look->gradient, *const e = look->edge_gradient;
+    double turns = look->turns + g[0] * h[0] + g[1] * h[1] + g[2] * h[2], n;
+    double const linear = turns + e[0] * h[0] + e[1] * h[1] + e[2] * h[2];
+    int32_t entered = 0;
+
+    /* First all near edges as linear; where that leaves a doubt, what they sweep exactly. */
+    if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
+        if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
+        if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
+    }
+    /* Too many near triangles were met to be listed. */
+    if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
+    if (look->triangles > 0 && !bvxi_sheet_entered(look, h, &entered)) return 0;
+    *whole = (int32_t)n + entered;
+    return 1;
+}
+
+int bvxi_turns_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                       int32_t *whole, int *clear)
+{
+    double spread = look->rest + look->bend + look->edge_bend, n;
+
+    /* The gradient's greatest change along each axis, from the middle to the last centre. */
+    for (int32_t a = 0; a < 3; a++) {
+        double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
+                           (look->gradient[a] + look->edge_gradient[a]);
+        spread += way < 0 ? -way : way;
+    }
+    if (look->triangles > 0 || !is_certain(block, look->turns, spread, &n, clear)) return 0;
+    *whole = (int32_t)n;
+    return 1;
+}
+
+double bvxi_turns_middle(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3])
+{
+    const bvxi_sheet *const s = block->sheet;
+    int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
+    double reach = 0;
+
+    /* The middle of an even number of centres lies between two: halves of a step. */
+    for (int32_t a = 0; a < 3; a++) {
+        double const way = 0.5 * (b->size[a] - 1) * s->step[a];
+        reach += way * way;
+        p[a] = (2 * ((int64_t)block->low[a] + b->at[a]) + b->size[a]) * half;
+    }
+    return sqrt(reach) * (1 + 1e-9);
 }

@@ -6,6 +6,7 @@
  * (sheet.h).
  *
  * A brick whose polynomial, with its bound and with all that is near, leaves no doubt has one whole number.
+ * Few near triangles, which may be larger than bricks, are looked at from its middle as in sheet_turns.c.
  * Else small bricks sum the near triangles for each centre. Where the bound is too wide for that a centre
  * asks the tree, and at last all triangles.
  *
@@ -17,20 +18,24 @@
 
 #include <math.h>
 
-enum { TREE_BRICKS = 64, TREE_SMALL = 2, TREE_BRICK_STACK = 128 };
+enum { TREE_BRICKS = 64, TREE_SMALL = 2, TREE_PLAIN = 8, TREE_BRICK_STACK = 128, TREE_LOOKED = 256 };
 
 /* cells that look smaller from a brick are in its polynomial */
 static const double tree_near = 0.45;
 /* the same for a single centre, one after the other */
 static const double tree_ask[3] = {0.25, 0.0625, 0.02};
 #define TREE_ROUNDING 1e-8
+static const double tree_doubt = 0.2; /* looks of a wider bound answer for few of a brick's centres */
+static const double tree_edge = 1e-2; /* in small bricks edges are near when they alone are off by more */
 
 /* A brick's polynomial. */
 typedef struct tree_view {
     double middle[3], half[3], reach; /* [Units: the largest spacing] */
     double local[BVXI_SERIES_LOCAL], error;
-    double near; /* no less than what is near can be; 1 or more: anything */
-    uint64_t pendings;
+    double near;                  /* no less than what is near can be; 1 or more: anything */
+    uint64_t pendings, triangles; /* of the cells that are pending */
+    int looked;                   /* 1: few triangles are pending, and look has them and the polynomial */
+    bvxi_sheet_look look;
 } tree_view;
 
 static void start_view(const bvxi_turns_block *block, const turns_brick *b, const tree_view *from,
@@ -52,7 +57,8 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
     /* An eighth takes over the polynomial of the brick above, moved to its own middle. */
     v->error = from == NULL ? TREE_ROUNDING : from->error;
     v->near = 0;
-    v->pendings = 0;
+    v->pendings = v->triangles = 0;
+    v->looked = 0;
     if (from == NULL) memset(v->local, 0, sizeof v->local);
     else bvxi_series_move_local(&s->tree->table, from->local, way, v->local);
 }
@@ -82,6 +88,7 @@ static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32
             /* What is near stays on the list, and its greatest share counts as a bound. */
             double const gap = sqrt(d2) * (1 - 1e-9) - reach;
             v->near += gap <= 0 ? 1 : c->area / (4 * BVXI_PI * gap * gap);
+            v->triangles += c->end - c->first;
             pending[v->pendings++] = stack[count];
         }
     }
@@ -103,6 +110,34 @@ static int is_one_number(const bvxi_turns_block *block, const tree_view *v, int3
 
     *whole = (int32_t)n;
     return 1;
+}
+
+/* Few triangles that are near, larger than voxels perhaps: their angle at the brick's middle, how it changes
+ * from there on, and the polynomial's, whose higher terms bend it. */
+static void look_at_pending(const bvxi_turns_block *block, const turns_brick *b, const uint32_t *pending,
+                            tree_view *v)
+{
+    bvxi_sheet_look *const look = &v->look;
+    double power[BVXI_SERIES_LOCAL], reach;
+    int64_t p[3];
+
+    reach = bvxi_turns_middle(block, b, p);
+    if (!(reach > 0) || v->triangles > TREE_LOOKED) return;
+    bvxi_sheet_cells_around(block->sheet, p, pending, v->pendings, reach,
+                            b->side <= TREE_PLAIN ? tree_edge : 1e60, look);
+    bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
+    look->turns += v->local[0];
+    for (int a = 0; a < 3; a++) look->gradient[a] += v->local[1 + a];
+    look->rest += v->error;
+    for (int i = 4; i < BVXI_SERIES_LOCAL; i++)
+        look->rest += power[i] * (v->local[i] < 0 ? -v->local[i] : v->local[i]);
+    v->looked = 1;
+}
+
+/* 1 when the look answers for most of the brick's centres. */
+static int is_near_linear(const tree_view *v)
+{
+    return v->looked && v->look.rest + v->look.bend < tree_doubt && v->look.triangles <= BVXI_LOOK_TRIANGLES;
 }
 
 /* 1 when the tree, opened further and further, gives the whole number at one centre. */
@@ -136,6 +171,10 @@ static void view_centre(bvxi_turns_block *block, const int32_t at[3], const uint
     }
     bvxi_series_powers(&s->tree->table, h, BVXI_SERIES_LOCAL, power);
     for (int i = 0; i < BVXI_SERIES_LOCAL; i++) turns += power[i] * v->local[i];
+    if (v->looked && bvxi_turns_of_centre(block, &v->look, v->reach * v->reach, h, &whole, &clear)) {
+        set_turns(block, bvxi_turns_row(at[1], at[2]), at[0], whole, block->want_clear && clear);
+        return;
+    }
 
     /* Near cells are summed exactly, so only the polynomial's error is left. */
     if (v->pendings > 0) turns += bvxi_sheet_cells_angle(s, p, pending, v->pendings);
@@ -174,7 +213,10 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
 
     /* One number for all, or eighths, or small enough to go centre by centre. */
     if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
-    else if (b->side > TREE_SMALL) return 0;
+    else if ((look_at_pending(block, b, pending, v), v->looked) &&
+             bvxi_turns_settled(block, b, &v->look, &whole, &clear))
+        settle_brick(block, b, whole, block->want_clear && clear);
+    else if (b->side > (is_near_linear(v) ? TREE_PLAIN : TREE_SMALL)) return 0;
     else view_centres(block, b, pending, v);
     return 1;
 }

@@ -62,29 +62,6 @@ static void ask_later(bvxi_turns_block *block, int32_t x, int32_t y, int32_t z, 
     if (asked->count == TURNS_LANES) ask_centres(block, asked);
 }
 
-/* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
-static int tell_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
-                       const double h[3], int32_t *whole, int *clear)
-{
-    /* The bend grows with the square of the way, so a centre near the middle has less of it. */
-    double const part = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) / reach2;
-    const double *const g = look->gradient, *const e = look->edge_gradient;
-    double turns = look->turns + g[0] * h[0] + g[1] * h[1] + g[2] * h[2], n;
-    double const linear = turns + e[0] * h[0] + e[1] * h[1] + e[2] * h[2];
-    int32_t entered = 0;
-
-    /* First all near edges as linear; where that leaves a doubt, what they sweep exactly. */
-    if (!is_certain(block, linear, look->rest + (look->bend + look->edge_bend) * part, &n, clear)) {
-        if (look->edges == 0 || !bvxi_sheet_swept(look, h, &turns)) return 0;
-        if (!is_certain(block, turns, look->rest + look->bend * part, &n, clear)) return 0;
-    }
-    /* Too many near triangles were met to be listed. */
-    if (look->triangles > BVXI_LOOK_TRIANGLES) return 0;
-    if (look->triangles > 0 && !bvxi_sheet_entered(look, h, &entered)) return 0;
-    *whole = (int32_t)n + entered;
-    return 1;
-}
-
 static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
                        double reach2, turns_asked *asked)
 {
@@ -104,28 +81,11 @@ static void tell_brick(bvxi_turns_block *block, const turns_brick *b, const bvxi
                 /* What is known already is passed over. */
                 if ((block->open[row] >> x & 1) == 0) continue;
                 h[0] = (x - middle[0]) * step[0];
-                if (tell_centre(block, look, reach2, h, &whole, &clear))
+                if (bvxi_turns_of_centre(block, look, reach2, h, &whole, &clear))
                     set_turns(block, row, x, whole, block->want_clear && clear);
                 else ask_later(block, x, y, z, asked);
             }
         }
-}
-
-/* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
-static int is_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
-                      int32_t *whole, int *clear)
-{
-    double spread = look->rest + look->bend + look->edge_bend, n;
-
-    /* The gradient's greatest change along each axis, from the middle to the last centre. */
-    for (int32_t a = 0; a < 3; a++) {
-        double const way = 0.5 * (b->size[a] - 1) * block->sheet->step[a] *
-                           (look->gradient[a] + look->edge_gradient[a]);
-        spread += way < 0 ? -way : way;
-    }
-    if (look->triangles > 0 || !is_certain(block, look->turns, spread, &n, clear)) return 0;
-    *whole = (int32_t)n;
-    return 1;
 }
 
 /* 1 when the brick is done with. */
@@ -136,7 +96,7 @@ static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_s
     int clear;
 
     /* No doubt for any of them: the whole brick at once. */
-    if (is_settled(block, b, look, &whole, &clear)) {
+    if (bvxi_turns_settled(block, b, look, &whole, &clear)) {
         settle_brick(block, b, whole, block->want_clear && clear);
         return 1;
     }
@@ -146,22 +106,6 @@ static int take_look(bvxi_turns_block *block, const turns_brick *b, const bvxi_s
         return 0;
     tell_brick(block, b, look, reach * reach, asked);
     return 1;
-}
-
-/* The middle of a brick, and how far its centres lie from it. */
-static double middle_of_brick(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3])
-{
-    const bvxi_sheet *const s = block->sheet;
-    int64_t const half = ((int64_t)1 << s->fraction_bits) / 2;
-    double reach = 0;
-
-    /* The middle of an even number of centres lies between two: halves of a step. */
-    for (int32_t a = 0; a < 3; a++) {
-        double const way = 0.5 * (b->size[a] - 1) * s->step[a];
-        reach += way * way;
-        p[a] = (2 * ((int64_t)block->low[a] + b->at[a]) + b->size[a]) * half;
-    }
-    return sqrt(reach) * (1 + 1e-9);
 }
 
 /* Bricks of one side; those that are not done with are cut. */
@@ -176,7 +120,7 @@ static void look_at_bricks(bvxi_turns_block *block, const turns_brick *b, int32_
 
     /* The largest reach serves all four, as they are of one side. */
     for (int32_t i = 0; i < TURNS_LANES; i++) {
-        double const own = middle_of_brick(block, &b[i < bricks ? i : 0], p[i]);
+        double const own = bvxi_turns_middle(block, &b[i < bricks ? i : 0], p[i]);
         reach = own > reach ? own : reach;
     }
     /* Four bricks cost little more than one. */

@@ -161,6 +161,15 @@ static inline int is_certain(const bvxi_turns_block *block, double turns, double
     return off + rest < 0.5 && (!block->want_clear || off + rest < 0.25 || off - rest > 0.25);
 }
 
+/* sheet_near.c: the middle of a brick, and how far its centres lie from it. */
+double bvxi_turns_middle(const bvxi_turns_block *block, const turns_brick *b, int64_t p[3]);
+/* 1 when all of the brick's centres have one whole number, and are clear or not, as its middle. */
+int bvxi_turns_settled(const bvxi_turns_block *block, const turns_brick *b, const bvxi_sheet_look *look,
+                       int32_t *whole, int *clear);
+/* What the brick's middle says about the centre that lies h from it; 0 when that is not enough. */
+int bvxi_turns_of_centre(const bvxi_turns_block *block, const bvxi_sheet_look *look, double reach2,
+                         const double h[3], int32_t *whole, int *clear);
+
 /* The eighths that have centres go to the stack. */
 static inline void cut_brick(const turns_brick *b, turns_brick *stack, int32_t *count)
 {
@@ -211,6 +220,10 @@ double bvxi_sheet_tree_angle(const bvxi_sheet *sheet, const int64_t p[3], double
 /* sheet.c: the angle of the triangles of some cells only, right to 1e-8. */
 double bvxi_sheet_cells_angle(const bvxi_sheet *sheet, const int64_t p[3], const uint32_t *cells,
                               uint64_t count);
+
+/* The same around the place, as bvxi_sheet_around. */
+void bvxi_sheet_cells_around(const bvxi_sheet *sheet, const int64_t p[3], const uint32_t *cells,
+                             uint64_t count, double reach, double edge_rest, bvxi_sheet_look *look);
 
 /* sheet_tree_turns.c: bvxi_sheet_block by the tree. */
 void bvxi_sheet_tree_block(bvxi_turns_block *block);

@@ -425,6 +425,25 @@ static void test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one(void)
     }
 }
 
+/* A smaller ball inside out that overlaps a larger one: whatever else there is, its volume says so. */
+static void test_a_closed_part_inside_out_is_turned_beside_an_open_one(void)
+{
+    double const low[3] = {36, 36, 36}, high[3] = {44, 44, 44};
+    bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
+    size_t first;
+    bvx_grid good;
+
+    add_ball(18, 16, 16, 14);
+    first = mesh.triangles;
+    add_ball(30, 16, 16, 8);
+    add_open_box(low, high, 4, 0);
+    good = solid_of(&l, BVX_FILL_WINDING);
+    maker_flip(&mesh, first, mesh.triangles - 10);
+    assert_auto_equals(&good, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN, mesh.triangles - 10 - first,
+                       "a ball inside out beside an open box");
+    bvx_grid_free(ctx, &good);
+}
+
 /* What faces inward and should: the inner walls of a tub, a cavity of an open body, a room about its
  * furniture; and sheets that face one way, one above the other. */
 static void test_what_faces_inward_rightly_is_not_turned(void)
@@ -742,6 +761,7 @@ int main(void)
     RUN_TEST(test_an_open_half_inside_out_is_turned);
     RUN_TEST(test_an_open_half_inside_out_is_turned_in_any_order);
     RUN_TEST(test_a_body_inside_out_is_turned_where_it_overlaps_an_open_one);
+    RUN_TEST(test_a_closed_part_inside_out_is_turned_beside_an_open_one);
     RUN_TEST(test_what_faces_inward_rightly_is_not_turned);
     RUN_TEST(test_patches_at_the_ends_of_doubles_are_left);
     RUN_TEST(test_memory_where_edges_are_examined);

@@ -225,6 +225,31 @@ static void test_a_part_inside_out_in_the_box_of_another_is_turned(void)
     }
 }
 
+/* An open box far away changes nothing about two balls, nor does it make a body of a cavity. */
+static void test_a_closed_part_inside_out_is_turned_beside_an_open_one(void)
+{
+    double const at[3] = {0, 0, 0}, beside[3] = {1.8, 0, 0}, within[3] = {0.5, 0, 0};
+    double const low[3] = {11, -0.8, -0.6}, high[3] = {13, 1.2, 1.4};
+    double const d = 1.8, r = 1.2, h = 2 + r - d;
+    double const common = 3.14159265 * h * h * (d * d + 2 * d * (2 + r) - 3 * (2 - r) * (2 - r)) / (12 * d);
+
+    for (int cavity = 0; cavity < 2; cavity++) {
+        double const both = ball_volume(2) + (cavity ? -ball_volume(r) : ball_volume(r) - common) + 8;
+        size_t first, last;
+
+        maker_clear(&mesh);
+        make_ball(at, 2);
+        first = mesh.triangles;
+        make_ball(cavity ? within : beside, r);
+        last = mesh.triangles;
+        maker_flip(&mesh, first, last);
+        maker_box(&mesh, low, high);
+        maker_remove(&mesh, mesh.triangles - 1);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * both, both, repair_volume(64, BVX_SIGN_AUTO));
+        TEST_ASSERT_EQUAL_UINT64(cavity ? 0 : last - first, report.turned);
+    }
+}
+
 /* A lopsided octahedron and its mirror image, which share two corners; mirrored without turning, as modellers
  * do, the image is inside out. */
 static void make_mirrored(int turned)
@@ -276,6 +301,39 @@ static void test_cavities_are_not_turned(void)
                               repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, ball_volume(2) + ball_volume(1), report.parts_volume);
+}
+
+/* A bar three voxels thick and a ball that overlaps it, of which one triangle is turned, gone or there twice: its
+ * volume is known all the same; and a ring's handle. */
+static void test_volume_and_handles_are_known_whatever_is_wrong(void)
+{
+    double const low[3] = {-8.07, -0.41, -0.33}, high[3] = {8.11, 0.37, 0.42}, at[3] = {0.3, 0, 0};
+    static const uint8_t ring[9] = {1, 1, 1, 1, 0, 1, 1, 1, 1};
+    int32_t const n[3] = {3, 3, 1};
+
+    for (int wrong = 0; wrong < 4; wrong++) {
+        double both;
+
+        maker_clear(&mesh);
+        maker_box(&mesh, low, high);
+        make_ball(at, 2);
+        if (wrong == 1) maker_flip(&mesh, 20, 21);
+        if (wrong == 2) maker_remove(&mesh, 20);
+        if (wrong == 3) maker_duplicate(&mesh, 20);
+        both = ball_volume(2) + (high[1] - low[1]) * (high[2] - low[2]) * (high[0] - low[0] - 3.9);
+        repair_volume(64, BVX_SIGN_AUTO);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * both, both, report.crossing_volume);
+        TEST_ASSERT_EQUAL_INT32(0, report.handles);
+
+        maker_clear(&mesh);
+        maker_cubes(&mesh, &seed, ring, n, at);
+        if (wrong == 1) maker_flip(&mesh, 20, 21);
+        if (wrong == 2) maker_remove(&mesh, 20);
+        if (wrong == 3) maker_duplicate(&mesh, 20);
+        repair_volume(32, BVX_SIGN_AUTO);
+        TEST_ASSERT_EQUAL_INT32(1, report.handles);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * 8, 8, report.crossing_volume);
+    }
 }
 
 /* Two balls whose centres lie a radius apart: the union has 27/16 of one's volume. */
@@ -688,8 +746,10 @@ int main(void)
     RUN_TEST(test_inside_out_mesh);
     RUN_TEST(test_a_part_inside_out_is_turned);
     RUN_TEST(test_a_part_inside_out_in_the_box_of_another_is_turned);
+    RUN_TEST(test_a_closed_part_inside_out_is_turned_beside_an_open_one);
     RUN_TEST(test_an_inside_out_part_that_touches_at_vertices_is_turned);
     RUN_TEST(test_cavities_are_not_turned);
+    RUN_TEST(test_volume_and_handles_are_known_whatever_is_wrong);
     RUN_TEST(test_overlapping_parts_are_one);
     RUN_TEST(test_cavities_and_parts);
     RUN_TEST(test_the_largest_parts_are_kept);

@@ -257,6 +257,37 @@ static void test_rods_become_shells(void)
     TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles + report.thin_shelled);
 }
 
+/* Of equally near triangles the one with the lowest hash counts, which no unit shows in. */
+static void test_any_unit_gives_the_same_body(void)
+{
+    static const double unit[5] = {1, 2, 0.5, 1024, 1099511627776.0};
+    bvx_mesh first;
+
+    memset(&first, 0, sizeof first);
+    for (int i = 0; i < 5; i++) {
+        const float *p, *q;
+        bvx_mesh out;
+
+        make_shell(0.7, 40);
+        for (size_t k = 0; k < 3 * mesh.vertices; k++) mesh.p[k] *= unit[i];
+        out = repaired_at(ctx, 40, BVX_THIN_KEEP);
+        TEST_ASSERT_TRUE(report.thin_kept);
+        if (i == 0) {
+            first = out;
+            continue;
+        }
+        TEST_ASSERT_EQUAL_UINT64(first.vertex_count, out.vertex_count);
+        TEST_ASSERT_EQUAL_UINT64(first.triangle_count, out.triangle_count);
+        TEST_ASSERT_EQUAL_MEMORY(first.triangles, out.triangles, first.triangle_count * 12);
+        p = first.positions;
+        q = out.positions;
+        for (uint64_t k = 0; k < 3 * first.vertex_count; k++)
+            TEST_ASSERT_TRUE((double)p[k] * unit[i] == (double)q[k]);
+        bvx_mesh_free(ctx, &out);
+    }
+    bvx_mesh_free(ctx, &first);
+}
+
 static void test_dropped_walls_are_told(void)
 {
     uint64_t found;
@@ -318,6 +349,7 @@ int main(void)
     RUN_TEST(test_walls_of_open_bodies_hold_whichever_way_they_face);
     RUN_TEST(test_acute_edges_hold);
     RUN_TEST(test_rods_become_shells);
+    RUN_TEST(test_any_unit_gives_the_same_body);
     RUN_TEST(test_dropped_walls_are_told);
     RUN_TEST(test_thick_bodies_are_left_alone);
     return UNITY_END();
