@@ -292,8 +292,11 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
         o.small[v] = BVXI_VERTEX_NONE;
     }
-    for (uint64_t i = 0; i < 2 * count; i++)
-        for (int k = 0; k < 3; k++) o.beside[m->triangle[pairs[i]].vertex[k]] = 1;
+    for (uint64_t i = 0; i < count; i++) {
+        /* Where both have come already nothing else is to be found. */
+        if (bvxi_collapse_has_come(c, pairs[2 * i]) && bvxi_collapse_has_come(c, pairs[2 * i + 1])) continue;
+        for (int k = 0; k < 6; k++) o.beside[m->triangle[pairs[2 * i + (uint64_t)(k % 2)]].vertex[k / 2]] = 1;
+    }
     BVXI_TRY(gather_origin(c, &o));
 
     BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, at, at, &crossing, &found));

@@ -617,7 +617,6 @@ static const char off[] = "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 static bvx_status read_mesh_with(const world *w)
 {
     TAKE_OPTIONS(read, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_read_mesh_with(w->ctx, off, sizeof off - 1, BVX_FORMAT_OFF, &o, (bvx_mesh *)w->out);
 }
