@@ -739,7 +739,7 @@ static const call calls[] = {
     CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
     CALL(read_grid, BYTES, TO_GRID),
     CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
-    CALL(read_mesh_with, OPTIONS | RESERVED, TO_MESH),
+    CALL(read_mesh_with, OPTIONS, TO_MESH),
     CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS),
     CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
 };
