@@ -373,6 +373,47 @@ static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_m
                    parts, own);
 }
 
+/* Off by so much the volume of what both bodies share may be, as voxels have it. */
+#define MOST_OFF_SHARED 1.25
+
+/* Of both bodies' volumes, as lines through them have them, what both share, by their voxels. */
+static double shared_volume(const boolean_run *b)
+{
+    uint64_t const all = b->voxels[0] + (b->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : b->voxels[1]);
+    uint64_t const twice = b->operation == BVX_BOOLEAN_XOR ? 2 : 1;
+    uint64_t const voxels = all > b->report.voxels ? (all - b->report.voxels) / twice : 0;
+    double shared[2] = {0.0, HUGE_VAL};
+
+    for (int i = 0; i < 2; i++)
+        if (b->voxels[i] != 0 && b->solid[i].crossing_volume > 0.0)
+            shared[i] = b->solid[i].crossing_volume * (double)voxels / (double)b->voxels[i];
+    return fmin(shared[0], shared[1]);
+}
+
+/* The volume of the result by those of the meshes; of what two meshes share they say too little. */
+static void warn_of_volume(const cli_run *run, const boolean_run *b, cli_made *made)
+{
+    int const alone = b->operation == BVX_BOOLEAN_DIFFERENCE;
+    double const sum = b->solid[0].crossing_volume + (alone ? 0.0 : b->solid[1].crossing_volume);
+    double const shared = shared_volume(b) * (b->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
+    double const v = run->report.mesh[0].certificate.volume;
+
+    if (!b->by_mesh || b->operation == BVX_BOOLEAN_INTERSECTION || b->few != 0 ||
+        b->report.parts_dropped != 0)
+        return;
+    for (int i = 0; i < 2 - alone; i++)
+        if (b->solid[i].crossing_volume <= 0.0) return;
+    if (v >= (1.0 - CLI_MOST_OFF_SURFACE) * (sum - shared * MOST_OFF_SHARED) &&
+        v <= (1.0 + CLI_MOST_OFF_SURFACE) * (sum - shared / MOST_OFF_SHARED))
+        return;
+    cli_advise(
+        made,
+        "the result has a volume of %.4g, by those of the meshes it would be about %.4g: what is %s; take a "
+        "higher --resolution",
+        v, sum - shared,
+        v > sum - shared ? "thinner than voxels became as thick" : "few voxels thick became thinner");
+}
+
 static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *made)
 {
     static const char *const what[3] = {"A", "B", "the result"};
@@ -394,7 +435,7 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
                 cli_input_name(b->in[i].path));
         snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
         if (!is_thin_kept(b, i))
-            cli_tell_losses(&made->warnings, of, "", b->by_mesh ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF,
+            cli_tell_losses(&made->warnings, of, "", b->by_mesh ? HUGE_VAL : CLI_MOST_OFF,
                             &run->report.lattice, &b->solid[i]);
     }
     for (int i = 0; i < 2 && !b->by_mesh; i++)
@@ -411,6 +452,7 @@ static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *
             cli_advise(made, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
                        i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
     warn_of_broken_union(run, b, made);
+    warn_of_volume(run, b, made);
 }
 
 static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
