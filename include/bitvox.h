@@ -2073,8 +2073,8 @@ typedef struct bvx_volume_report {
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
-/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles cannot tell
- *  apart. Labels are such.
+/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles do not
+ *  distinguish. Labels are such.
  *  low, high  u64: their bits
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats).
  *  [Memory, Cost, Exact: as bvx_threshold] */

@@ -21,8 +21,8 @@ int bvxi_glb_keeps(const bvx_mesh *level, const bvx_write_options *options)
 }
 
 /* The part that a triangle is of: by its vertices, then by its material, where parts share them. */
-static bvx_status part_of(bvx_context *ctx, const bvx_assets *assets, const bvx_mesh *level, uint64_t t,
-                          uint64_t *part)
+static bvx_status primitive_of(bvx_context *ctx, const bvx_assets *assets, const bvx_mesh *level, uint64_t t,
+                               uint64_t *part)
 {
     const bvxi_asset_part *const parts = assets->parts;
     const uint32_t *const v = level->triangles + 3 * t;
@@ -51,7 +51,7 @@ static bvx_status take_triangles(bvx_context *ctx, const bvx_assets *assets, con
         const uint32_t *const v = level->triangles + 3 * t;
         uint64_t part;
 
-        BVXI_TRY(part_of(ctx, assets, level, t, &part));
+        BVXI_TRY(primitive_of(ctx, assets, level, t, &part));
         if (to == NULL) {
             begin[part + 1]++;
             continue;

@@ -78,6 +78,19 @@ static bvx_status do_threshold(void *user, bvx_context *ctx)
     return status;
 }
 
+static bvx_status do_threshold_whole(void *user, bvx_context *ctx)
+{
+    bvx_grid grid = {0};
+    bvx_status status;
+
+    (void)user;
+    status = bvx_threshold_whole(ctx, &whole_view, 1, 200, NULL, &grid);
+    left_behind |= status != BVX_OK && grid.words != NULL;
+    if (status == BVX_OK) mark = bvx_hash(grid.words, (size_t)grid.word_capacity * 8, 0);
+    bvx_grid_free(ctx, &grid);
+    return status;
+}
+
 static bvx_status do_scalar(void *user, bvx_context *ctx)
 {
     bvx_scalar_options o;
@@ -146,7 +159,8 @@ static bvx_status do_packed(void *user, bvx_context *ctx)
 }
 
 static fault_row operations[] = {
-    {"threshold", do_threshold, 1, 1, 0}, {"surface", do_scalar, 1, 1, 0}, {"labels", do_labels, 1, 1, 0},
+    {"threshold", do_threshold, 1, 1, 0}, {"threshold of integers", do_threshold_whole, 1, 1, 0},
+    {"surface", do_scalar, 1, 1, 0},      {"labels", do_labels, 1, 1, 0},
     {"text", do_text, 1, 1, 0},           {"packed", do_packed, 1, 1, 0},
 };
 

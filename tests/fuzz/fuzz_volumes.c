@@ -195,6 +195,21 @@ static void fuzz_threshold(bvx_context *ctx, bvx_context *other, fuzz_input *in,
     bvx_grid_free(other, &twin);
 }
 
+/* Of integers between integers the same as between the doubles of these. */
+static void fuzz_threshold_whole(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_volume *v)
+{
+    int64_t const low = fuzz_range(in, 1, 80), high = low + fuzz_range(in, -1, 40);
+    bvx_grid grid = {0}, twin = {0};
+
+    if (v->view.sample_type == BVX_SAMPLE_F32 || v->view.sample_type == BVX_SAMPLE_F64) return;
+    fuzz_must(ctx, bvx_threshold_whole(ctx, &v->view, low, high, NULL, &grid));
+    fuzz_must(other, bvx_threshold(other, &v->view, (double)low, (double)high, NULL, &twin));
+    fuzz_good_calls += 2;
+    fuzz_grids_equal(&grid, &twin, "another threshold of integers");
+    bvx_grid_free(ctx, &grid);
+    bvx_grid_free(other, &twin);
+}
+
 static int fuzz_above(const fuzz_volume *v, int64_t a, int64_t b)
 {
     return v->view.sample_type == BVX_SAMPLE_U64 ? (uint64_t)a > (uint64_t)b : a > b;
@@ -394,6 +409,7 @@ static void fuzz_one(fuzz_input *in)
     fuzz_labels(ctx, &v);
     fuzz_scalar(ctx, other, in, &v);
     fuzz_raw_file(ctx, in, &v);
+    fuzz_threshold_whole(ctx, other, in, &v);
     fuzz_end(ctx);
     fuzz_end(other);
 }

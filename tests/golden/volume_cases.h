@@ -137,6 +137,17 @@ static void threshold_values(golden *g, uint8_t *memory)
         grid_value(g, "bits", &grid);
     }
     golden_end(g);
+
+    golden_begin(g, "threshold_whole");
+    for (int32_t type = BVX_SAMPLE_U64; type <= BVX_SAMPLE_I64; type++) {
+        bvx_volume_view view;
+        bvx_grid grid = {0};
+
+        volume_of(g, type, type & 1, memory, &view);
+        if (golden_good(g, bvx_threshold_whole(g->context, &view, INT64_C(1) << 60, INT64_MAX, NULL, &grid)))
+            grid_value(g, sample_names[type], &grid);
+    }
+    golden_end(g);
 }
 
 static void keyed_value(golden *g, const char *key, bvx_status status, bvx_mesh *mesh)

@@ -286,7 +286,7 @@ def names_exist(known):
     for path in sorted(Path("src").glob("cli_*/*.c")):
         for text in re.findall(r'"((?: ?--[a-z][a-z-]*)+ ?)"', path.read_text()):
             for name in text.split():
-                if name not in known | {"--man", "--bash-completion", "--version"}:
+                if name not in known | {"--man", "--bash-completion", "--version", "--output"}:
                     wrong(str(path), f"{name} is no option of any command")
 
 

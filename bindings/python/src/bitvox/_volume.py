@@ -530,7 +530,7 @@ class Volume:
         face_rule, dtype, open_sides, keys, local_frame
             as for `bitvox.surface`.
         keep_largest
-            the surface of so many of the largest connected parts alone, without the crumbs; each has its cavities.
+            the surface of this many of the largest connected parts, without the crumbs; each has its cavities.
         triangles, error, error_kind
             most triangles of the surface, or its distance to what it would be without, by edges that
             collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
