@@ -191,12 +191,12 @@ static inline const char *fault_at(uint64_t n, const char *place, int again, con
 }
 
 /* Is the context to do its work once more after failure n? It is after the first few and then after each
- * fourth, with BVX_QUICK, which is for rows that are several times slower, after each eighth, and with
+ * fourth, with BVX_QUICK, which is for rows that are several times slower, after each 32nd, and with
  * BITVOX_LARGE after each. */
 static inline int fault_works_again(uint64_t n)
 {
-    uint64_t const every = getenv("BVX_QUICK") != NULL ? 8 : getenv("BITVOX_LARGE") != NULL ? 1 : 4;
-    return n <= 2 * every || n % every == 0;
+    uint64_t const every = getenv("BVX_QUICK") != NULL ? 32 : getenv("BITVOX_LARGE") != NULL ? 1 : 4;
+    return n <= 8 || n % every == 0;
 }
 
 /* One run with allocation n failing, alone or with all that follow. *failed: there is such an allocation. */

@@ -518,7 +518,7 @@ other)
     sh tests/tools/get_unity.sh "${UNITY_DIR:-$BUILD/unity}"
     BVX_QUICK=1
     export BVX_QUICK
-    allow 900 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
+    allow 1800 # every allocation of the long stages, several times slower than without sanitizers; all golden rows under an emulator
     if has_cmocka; then fault=fault-programs; else fault=; fi
     build_machines brief
     build san fuzz-programs $fault
