@@ -499,7 +499,6 @@ static void test_own_normals_are_written(void)
     bvx_mesh const m = asset_mesh(BVX_F32, WITH_NORMALS, 6);
     bvx_write_options const o = {.struct_size = sizeof o, .normals = 1};
     bvx_buffer b = {0};
-    char line[96];
 
     memcpy(normals, odd, sizeof odd);
     glb_file f = write_glb(&m);
@@ -515,8 +514,8 @@ static void test_own_normals_are_written(void)
     bvx_buffer_free(ctx, &b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &b));
     const uint8_t *const rows = (uint8_t *)strstr((char *)b.bytes, "end_header\n") + 11;
-    snprintf(line, sizeof line, "vertex 7");
-    TEST_ASSERT_EQUAL_MEMORY_MESSAGE(normals + 21, rows + 7 * 24 + 12, 12, line);
+    for (uint32_t k = 0; k < 3; k++)
+        TEST_ASSERT_TRUE(take_f32(rows + 7 * 24 + 12 + 4 * k) == normals[21 + k]);
     bvx_buffer_free(ctx, &b);
 }
 
