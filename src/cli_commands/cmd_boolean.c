@@ -373,10 +373,10 @@ static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_m
                    parts, own);
 }
 
-/* Off by so much the volume of what both bodies share may be, as voxels have it. */
+/* The factor by which a shared volume counted in voxels may be off. */
 #define MOST_OFF_SHARED 1.25
 
-/* Of both bodies' volumes, as lines through them have them, what both share, by their voxels. */
+/* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
 static double shared_volume(const boolean_run *b)
 {
     uint64_t const all = b->voxels[0] + (b->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : b->voxels[1]);
@@ -390,7 +390,7 @@ static double shared_volume(const boolean_run *b)
     return fmin(shared[0], shared[1]);
 }
 
-/* The volume of the result by those of the meshes; of what two meshes share they say too little. */
+/* The volume of the result beside those of the meshes. An intersection's does not follow from these. */
 static void warn_of_volume(const cli_run *run, const boolean_run *b, cli_made *made)
 {
     int const alone = b->operation == BVX_BOOLEAN_DIFFERENCE;

@@ -127,19 +127,8 @@ refuses 2 '--fill is for meshes' union both.bvx common.npy -o result.bvx --fill 
 refuses 2 '--resample is for two grids' union "$knot" both.bvx -o result.bvx --resample
 refuses 1 'nothing remains' difference "$knot" "$knot" -o result.ply
 # Two slanted rods of twelve sides that are two voxels thick, apart: what is convex is cut off.
-for place in 0 0.5; do
-    awk -v place=$place 'BEGIN {
-        for (z = 0; z < 2; z++) for (k = 0; k < 12; k++) {
-            x = cos(k * 0.5235988) / 64; y = sin(k * 0.5235988) / 64
-            printf "v %.5f %.5f %.5f\n", 0.8 * x + 0.6 * z, 0.28 * x * z + y + 0.3 * z + place, 0.75 * z - 0.64 * x
-        }
-        for (k = 0; k < 12; k++) {
-            a = k + 1; b = (k + 1) % 12 + 1
-            print "f", a, b, a + 12 "\nf", b, b + 12, a + 12
-            if (k > 0 && k < 11) print "f", 1, b, a "\nf", 13, a + 12, b + 12
-        }
-    }' >rod_$place.obj
-done
+slanted_rod 0 >rod_0.obj
+slanted_rod 0.5 >rod_0.5.obj
 run boolean union rod_0.obj rod_0.5.obj -o result.ply --resolution 64
 [ $status = 0 ] && [ "$(wc -l <err)" = 1 ] && grep -q 'warning: the result has a volume of 0.001[23].*would be about 0.0014.*became thinner' err
 result 'a union of rods that become thinner is warned of' $?

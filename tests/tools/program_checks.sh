@@ -88,3 +88,17 @@ refuses() { # STATUS, WORDS, ARGUMENTS...
     elif ! cmp -s before after; then not_ok "$name" "the folder changed: $(diff before after | tr '\n' ' ')"
     else ok "$name"; fi
 }
+
+slanted_rod() { # PLACE: an .obj of twelve sides, 1/32 thick, moved by PLACE along y
+    awk -v place="$1" 'BEGIN {
+        for (z = 0; z < 2; z++) for (k = 0; k < 12; k++) {
+            x = cos(k * 0.5235988) / 64; y = sin(k * 0.5235988) / 64
+            printf "v %.5f %.5f %.5f\n", 0.8 * x + 0.6 * z, 0.28 * x * z + y + 0.3 * z + place, 0.75 * z - 0.64 * x
+        }
+        for (k = 0; k < 12; k++) {
+            a = k + 1; b = (k + 1) % 12 + 1
+            print "f", a, b, a + 12 "\nf", b, b + 12, a + 12
+            if (k > 0 && k < 11) print "f", 1, b, a "\nf", 13, a + 12, b + 12
+        }
+    }'
+}
