@@ -125,6 +125,10 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
 typedef void bvxi_range_fn(void *user, uint64_t begin, uint64_t end);
 bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
                     void *user);
+/* The same for bodies with a result of their own for each of `pieces` ranges; a share [from, to] of the progress. */
+typedef void bvxi_piece_fn(void *user, int32_t piece, uint64_t begin, uint64_t end);
+bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
+                           uint64_t count, bvxi_piece_fn *body, void *user);
 /* bvxi_parallel without reports, for what is short beside the time between two of them. */
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
 /* 0: none */

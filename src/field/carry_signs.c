@@ -159,14 +159,12 @@ static int changed_beside(const carry_front *f, uint64_t row)
            (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny]);
 }
 
-static void look_for_fronts(void *user, int32_t piece, int32_t worker)
+static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
-    uint64_t row, end, reached = 0;
+    uint64_t reached = 0;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
         f->change[row] = 0;
         if (!changed_beside(f, row)) continue;
@@ -219,7 +217,8 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
     while (reached != 0) {
         uint8_t *const was = f->changed;
         /* All looks before all moves: a step sees the state before it only. */
-        BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, look_for_fronts, f));
+        BVXI_TRY(
+            bvxi_for_pieces(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), look_for_fronts, f));
         BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, move_fronts, f));
         f->changed = f->change;
         f->change = was;

@@ -237,13 +237,10 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
     return BVX_SLICE_GOOD;
 }
 
-static void bvx_check_piece(void *user, int32_t piece, int32_t worker)
+static void bvx_check_piece(void *user, int32_t piece, uint64_t k, uint64_t end)
 {
     bvx_unpacking *const job = user;
-    uint64_t k, end;
 
-    (void)worker;
-    bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     /* A piece stops at its first wrong slice; the first of all pieces is the one reported. */
     for (; k < end && job->wrong[piece].why == BVX_SLICE_GOOD; k++) {
         job->wrong[piece].why = bvx_check_slice(job, job->source->begin + job->place[k]);
@@ -259,7 +256,8 @@ static bvx_status bvx_check_slices(bvx_unpacking *job)
         "the runs do not add up to the slice", "bits are set past the end of a row"};
 
     /* Pieces are looked at in the order of the file, so that the message does not depend on the workers. */
-    BVXI_TRY(bvxi_parallel(job->source->ctx, "read", 0.0, 0.5, job->pieces, bvx_check_piece, job));
+    BVXI_TRY(bvxi_for_pieces(job->source->ctx, "read", 0.0, 0.5, job->pieces, (uint64_t)job->count,
+                             bvx_check_piece, job));
     for (int32_t i = 0; i < job->pieces; i++)
         if (job->wrong[i].why != BVX_SLICE_GOOD)
             return bvxi_fail(job->source->ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d: %s",

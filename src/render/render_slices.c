@@ -38,15 +38,12 @@ typedef struct slice_sheet {
 
 /* ---- the box of the set ---- */
 
-static void box_of_piece(void *user, int32_t index, int32_t worker)
+static void box_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const slice_sheet *const s = user;
     const bvx_grid *const g = s->grid;
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     /* The row's first and last set voxel are its part in the box. */
     for (uint64_t row = begin; row < end; row++) {
         int32_t first[3], last[3];
@@ -79,7 +76,8 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), SLICES_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->box;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the sheet's boxes", &s->box));
-    status = bvxi_parallel(ctx, "render", 0.0, 0.3, s->pieces, box_of_piece, s);
+    status = bvxi_for_pieces(ctx, "render", 0.0, 0.3, s->pieces, bvxi_kept_rows(s->begin, s->end),
+                             box_of_piece, s);
     for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++)
         for (int a = 0; a < 3; a++) {
             low[a] = s->box[i][0][a] < low[a] ? s->box[i][0][a] : low[a];

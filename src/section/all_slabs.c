@@ -252,14 +252,11 @@ static void give_positions(const bvxi_stack *s, const double *from, uint64_t cou
 }
 
 /* A piece of the rings' positions, and whole slabs. */
-static void join_piece(void *user, int32_t index, int32_t worker)
+static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const slabs_job *const job = user;
     const bvxi_section_mesh *const rings = &job->s->mesh;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(rings->vertex_count, job->pieces, index, &begin, &end);
     if (begin < end) give_positions(job->s, rings->position + 3 * begin, end - begin, job->mesh, begin);
     bvxi_piece(job->count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -306,7 +303,8 @@ static bvx_status join_in_job(slabs_job *job)
     if (own->triangle_count != 0)
         memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
                (size_t)own->triangle_count * 12);
-    status = bvxi_parallel(s->ctx, "surface", 0.0, 1.0, job->pieces, join_piece, job);
+    status = bvxi_for_pieces(s->ctx, "surface", 0.0, 1.0, job->pieces, job->s->mesh.vertex_count, join_piece,
+                             job);
     if (status != BVX_OK) bvx_mesh_free(s->ctx, job->mesh);
     return status;
 }

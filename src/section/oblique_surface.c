@@ -130,14 +130,12 @@ typedef struct march_job {
 } march_job;
 
 /* Which corners are inside, and how many triangles that makes at most. */
-static void mark_inside_piece(void *user, int32_t index, int32_t worker)
+static void mark_inside_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     march_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    uint64_t begin, end, triangles = 0;
+    uint64_t triangles = 0;
 
-    (void)worker;
-    bvxi_piece(o->tetra_count, job->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         static const uint8_t many[16] = {0, 1, 1, 2, 1, 2, 2, 1, 1, 2, 2, 1, 2, 1, 1, 0};
         int inside = 0;
@@ -168,7 +166,8 @@ static bvx_status march_all(bvxi_oblique *o)
     job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, job.pieces, mark_inside_piece, &job)));
+                        bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
+                                        mark_inside_piece, &job)));
     for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
 

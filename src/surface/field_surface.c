@@ -183,7 +183,8 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 {
     uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
-    BVXI_TRY(bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c));
+    BVXI_TRY(bvxi_for_pieces(ctx, "vertices", 0.0, 1.0, c->march->pieces, c->march->slot_count,
+                             bvxi_cuts_piece, c));
     report_cuts(c, report);
     bvxi_drop(ctx, c->piece_counts);
     return BVX_OK;
