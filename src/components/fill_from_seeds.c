@@ -63,8 +63,6 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
     bvxi_spaces_each(&spaces, look_for_seed, &work);
     /* Filling comes after all looking, as a space may have its seed in its last run. */
     bvxi_spaces_each(&spaces, fill_space_run, &work);
-    bvxi_drop(ctx, work.wanted);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 

@@ -37,14 +37,6 @@ typedef struct keep_work {
     uint8_t *marks, *at_side;
 } keep_work;
 
-static void close_keep_work(keep_work *w)
-{
-    bvxi_drop(w->ctx, w->at_side);
-    bvxi_drop(w->ctx, w->marks);
-    bvxi_drop(w->ctx, w->voxels);
-    bvxi_spaces_free(&w->spaces);
-}
-
 static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty,
                                  int32_t connectivity, keep_work *w)
 {
@@ -181,8 +173,6 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     /* The result may be the grid itself; then only what goes is changed. */
     if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
     bvxi_spaces_flip(&w.spaces, w.marks, made->words);
-    bvxi_drop(ctx, seeds.words);
-    close_keep_work(&w);
     return BVX_OK;
 }
 
@@ -229,7 +219,6 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
     if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
     /* Flipping empty voxels sets them. */
     bvxi_spaces_flip(&w.spaces, w.marks, words);
-    close_keep_work(&w);
     *filled = set;
     return BVX_OK;
 }

@@ -31,9 +31,10 @@ static double place_in(const bvxi_share *s, double fraction)
 
 void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
-    if (ctx == NULL || ctx->calls++ != 0) return;
+    if (ctx == NULL) return;
+    bvxi_scope_begin(ctx);
+    if (ctx->calls++ != 0) return;
 
-    ctx->mark = bvxi_scratch_begin(ctx);
     ctx->stage = ctx->function = function;
     /* Without a callback nobody looks at shares. */
     if (ctx->progress == NULL) return;
@@ -44,10 +45,9 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
-    if (ctx == NULL || --ctx->calls != 0) return status;
-
-    /* What fails leaves its scratch where it is. */
-    (void)bvxi_scratch_end(ctx, ctx->mark, status);
+    if (ctx == NULL) return status;
+    (void)bvxi_scope_end(ctx, status);
+    if (--ctx->calls != 0) return status;
 
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);

@@ -93,8 +93,6 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
     /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
     bvxi_spaces_each(&spaces, look_around_space_run, &s);
     bvxi_spaces_each(&spaces, settle_space_run, &s);
-    bvxi_drop(ctx, s.sides);
-    bvxi_spaces_free(&spaces);
     *mixed = s.mixed;
     return BVX_OK;
 }
@@ -247,8 +245,6 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     f.changed = changed;
     f.change = changed + rows;
     BVXI_TRY(run_fronts(ctx, stage, at, &f));
-    bvxi_drop(ctx, changed);
-    bvxi_drop(ctx, come);
     return BVX_OK;
 }
 
@@ -258,9 +254,11 @@ bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *insi
     uint64_t *open = NULL, mixed = 0;
 
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
-    BVXI_TRY(settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed));
+    BVXI_TRY(BVXI_SCOPE(call.ctx, settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed)));
     /* Nearly always all spaces are of one side, and no front is needed. */
-    if (mixed != 0) BVXI_TRY(meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words));
+    if (mixed != 0)
+        BVXI_TRY(
+            BVXI_SCOPE(call.ctx, meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words)));
     bvxi_drop(call.ctx, open);
     return BVX_OK;
 }

@@ -131,7 +131,5 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     below.second = second;
     below.base = base_index(&solid->lattice, o->axis, o->base);
     BVXI_TRY(fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report));
-    bvxi_drop(ctx, second);
-    bvxi_drop(ctx, first);
     return BVX_OK;
 }

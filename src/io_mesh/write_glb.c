@@ -49,8 +49,6 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, corner, corners));
     seams->count = find_first_corners(keys, corner, corners, seams->triangles);
-    bvxi_drop(ctx, corner);
-    bvxi_drop(ctx, keys);
     return BVX_OK;
 }
 
@@ -76,7 +74,7 @@ bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *
 {
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles with seams",
                         &seams->triangles));
-    BVXI_TRY(sort_corners(ctx, mesh, seams));
+    BVXI_TRY(BVXI_SCOPE(ctx, sort_corners(ctx, mesh, seams)));
 
     /* Both lists have one entry a pair, which is known only after the sort. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex));

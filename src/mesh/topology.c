@@ -425,9 +425,6 @@ static bvx_status search_broken_fans(topology *c)
         topology_bit_set(c->walked, h);
         walk_whole_fan(c, (uint32_t)h);
     }
-    bvxi_drop(c->ctx, c->walked);
-    bvxi_drop(c->ctx, c->seen);
-    bvxi_drop(c->ctx, c->broken);
     return BVX_OK;
 }
 
@@ -440,7 +437,7 @@ static bvx_status check_vertices(topology *c)
     if (r->nonmanifold_edges != 0) {
         join_ranges(c);
         for (uint64_t v = 0; v < c->vertex_count; v++) r->vertices += c->corner_of[v] != TOPOLOGY_NONE;
-        return search_broken_fans(c);
+        return BVXI_SCOPE(c->ctx, search_broken_fans(c));
     }
     BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
     for (int32_t i = 0; i < c->ranges; i++) {

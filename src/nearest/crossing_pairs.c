@@ -281,8 +281,6 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
         pairs[2 * i + 1] = (uint32_t)(job->keys[i] & UINT32_MAX);
     }
 
-    bvxi_drop(ctx, numbers);
-    bvxi_drop(ctx, job->keys);
     return BVX_OK;
 }
 
@@ -327,7 +325,7 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
                              "%s: there are %u pairs, the limit of a list is %u", function, found,
                              (uint64_t)UINT32_MAX);
 
-    if (pairs != NULL && found != 0) BVXI_TRY(write_crossings(ctx, job, found, pairs));
+    if (pairs != NULL && found != 0) BVXI_TRY(BVXI_SCOPE(ctx, write_crossings(ctx, job, found, pairs)));
     *count = found;
     return BVX_OK;
 }

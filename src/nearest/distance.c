@@ -170,8 +170,6 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
                              measure_distance_block, &w));
     add_distance_blocks(&w, way);
 
-    bvxi_drop(ctx, sums);
-    bvxi_drop(ctx, areas);
     return BVX_OK;
 }
 
@@ -266,8 +264,8 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
                                            b->high, pair->scale, &tree_b));
 
     /* Two keys from one seed: places on a and on b have nothing to do with each other. */
-    BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
-    BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
+    BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab)));
+    BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba)));
     make_distance_report(&ab, &ba, samples, seed, report);
     bvxi_closest_free(ctx, &tree_b);
     return BVX_OK;

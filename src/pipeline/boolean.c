@@ -461,13 +461,6 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     return status;
 }
 
-static void close_body(boolean_job *job, boolean_body *b)
-{
-    bvxi_sparse_close(job->ctx, &b->values);
-    bvxi_thin_close(job->ctx, &b->thin);
-    bvxi_drop(job->ctx, b->solid.words);
-}
-
 /* ---- The surface ---- */
 
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
@@ -553,8 +546,6 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     status = boolean_steps(&job, result);
     /* Only what the library made is freed. */
     if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
-    bvxi_drop(context, job.inside.words);
-    for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;
 }

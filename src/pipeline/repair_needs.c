@@ -36,7 +36,7 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
     BVXI_TRY(bvxi_repair_lattice(job, job->options->resolution));
-    return bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right);
+    return BVXI_SCOPE(job->ctx, bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right));
 }
 
 bvx_status bvxi_repair_needs(bvxi_repair_job *job)

@@ -283,9 +283,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
     take_scene_cut(&s, low, high);
     status = make_scene(context, &s);
-    bvxi_drop(context, s.normal);
-    bvxi_triangle_bins_close(context, &s.bins);
-    bvxi_drop(context, s.vertex);
     if (status != BVX_OK) return status;
 
     bvx_image_free(context, image);

@@ -323,7 +323,5 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
     BVXI_TRY(join_in_job(&job));
-    bvxi_drop(s->ctx, job.triangle);
-    bvxi_drop(s->ctx, job.vertex);
     return BVX_OK;
 }

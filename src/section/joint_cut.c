@@ -369,10 +369,6 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
         if (w.count[root] > SURFACE_SPECK || w.lead[root] == 0) continue;
         cut->among[v] = JOINT_OUTSIDE | UINT64_C(1) << w.beside[root];
     }
-    bvxi_drop(o->ctx, w.beside);
-    bvxi_drop(o->ctx, w.lead);
-    bvxi_drop(o->ctx, w.count);
-    bvxi_drop(o->ctx, w.joined);
     return BVX_OK;
 }
 
@@ -476,10 +472,6 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
         uint32_t const root = bvxi_root(w.joined, (uint32_t)t);
         if (!w.kept[root]) cut->kind[t] = w.beside[root];
     }
-    bvxi_drop(o->ctx, w.lead);
-    bvxi_drop(o->ctx, w.beside);
-    bvxi_drop(o->ctx, w.kept);
-    bvxi_drop(o->ctx, w.joined);
     return BVX_OK;
 }
 
@@ -495,7 +487,7 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
     /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
     crossings = o->vertex_count;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
-    BVXI_TRY(drop_surface_specks(o, cut, crossings));
+    BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
 
     BVXI_TRY(
@@ -504,5 +496,5 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
     job.cut = cut;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,
                         bvxi_for(o->ctx, "surface", o->tetra_count, 4096, tetra_kinds_piece, &job)));
-    return BVXI_SHARE(o->ctx, 0.9, 1.0, drop_specks(o, cut));
+    return BVXI_SHARE(o->ctx, 0.9, 1.0, BVXI_SCOPE(o->ctx, drop_specks(o, cut)));
 }

@@ -419,7 +419,6 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
     uint32_t *joined = NULL;
     uint64_t bytes;
-    bvx_status status;
 
     o->output_room = o->vertex_count;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
@@ -429,7 +428,5 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
     bytes = o->position_count * 4;
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
-    status = write_surface(o, joined, mesh);
-    bvxi_drop(o->ctx, joined);
-    return status;
+    return write_surface(o, joined, mesh);
 }

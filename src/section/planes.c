@@ -87,8 +87,6 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
     BVXI_TRY(place_in_job(&job));
-    bvxi_drop(s->ctx, job.unsure);
-    bvxi_drop(s->ctx, job.bounds);
     return BVX_OK;
 }
 

@@ -211,7 +211,7 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == s->options.label)
             BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
-    BVXI_TRY(bvxi_planes_place(s));
+    BVXI_TRY(BVXI_SCOPE(s->ctx, bvxi_planes_place(s)));
     return check_flatness(s);
 }
 

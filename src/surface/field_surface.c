@@ -227,9 +227,6 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
-    bvxi_drop(ctx, plain.triangles);
-    bvxi_drop(ctx, plain.positions);
-    bvxi_drop(ctx, c->planes);
     return BVX_OK;
 }
 

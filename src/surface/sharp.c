@@ -313,8 +313,5 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     for (int32_t p = 0; p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;
     report->sharp_taken_back = count - kept;
-    bvxi_drop(ctx, w.loops);
-    bvxi_drop(ctx, w.counts);
-    bvxi_drop(ctx, w.first);
     return BVX_OK;
 }
