@@ -94,10 +94,8 @@ static bvx_status check_loops(bvx_context *ctx, const char *function, const bvx_
                               const bvx_sections_options *o)
 {
     bvxi_stack stack;
-    bvx_status const status = o->mend ? BVX_OK : bvxi_stack_open(ctx, function, one, o, &stack);
 
-    if (!o->mend) bvxi_stack_close(&stack);
-    return status;
+    return o->mend ? BVX_OK : BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, one, o, &stack));
 }
 
 bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given, uint32_t section,
@@ -130,12 +128,4 @@ void bvxi_lone_report(const bvxi_lone *lone, bvx_sections_report *report)
     report->points /= (uint64_t)lone->times;
     report->repeated_points /= (uint64_t)lone->times;
     report->mended_loops /= (uint64_t)lone->times;
-}
-
-void bvxi_lone_close(bvx_context *ctx, bvxi_lone *lone)
-{
-    bvxi_drop(ctx, lone->copies.positions);
-    bvxi_drop(ctx, lone->copies.loops);
-    bvxi_drop(ctx, lone->copies.points);
-    memset(lone, 0, sizeof *lone);
 }

@@ -16,6 +16,5 @@ bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sect
                           const bvx_sections_options *options, bvxi_lone *lone);
 /* What was counted once for each copy, as it was given. */
 void bvxi_lone_report(const bvxi_lone *lone, bvx_sections_report *report);
-void bvxi_lone_close(bvx_context *ctx, bvxi_lone *lone);
 
 #endif

@@ -114,25 +114,22 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
 {
     bvx_sections kept;
     bvxi_stack s;
-    bvx_status status;
 
     memset(m, 0, sizeof *m);
     memset(&s, 0, sizeof s);
     memset(&kept, 0, sizeof kept);
-    status = mend_drop_lines(ctx, function, given, &kept, &m->loops);
+    BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
     /* The result has the planes of the given stack, and loops of its own. */
     m->sections = *given;
     m->sections.points = NULL;
     m->sections.loops = NULL;
     m->sections.point_count = m->sections.loop_count = m->sections.point_capacity =
         m->sections.loop_capacity = 0;
-    if (status == BVX_OK) status = bvxi_stack_begin(ctx, function, &kept, options, &s);
-    if (status == BVX_OK) {
-        /* The mended stack is built on this grid, whose fixed point the steps count in. */
-        bvxi_stack_give_grid(&s, &m->grid);
-        status = mend_stack(&s, m);
-    }
-    if (s.ctx != NULL) bvxi_stack_close(&s);
+    /* The mended stack is built on this grid, whose fixed point the steps count in. */
+    BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
+    bvxi_stack_give_grid(&s, &m->grid);
+    BVXI_TRY(mend_stack(&s, m));
+    bvxi_stack_close(&s);
     bvxi_drop(ctx, kept.loops);
-    return status;
+    return BVX_OK;
 }

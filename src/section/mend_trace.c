@@ -48,14 +48,6 @@ bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double 
     return BVX_OK;
 }
 
-void bvxi_mended_close(bvx_context *ctx, bvxi_mended *m)
-{
-    bvxi_drop(ctx, m->nudge);
-    bvxi_drop(ctx, m->sections.loops);
-    bvxi_drop(ctx, m->sections.points);
-    memset(m, 0, sizeof *m);
-}
-
 /* ---- Loops ---- */
 
 /* Loops along the edges that are left of loops that touched or crossed.

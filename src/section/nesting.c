@@ -329,14 +329,3 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
             bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->all.contour_room, "the levels of loops", &n->level[k]));
     return BVX_OK;
 }
-
-void bvxi_nesting_close(bvxi_stack *s)
-{
-    bvxi_nesting *const n = &s->nesting;
-
-    bvxi_nesting_drop(s);
-    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, n->level[k]);
-    bvxi_drop(s->ctx, n->joined);
-    bvxi_drop(s->ctx, n->count);
-    memset(n, 0, sizeof *n);
-}

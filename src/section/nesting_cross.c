@@ -189,7 +189,6 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
     BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room)));
     nest_mark_pairs(m, pairs, count, found);
-    bvxi_drop(ctx, pairs);
     return BVX_OK;
 }
 
@@ -198,7 +197,6 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     uint64_t const cells = (uint64_t)s->size[1] * (uint64_t)s->words * 8;
     uint64_t *own = NULL;
     nest_mesh m;
-    bvx_status status;
 
     *found = 0;
     /* No levels, nothing to cross. */
@@ -207,16 +205,13 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     m.s = s;
     m.slab = slabs;
     m.count = count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.seen);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared);
-    if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own);
-    if (status == BVX_OK) status = nest_gather_shared(&m, own);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.seen));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own));
+    BVXI_TRY(nest_gather_shared(&m, own));
     /* The cells' marks are freed before crossings are looked for, which need the room. */
     bvxi_drop(s->ctx, own);
     bvxi_drop(s->ctx, m.shared);
     bvxi_drop(s->ctx, m.seen);
-    if (status == BVX_OK) status = nest_find_crossed(&m, found);
-    bvxi_drop(s->ctx, m.owner);
-    bvxi_drop(s->ctx, m.position);
-    return status;
+    return nest_find_crossed(&m, found);
 }

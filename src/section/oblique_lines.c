@@ -338,16 +338,14 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
     oblique_line_work w;
-    bvx_status status = BVX_OK;
 
     memset(&w, 0, sizeof w);
-    for (uint32_t a = 0; a < o->plane_count && status == BVX_OK; a++) {
-        status = bvxi_progress(o->ctx, "sections", (double)a / o->plane_count);
-        for (uint32_t b = a + 1; b < o->plane_count && status == BVX_OK; b++)
-            status = settle_line(o, &w, a, b);
+    for (uint32_t a = 0; a < o->plane_count; a++) {
+        BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
+        for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
-    for (uint32_t a = 0; a < o->plane_count && status == BVX_OK; a++) status = order_plane(o, &w, a);
+    for (uint32_t a = 0; a < o->plane_count; a++) BVXI_TRY(order_plane(o, &w, a));
     bvxi_drop(o->ctx, w.event);
-    return status;
+    return BVX_OK;
 }

@@ -249,23 +249,22 @@ static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
  * so do those off all planes that lie between contours or next to the surface. */
 static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *torn, uint64_t torn_count)
 {
-    bvx_status status;
     link_work w;
 
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_count;
-    status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number);
-    if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
-    for (uint64_t i = 0; i < torn_count && status == BVX_OK; i++) status = settle_sign(o, &w, torn[i], job);
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
+    memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
     /* All are judged at once; what changes from here on is marked, to be looked at again. */
     memset(job->again, 0, (size_t)job->vertices);
-    if (status == BVX_OK) status = bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job);
-    for (uint32_t v = 0; v < job->vertices && status == BVX_OK; v++)
-        if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) status = settle_sign(o, &w, v, job);
+    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
+    for (uint32_t v = 0; v < job->vertices; v++)
+        if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.vertex);
     bvxi_drop(o->ctx, w.number);
-    return status;
+    return BVX_OK;
 }
 
 /* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
@@ -274,12 +273,12 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 {
     uint32_t *torn = NULL;
     uint64_t count = 0;
-    bvx_status status = BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count));
 
     /* Vertices that planes contradict each other of come first: others look at their signs. */
-    if (status == BVX_OK) status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count)));
     bvxi_drop(o->ctx, torn);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- contours' edges ---- */
@@ -501,23 +500,20 @@ static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 {
     link_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
     w.number_room = o->vertex_room;
     memset(job->again, 0, (size_t)job->vertices);
-    status = bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job);
-    if (status == BVX_OK)
-        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex",
-                            &w.number);
-    if (status == BVX_OK) memset(w.number, 0xff, (size_t)w.number_room * 4);
-    for (uint64_t v = 0; v < job->vertices && status == BVX_OK; v++)
+    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
+    memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t v = 0; v < job->vertices; v++)
         if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
-            status = oblique_settle_vertex(o, &w, (uint32_t)v, job);
+            BVXI_TRY(oblique_settle_vertex(o, &w, (uint32_t)v, job));
     bvxi_drop(o->ctx, w.joined);
     bvxi_drop(o->ctx, w.vertex);
     bvxi_drop(o->ctx, w.number);
-    return status;
+    return BVX_OK;
 }
 
 /* Tetrahedra with two or more vertices on contours: those that are split become no others. */

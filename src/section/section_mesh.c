@@ -66,19 +66,12 @@ static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
 static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
 {
     bvxi_vertex_map larger = {NULL, NULL, 0, 0};
-    bvx_status status;
 
     if (s->fixed) return BVX_ERR_BUDGET;
     larger.room = room;
     larger.count = m->count;
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges",
-                            &larger.vertex);
-    if (status != BVX_OK) {
-        bvxi_drop(s->ctx, larger.key);
-        return status;
-    }
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex));
 
     /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)room * 8);

@@ -129,7 +129,8 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs, count)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
-    return BVXI_SHARE(s->ctx, 0.8, 1.0, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed));
+    return BVXI_SHARE(s->ctx, 0.8, 1.0,
+                      BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
 }
 
 /* As if no surface had been made. */
@@ -184,8 +185,6 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     if (status == BVX_OK) status = make_caps(s);
     if (status == BVX_OK)
         status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
-    bvxi_slabs_free(s, slabs, count);
-    bvxi_nesting_close(s);
     return status;
 }
 
@@ -289,7 +288,8 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
     } else if (status == BVX_OK) {
         measure_prismoids(&stack);
         if (o->join > 0.0) status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
-        if (status == BVX_OK) status = BVXI_SHARE(context, opened, 0.95, build_body(&stack, mesh));
+        if (status == BVX_OK)
+            status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
         status = BVXI_SHARE(
@@ -305,9 +305,6 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
                                    : 0;
         *report = stack.report;
     }
-    bvxi_stack_close(&stack);
-    bvxi_shifted_close(context, &slanted);
-    bvxi_mended_close(context, &mended);
     return status;
 }
 
@@ -321,7 +318,6 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     bvx_sections stack = *sections;
     double *positions = NULL;
     int parallel = 1;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the sections' positions", &positions));
     for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
@@ -333,10 +329,8 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
     stack.positions = positions;
     stack.normals = NULL;
-    status = parallel ? build_stack(context, &stack, o, left, report, mesh)
-                      : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
-    bvxi_drop(context, positions);
-    return status;
+    return parallel ? build_stack(context, &stack, o, left, report, mesh)
+                    : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
 }
 
 /* The body of one section, as a slab or a lens. */
@@ -345,7 +339,7 @@ static bvx_status build_lone(bvx_context *context, const bvxi_lone *lone, const 
 {
     uint32_t left;
 
-    BVXI_TRY(build_stack(context, &lone->sections, o, &left, report, mesh));
+    BVXI_TRY(BVXI_SCOPE(context, build_stack(context, &lone->sections, o, &left, report, mesh)));
     bvxi_lone_report(lone, report);
     return BVX_OK;
 }
@@ -367,7 +361,7 @@ static bvx_status build_any(bvx_context *context, const bvx_sections *sections, 
     bvx_status status = bvxi_lone_open(context, sections_name, sections, BVXI_NONE, o, &lone);
 
     if (status == BVX_OK && lone.times == 0) {
-        status = build_several(context, sections, o, &left, report, mesh);
+        status = BVXI_SCOPE(context, build_several(context, sections, o, &left, report, mesh));
         /* Several sections, of which mending left one with loops: that was the first share of it. */
         if (status == BVX_OK && left != BVXI_NONE)
             status = bvxi_lone_open(context, sections_name, sections, left, o, &lone);
@@ -375,7 +369,6 @@ static bvx_status build_any(bvx_context *context, const bvx_sections *sections, 
     if (status == BVX_OK && lone.times != 0)
         status = BVXI_SHARE(context, left == BVXI_NONE ? 0.0 : 0.15, 1.0,
                             build_lone(context, &lone, o, report, mesh));
-    bvxi_lone_close(context, &lone);
     return status;
 }
 

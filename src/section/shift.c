@@ -63,33 +63,32 @@ static bvx_status put_between(const bvxi_stack *s, const bvxi_plane *pair, bvxi_
 {
     uint32_t const number = (uint32_t)to->body.sections.section_count;
     bvxi_disc_groups g;
-    bvx_status status = bvxi_disc_groups_open(s, on, &g);
 
     /* Positions first, as the loops are numbered by them. */
-    if (status == BVX_OK) keep_points_near(s, pair, &g);
-    for (uint32_t n = 1; n < g.steps && status == BVX_OK; n++)
-        status = add_shift_position(s->ctx, to, pair[0].w + (double)n / g.steps * (pair[1].w - pair[0].w));
-    if (status == BVX_OK && g.steps > 1) {
+    BVXI_TRY(bvxi_disc_groups_open(s, on, &g));
+    keep_points_near(s, pair, &g);
+    for (uint32_t n = 1; n < g.steps; n++)
+        BVXI_TRY(add_shift_position(s->ctx, to, pair[0].w + (double)n / g.steps * (pair[1].w - pair[0].w)));
+    if (g.steps > 1) {
         to->sections += g.steps - 1;
         to->parts += g.shifted;
-        status = bvxi_shift_between(s, on, &g, number, &to->body);
+        BVXI_TRY(bvxi_shift_between(s, on, &g, number, &to->body));
     }
     bvxi_disc_groups_close(s->ctx, &g);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status shift_pair(const bvxi_stack *s, const bvxi_plane *pair, bvxi_shifted *to)
 {
     bvxi_discs on[2];
-    bvx_status status;
 
     memset(on, 0, sizeof on);
-    status = bvxi_discs_open(s, &pair[0], &on[0]);
-    if (status == BVX_OK) status = bvxi_discs_open(s, &pair[1], &on[1]);
-    if (status == BVX_OK) status = put_between(s, pair, on, to);
+    BVXI_TRY(bvxi_discs_open(s, &pair[0], &on[0]));
+    BVXI_TRY(bvxi_discs_open(s, &pair[1], &on[1]));
+    BVXI_TRY(put_between(s, pair, on, to));
     bvxi_discs_close(s->ctx, &on[1]);
     bvxi_discs_close(s->ctx, &on[0]);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)
@@ -108,11 +107,4 @@ bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)
     }
     to->body.sections.positions = to->positions;
     return BVX_OK;
-}
-
-void bvxi_shifted_close(bvx_context *ctx, bvxi_shifted *to)
-{
-    bvxi_mended_close(ctx, &to->body);
-    bvxi_drop(ctx, to->positions);
-    memset(to, 0, sizeof *to);
 }

@@ -72,6 +72,5 @@ typedef struct bvxi_shifted {
 
 /* stack: ready; close the result also after a failure. */
 bvx_status bvxi_shift_stack(const bvxi_stack *stack, bvxi_shifted *to);
-void bvxi_shifted_close(bvx_context *ctx, bvxi_shifted *to);
 
 #endif

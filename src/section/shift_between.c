@@ -290,7 +290,6 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
 {
     shift_lattice l;
     uint64_t points;
-    bvx_status status;
 
     /* The lattice follows from the thinnest part that moves, so each pair of sections has its own. */
     memset(&l, 0, sizeof l);
@@ -301,14 +300,12 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
     lay_shift_lattice(&l);
     points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
 
-    status = bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.value);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.level);
-    if (status == BVX_OK)
-        status = bvxi_alloc(s->ctx, BVXI_SCRATCH, (points + 63) / 64 * 8, "a section between two", &l.seen);
-    if (status == BVX_OK) status = add_sections(&l, number);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.value));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.level));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (points + 63) / 64 * 8, "a section between two", &l.seen));
+    BVXI_TRY(add_sections(&l, number));
     bvxi_drop(s->ctx, l.seen);
     bvxi_drop(s->ctx, l.level);
     bvxi_drop(s->ctx, l.value);
-    return status;
+    return BVX_OK;
 }

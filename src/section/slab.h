@@ -109,7 +109,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
 
 /* Scratch of a stack; close it also after a failure. */
 bvx_status bvxi_nesting_open(bvxi_stack *stack);
-void bvxi_nesting_close(bvxi_stack *stack);
 
 /* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
 bvx_status bvxi_nesting_find(bvxi_stack *stack);

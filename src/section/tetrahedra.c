@@ -51,15 +51,9 @@ static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
 static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
 {
     bvxi_edge_map larger = {NULL, NULL, room, m->count, m->near};
-    bvx_status status = bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra",
-                                   &larger.key);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 4, "the edges of tetrahedra", &larger.value);
-    if (status != BVX_OK) {
-        bvxi_drop(o->ctx, larger.key);
-        return status;
-    }
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra", &larger.key));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 4, "the edges of tetrahedra", &larger.value));
     /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)(larger.room * 8));
     for (uint64_t i = 0; i < m->room; i++)

@@ -23,6 +23,7 @@ bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, 
 
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
 {
+    static const char what[] = "a loop of a cell";
     bvxi_stack *const s = t->s;
     uint64_t const room = count + count / 2 + 64, old = t->loop_room;
 
@@ -35,40 +36,17 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
                              "%s: a cell holds more than 2^31 contour points", s->function);
 
     /* what was is kept: a loop grows while it is followed */
-    {
-        uint32_t *vertex = NULL, *next = NULL, *before = NULL;
-        uint8_t *faces = NULL;
-        const double **at = NULL;
-        bvx_status status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &vertex);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room, "a loop of a cell", &faces);
-        if (status == BVX_OK)
-            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *at, "a loop of a cell", &at);
-        if (status == BVX_OK) status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &next);
-        if (status == BVX_OK)
-            status = bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, "a loop of a cell", &before);
-        if (status != BVX_OK) {
-            bvxi_drop(s->ctx, next);
-            bvxi_drop(s->ctx, (void *)at);
-            bvxi_drop(s->ctx, faces);
-            bvxi_drop(s->ctx, vertex);
-            return status;
-        }
-        if (old != 0) {
-            memcpy(vertex, t->vertex, (size_t)old * 4);
-            memcpy(faces, t->faces, (size_t)old);
-        }
-        bvxi_drop(s->ctx, t->before);
-        bvxi_drop(s->ctx, t->next);
-        bvxi_drop(s->ctx, (void *)t->at);
-        bvxi_drop(s->ctx, t->faces);
-        bvxi_drop(s->ctx, t->vertex);
-        t->vertex = vertex;
-        t->faces = faces;
-        t->at = at;
-        t->next = next;
-        t->before = before;
-        t->loop_room = (uint32_t)room;
-    }
+    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, &t->vertex, old * 4, room * 4, what));
+    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, &t->faces, old, room, what));
+    bvxi_drop(s->ctx, t->before);
+    bvxi_drop(s->ctx, t->next);
+    bvxi_drop(s->ctx, (void *)t->at);
+    t->before = t->next = NULL;
+    t->at = NULL;
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *t->at, what, &t->at));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, what, &t->next));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, what, &t->before));
+    t->loop_room = (uint32_t)room;
     return BVX_OK;
 }
 
@@ -94,19 +72,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
             uint32_t *made = NULL;
-            bvx_status const status = bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side",
-                                                 &made);
-            if (status != BVX_OK) { /* both rows keep one length */
-                if (k == 1) {
-                    uint32_t **const done = which == 0 ? &t->row[0] : &t->cross[0];
-                    bvxi_drop(s->ctx, *done);
-                    *done = NULL;
-                    bvxi_drop(s->ctx, *rows);
-                    *rows = NULL;
-                    *room = 0;
-                }
-                return status;
-            }
+            BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made));
             bvxi_drop(s->ctx, *rows);
             *rows = made;
         }
