@@ -141,16 +141,8 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, con
     BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
     /* Seeds are checked before a voxel is looked at. */
-    for (uint64_t i = 0; i < o->seed_count; i++) {
-        const int32_t *const s = o->seeds + 3 * i;
-        for (int32_t a = 0; a < 3; a++)
-            if (s[a] < 0 || s[a] >= grid->size[a])
-                return bvxi_fail_for(
-                    ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                    "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
-                    (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)grid->size[0],
-                    (int64_t)grid->size[1], (int64_t)grid->size[2]);
-    }
+    for (uint64_t i = 0; i < o->seed_count; i++)
+        BVXI_TRY(bvxi_seed_check(ctx, keep_name, grid, o->seeds + 3 * i, i));
     return BVX_OK;
 }
 

@@ -85,17 +85,15 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
-    bvx_status status;
 
     /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
-    status = bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece,
-                             s);
-    for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
+    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_drop(ctx, s->extent);
-    BVXI_TRY(status);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
     bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);

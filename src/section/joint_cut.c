@@ -15,16 +15,6 @@
 
 /* ---- vertices ---- */
 
-/* The middle of so many vertices. */
-static void joint_middle(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
-{
-    for (int k = 0; k < 3; k++) {
-        at[k] = 0.0;
-        for (int i = 0; i < n; i++) at[k] += o->vertex[v[i]].at[k];
-        at[k] /= n;
-    }
-}
-
 /* Some plane that all of them lie on. */
 static int are_on_a_plane(const bvxi_oblique *o, const uint32_t *v, int n)
 {
@@ -66,7 +56,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
                 uint32_t m;
                 double at[3];
                 if (!is_chord(o, v)) continue;
-                joint_middle(o, v, 2, at);
+                bvxi_oblique_middle(o, v, 2, at);
                 BVXI_TRY(bvxi_tetra_split_edge(o, (uint32_t)t, v[0], v[1], at, &m));
             }
         for (int k = 0; k < 4; k++) {
@@ -78,7 +68,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
             for (int j = 0; j < 4; j++)
                 if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
             if (n < 3 || !are_on_a_plane(o, v, 3)) continue;
-            joint_middle(o, v, 3, at);
+            bvxi_oblique_middle(o, v, 3, at);
             BVXI_TRY(bvxi_tetra_split_face(o, (uint32_t)t, k, at, &m));
         }
     }
@@ -396,7 +386,7 @@ static int kind_of_tetrahedron(const bvxi_oblique *o, const bvxi_joint_cut *cut,
     if (!(all & JOINT_OUTSIDE) && (bodies & (bodies - 1)) == 0) return bvxi_lowest(bodies);
 
     /* All corners lie on the surface of all, or between the same bodies: what its middle is, of those. */
-    joint_middle(o, t->v, 4, at);
+    bvxi_oblique_middle(o, t->v, 4, at);
     return bvxi_joint_kind_among(o, at, bodies | (all & JOINT_OUTSIDE));
 }
 

@@ -19,20 +19,12 @@
 enum { MEND_ROUNDS = 40, MEND_MOST = 16 };
 enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-22 of the extent */
 
-static int mend_turn(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) -
-                      ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
-
-    return (t > 0) - (t < 0);
-}
-
 /* 1 when c lies on the segment from a to b. */
 static int mend_on(const int32_t *a, const int32_t *b, const int32_t *c)
 {
     for (int k = 0; k < 2; k++)
         if ((c[k] < a[k] && c[k] < b[k]) || (c[k] > a[k] && c[k] > b[k])) return 0;
-    return mend_turn(a, b, c) == 0;
+    return bvxi_turn_sign(a, b, c) == 0;
 }
 
 /* ---- nodes and edges ---- */
@@ -155,7 +147,8 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
     }
     /* Otherwise each must have its ends on both sides of the other to cross it. */
     if (w->split_count == before) {
-        if (mend_turn(a, b, c) * mend_turn(a, b, d) >= 0 || mend_turn(c, d, a) * mend_turn(c, d, b) >= 0)
+        if (bvxi_turn_sign(a, b, c) * bvxi_turn_sign(a, b, d) >= 0 ||
+            bvxi_turn_sign(c, d, a) * bvxi_turn_sign(c, d, b) >= 0)
             return BVX_OK;
         w->crossings++;
         if (w->cross) {

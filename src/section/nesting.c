@@ -36,16 +36,6 @@ typedef struct nest_work {
 
 /* ---- what lies in what ---- */
 
-static void nest_box_loop(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
-{
-    for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->q[c->first][k];
-    for (uint32_t i = c->first; i < c->first + c->count; i++)
-        for (int k = 0; k < 2; k++) {
-            if (p->q[i][k] < box[k]) box[k] = p->q[i][k];
-            if (p->q[i][k] > box[k + 2]) box[k + 2] = p->q[i][k];
-        }
-}
-
 static int nest_is_in_box(const int32_t box[4], const int32_t *at)
 {
     return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3];
@@ -62,7 +52,7 @@ static void nest_find_parents(const bvxi_plane *p, nest_loop *loop)
     uint32_t const n = p->contour_count;
 
     for (uint32_t i = 0; i < n; i++) {
-        nest_box_loop(p, &p->contour[i], loop[i].box);
+        bvxi_loop_box(p, &p->contour[i], loop[i].box);
         loop[i].depth = 0;
         loop[i].parent = BVXI_NONE;
     }

@@ -301,6 +301,8 @@ bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn
 
 /* oblique_signs.c */
 bvx_status bvxi_oblique_signs(bvxi_oblique *o);
+/* The middle of n vertices. */
+void bvxi_oblique_middle(const bvxi_oblique *oblique, const uint32_t *v, int n, double at[3]);
 
 /* oblique_handles.c: handles that no contour needs are filled or cut, and counted; *settled: how many, after
  * which the surface is to be made anew. owner: the tetrahedra of its triangles, from the first that is no

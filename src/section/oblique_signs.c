@@ -57,7 +57,7 @@ static void signs_piece(void *user, uint64_t begin, uint64_t end)
 
 /* ---- edges and faces between contours ---- */
 
-static void middle_of(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
+void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
 {
     for (int k = 0; k < 3; k++) {
         at[k] = 0.0;
@@ -80,7 +80,7 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
             if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
             /* A contour's own edge stays: the surface runs along it. */
             if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
-            middle_of(o, v, 2, at);
+            bvxi_oblique_middle(o, v, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
             give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
         }
@@ -93,7 +93,7 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
         for (int j = 0; j < 4; j++)
             if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
         if (n < 3) continue;
-        middle_of(o, v, 3, at);
+        bvxi_oblique_middle(o, v, 3, at);
         BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
         give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
     }

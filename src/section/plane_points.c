@@ -91,19 +91,21 @@ static void reverse_loop(bvxi_plane *p, const bvxi_contour *c)
     }
 }
 
+void bvxi_loop_box(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
+{
+    for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->q[c->first][k];
+    for (uint32_t i = c->first; i < c->first + c->count; i++)
+        for (int k = 0; k < 2; k++) {
+            if (p->q[i][k] < box[k]) box[k] = p->q[i][k];
+            if (p->q[i][k] > box[k + 2]) box[k + 2] = p->q[i][k];
+        }
+}
+
 /* The boxes of loops keep most pairs from being looked at. */
 bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
 {
     /* A loop whose box does not hold a point does not hold it either. */
-    for (uint32_t i = 0; i < p->contour_count; i++) {
-        const bvxi_contour *const c = &p->contour[i];
-        for (int k = 0; k < 2; k++) box[i][k] = box[i][k + 2] = p->q[c->first][k];
-        for (uint32_t j = c->first; j < c->first + c->count; j++)
-            for (int k = 0; k < 2; k++) {
-                if (p->q[j][k] < box[i][k]) box[i][k] = p->q[j][k];
-                if (p->q[j][k] > box[i][k + 2]) box[i][k + 2] = p->q[j][k];
-            }
-    }
+    for (uint32_t i = 0; i < p->contour_count; i++) bvxi_loop_box(p, &p->contour[i], box[i]);
     for (uint32_t i = 0; i < p->contour_count; i++) {
         bvxi_contour *const c = &p->contour[i];
         const int32_t *const at = p->q[c->first];

@@ -226,6 +226,8 @@ void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
 int32_t bvxi_snap_steps(const bvxi_stack *stack, int k, double along);
 /* 1 when a loop encloses a point of none of its segments. */
 int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);
+/* Least u and v, then largest, of a loop in fixed point. */
+void bvxi_loop_box(const bvxi_plane *plane, const bvxi_contour *contour, int32_t box[4]);
 /* box: scratch, one a loop. */
 bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box)[4]);
 
@@ -243,6 +245,14 @@ typedef struct bvxi_segment_box {
 /* 1 when loops surely neither cross nor touch; 0 requires the check above.
  * sorted, active: scratch, one a segment. */
 int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
+/* 1 where c lies on the left of a to b, -1 on the right, 0 on its line. */
+static inline int bvxi_turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) -
+                      ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+    return (t > 0) - (t < 0);
+}
+
 /* 1 when two segments that follow each other in no loop meet. */
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d);
 /* Two segments that share an end: they meet elsewhere when one folds back onto the other. */

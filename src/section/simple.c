@@ -127,13 +127,6 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
     }
 }
 
-static int turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    int64_t const t = ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) -
-                      ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
-    return (t > 0) - (t < 0);
-}
-
 static int is_between(int32_t a, int32_t b, int32_t x)
 {
     return a < b ? a <= x && x <= b : b <= x && x <= a;
@@ -147,10 +140,10 @@ static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
 
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
 {
-    int const ca = turn_sign(a, b, c);
-    int const da = turn_sign(a, b, d);
-    int const ac = turn_sign(c, d, a);
-    int const bc = turn_sign(c, d, b);
+    int const ca = bvxi_turn_sign(a, b, c);
+    int const da = bvxi_turn_sign(a, b, d);
+    int const ac = bvxi_turn_sign(c, d, a);
+    int const bc = bvxi_turn_sign(c, d, b);
     /* Each has its ends on both sides of the other; otherwise they meet only where an end lies on one. */
     if (ca * da < 0 && ac * bc < 0) return 1;
     return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) ||
@@ -161,7 +154,7 @@ int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
 {
     int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) +
                         ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
-    return turn_sign(shared, a, b) == 0 && dot > 0;
+    return bvxi_turn_sign(shared, a, b) == 0 && dot > 0;
 }
 
 static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
