@@ -8,7 +8,7 @@
  * Vertices next to a plane are moved onto it, and have its own distance and sign: no sliver of a cell is cut
  * off there. The lattice's outermost vertices are outside, so the surface is closed. */
 #include "section/oblique.h"
-#include "section/joint.h"
+#include "section/joint_fields.h"
 
 #include <math.h>
 

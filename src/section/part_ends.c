@@ -20,17 +20,6 @@ typedef struct ends_work {
     uint32_t hint;   /* segment last found nearest, see bvxi_plane_distance */
 } ends_work;
 
-uint32_t bvxi_contour_of(const bvxi_plane *p, uint32_t point)
-{
-    uint32_t low = 0, high = p->contour_count;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= point) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
 double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
 {
     uint32_t segment;

@@ -226,6 +226,8 @@ void bvxi_plane_snap(const bvxi_stack *stack, bvxi_plane *plane);
 int32_t bvxi_snap_steps(const bvxi_stack *stack, int k, double along);
 /* 1 when a loop encloses a point of none of its segments. */
 int bvxi_loop_contains(const bvxi_plane *plane, const bvxi_contour *contour, const int32_t *at);
+/* The number of the contour that a point is one of. */
+uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 /* Least u and v, then largest, of a loop in fixed point. */
 void bvxi_loop_box(const bvxi_plane *plane, const bvxi_contour *contour, int32_t box[4]);
 /* box: scratch, one a loop. */
@@ -321,8 +323,6 @@ bvx_status bvxi_stack_ends(bvxi_stack *stack);
 void bvxi_plane_parts(const bvxi_plane *plane, uint32_t *part);
 /* Distance to the nearest contour, and its number: the least of those that lie so near. */
 double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
-/* The number of the contour that a point is one of. */
-uint32_t bvxi_contour_of(const bvxi_plane *plane, uint32_t point);
 
 /* ---- fill_loop.c ---- */
 
