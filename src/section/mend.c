@@ -6,7 +6,6 @@
  * slits, spikes and borders that two loops have in common. What is still not simple after that is refused by
  * the checks of every stack. */
 #include "section/mend.h"
-#include "section/section_field.h"
 
 /* ---- loops that are lines or points ---- */
 

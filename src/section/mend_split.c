@@ -9,7 +9,6 @@
  *
  * Source: Hobby. Practical segment intersection with finite precision output. 1999 (snap rounding). */
 #include "section/mend.h"
-#include "section/section_field.h" /* maps, and arrays that grow */
 
 #include "mesh/mesh.h"
 

@@ -376,6 +376,28 @@ void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, d
 /* Keep a place in the report. */
 void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 
+/* An array with room for one more. */
+bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
+
+static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room,
+                                        uint64_t item, const char *what)
+{
+    return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
+}
+
+/* Vertices by a key; a lookup only, so the order of keys does not matter. */
+typedef struct bvxi_vertex_map {
+    uint64_t *key; /* UINT64_MAX: free */
+    uint32_t *vertex;
+    uint32_t room, count;
+} bvxi_vertex_map;
+
+bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
+/* Room for the first of them. */
+bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
+void bvxi_map_clear(bvxi_vertex_map *map);
+void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *map);
+
 /* ---- slab.c, caps.c ---- */
 
 /* Subdivide cells between two planes where they require it; adds cuts to both. */

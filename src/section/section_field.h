@@ -27,13 +27,6 @@ double bvxi_blend_zero(const bvxi_blend *blend, const double value[BVXI_BLEND_SE
 /* Levels are the planes from cell to cell: level 0 is the plane below, level layers the one above, those
  * between are blends. */
 
-/* Vertices by a key; a lookup only, so the order of keys does not matter. */
-typedef struct bvxi_vertex_map {
-    uint64_t *key; /* UINT64_MAX: free */
-    uint32_t *vertex;
-    uint32_t room, count;
-} bvxi_vertex_map;
-
 /* The segment that was nearest to the last place in a column; row -1: none yet. */
 typedef struct bvxi_column_hint {
     uint32_t segment;
@@ -87,13 +80,5 @@ static inline uint32_t bvxi_line_number(const bvxi_field *f, int32_t i, int32_t 
 }
 
 double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q);
-
-/* ---- section_mesh.c ---- */
-
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
-/* Room for the first of them. */
-bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
-void bvxi_map_clear(bvxi_vertex_map *map);
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *map);
 
 #endif

@@ -1,10 +1,21 @@
 /* section_mesh.c - the growing mesh of a body between sections, and its vertices by a key. */
-#include "section/section_field.h"
 #include "section/section.h"
 
 /* ---- The mesh ---- */
 
-/* The growing mesh of a body between sections. */
+bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
+{
+    uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
+    if (larger > INT32_MAX)
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
+                             s->function, what);
+
+    /* Rooms that were laid out beforehand cannot grow: the caller tries again with larger ones. */
+    if (s->fixed) return BVX_ERR_BUDGET;
+    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
+    *room = (uint32_t)larger;
+    return BVX_OK;
+}
 
 static bvx_status section_grow(bvxi_stack *s, void *block, uint64_t item, uint64_t *room, const char *what)
 {

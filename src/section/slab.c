@@ -7,20 +7,6 @@
 
 #include "mesh/mesh.h"
 
-bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
-{
-    uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
-    if (larger > INT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
-                             s->function, what);
-
-    /* Rooms that were laid out beforehand cannot grow: the caller tries again with larger ones. */
-    if (s->fixed) return BVX_ERR_BUDGET;
-    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
-    *room = (uint32_t)larger;
-    return BVX_OK;
-}
-
 /* ---- points on sides ---- */
 
 static uint64_t hanging_key(const bvxi_hanging *h, int first)

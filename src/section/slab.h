@@ -61,15 +61,6 @@ static inline int bvxi_grid_bit(const bvxi_stack *s, const bvxi_plane *p, int32_
     return (int)(p->inside[(size_t)j * (size_t)s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
 }
 
-/* An array with room for one more. */
-bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
-
-static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room,
-                                        uint64_t item, const char *what)
-{
-    return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
-}
-
 /* ---- split_cell.c: cells as they are subdivided ---- */
 
 typedef struct bvxi_split_cell {
