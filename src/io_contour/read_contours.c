@@ -1,7 +1,7 @@
 /* read_contours.c - contour stacks from the bytes of a file: bvx_read_sections. */
 #include "io_contour/contour_text.h"
 #include "io/formats.h"
-#include "section/section.h"
+#include "contours/section.h"
 
 void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size)
 {
