@@ -26,7 +26,7 @@ typedef struct bvxi_share {
     double low, high;
 } bvxi_share;
 
-enum { BVXI_SHARES = 12 }; /* more works in each other than calls have */
+enum { BVXI_SHARES = 12, BVXI_SCOPES = 32 }; /* more works in each other than calls have */
 
 struct bvx_context {
     bvx_alloc_fn *alloc;
@@ -35,7 +35,8 @@ struct bvx_context {
     bvxi_arena arena;
     uint64_t memory_limit, memory_used, memory_peak;
     uint64_t serial;             /* of the scratch block taken last */
-    uint64_t mark;               /* what it was when the outermost public call began */
+    uint64_t scope[BVXI_SCOPES]; /* what it was when each scope began */
+    int32_t scopes;
     bvxi_scratch *scratch;       /* by serial [Size: scratch_count, of scratch_room]; NULL in an arena */
     bvxi_scratch *scratch_first; /* the table behind the context, which does for nearly all calls */
     uint32_t scratch_count, scratch_room;

@@ -51,12 +51,6 @@ static bvx_status open_fills(bvx_context *ctx, const bvx_mesh_view *mesh, const 
     return bvxi_solid_open(ctx, fills_name, mesh, lattice, &w->job);
 }
 
-static void close_fills(bvx_context *ctx, fills_work *w)
-{
-    bvxi_solid_close(ctx, &w->job);
-    bvxi_drop(ctx, w->memory);
-}
-
 /* ---- The rules ---- */
 
 static void copy_fill(const fills_work *w, const bvx_grid *from, const bvx_grid *to)
@@ -78,7 +72,8 @@ static bvx_status fill_one(bvx_context *ctx, fills_work *w, int32_t rule)
     /* The other three begin with the vote. */
     copy_fill(w, &w->vote, &w->filled);
     if (rule == BVX_FILL_REGIONS)
-        return bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused);
+        return BVXI_SCOPE(ctx,
+                          bvxi_regions(ctx, fills_name, &w->surface, w->sure.words, &w->filled, &unused));
     /* The vote itself is done. */
     if (rule != BVX_FILL_FLOOD) return BVX_OK;
     copy_fill(w, &w->surface, &w->closed);
@@ -238,7 +233,6 @@ static bvx_status run_compare_fills(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(open_fills(context, mesh, lattice, &work));
     BVXI_TRY(run_fills(context, mesh, &work));
     BVXI_TRY(give_fills(context, &work, &o));
-    close_fills(context, &work);
     *comparison = work.result;
     return BVX_OK;
 }

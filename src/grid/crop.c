@@ -35,17 +35,13 @@ static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t
     }
 }
 
-static void content_piece(void *user, int32_t index, int32_t worker)
+static void content_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const content_job *const job = user;
     const bvx_grid *const g = job->grid;
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
-    uint64_t begin, end;
-
-    (void)worker;
 
     /* Rows are joined in a box of the piece's own; boxes are joined afterwards, in any order. */
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
     for (uint64_t r = begin; r < end; r++)
         widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row,
                       (int32_t)(r % (uint64_t)g->size[1]), (int32_t)(r / (uint64_t)g->size[1]), &box);
@@ -89,7 +85,8 @@ static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, b
     job.pieces = crop_pieces(grid);
     bytes = (uint64_t)job.pieces * sizeof *job.box;
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the parts' boxes", &job.box));
-    BVXI_TRY(bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job));
+    BVXI_TRY(bvxi_for_pieces(context, "content", 0.0, 1.0, job.pieces, bvxi_grid_rows(job.grid),
+                             content_piece, &job));
     join_content(&job, window);
     bvxi_drop(context, job.box);
     return BVX_OK;
