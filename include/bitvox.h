@@ -197,8 +197,8 @@ typedef struct bvx_context_options {
 /** By default there are as many workers as the process may use processors: by affinity, and by the quota of
  *  its control group; OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. A number in threads is
  *  taken as it is. A build without threads has one worker. Threads are started only for work that is worth
- *  it, leave a busy machine to others, and end with the context: docs/limits.md. Results do not depend on
- *  them. */
+ *  it and leave a busy machine to others. Those of OpenMP stay with the calling thread, POSIX threads end with
+ *  the context: docs/limits.md. Results do not depend on them. */
 BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
 
 /** Create a context; call it through bvx_context_create, which passes the header's version.

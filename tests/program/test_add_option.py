@@ -168,7 +168,7 @@ def main():
             shutil.copy(name, tree)
         follow(tree)
         build = os.path.join(tree, 'build')
-        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}', 'CFLAGS=-O0']
+        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}', 'CFLAGS=-O0', 'THREADS=posix']
         clean = {k: v for k, v in os.environ.items() if k not in ('MAKEFLAGS', 'MFLAGS', 'MAKELEVEL', 'MAKEOVERRIDES', 'BITVOX', 'BUILD')}
         status, out, err = run(*make, 'library', 'program', cwd=tree, env=clean)
         if check('the tree builds', status == 0, (out + err)[-2000:]):

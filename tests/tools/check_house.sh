@@ -152,12 +152,12 @@ nobody_reads_messages() {
     empty "$work/read.txt" 'a message is read:'
 }
 
-# heap.c is the file named for the C library's heap, threads.c and processors.c for the system; the fast paths need intrinsics.
+# heap.c is the file named for the C library's heap, openmp.c, threads.c and processors.c for the system; the fast paths need intrinsics.
 includes() {
     # shellcheck disable=SC2086
     grep -n -E '^[[:space:]]*#[[:space:]]*include[[:space:]]*<' $core_files |
         grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon|wasm_simd128)\.h>' |
-        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(threads|processors)\.c:' \
+        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(openmp|threads|processors)\.c:' \
             >"$work/includes.txt"
     empty "$work/includes.txt" 'forbidden include'
 }
