@@ -619,6 +619,8 @@ const cli_command cli_voxelize = {
                "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
                "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
                "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
+    .most = "--output-dir --resolution --spacing --mode --fill --level --range --label "
+            "--keep-largest --threads --memory-limit --json",
     .rows = voxelize_rows,
     .start = start_voxelize,
     .own = sizeof(cli_voxelize_options),

@@ -2,7 +2,7 @@
 
 # Rows that fill no field of an option struct: (command, or "*" for all, and the option).
 OWN = {
-    ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
+    ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--help-all"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
     ("*", "--progress"): "text", ("*", "--format"): "of files", ("*", "--output-origin"): "taken off when a file is written",
     ("*", "--shape"): "bvx_read_volume_options.size", ("*", "--skip"): "bvx_read_volume_options.offset",
     ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold", ("*", "--all-labels"): "arguments of bvx_threshold",

@@ -50,7 +50,7 @@ NAMES = {
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
 }
-OF_THE_PROGRAM = {"format", "json", "quiet", "help", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
+OF_THE_PROGRAM = {"format", "json", "quiet", "help", "help-all", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
 
 
 def test_every_command_is_known_here():
@@ -60,7 +60,7 @@ def test_every_command_is_known_here():
 
 @pytest.mark.parametrize("command", NAMES)
 def test_options_have_the_programs_names(command):
-    text = subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([PROGRAM, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     functions, others = NAMES[command]
     text = text.replace("--colour", "--color")  # American here
     known = {name.replace("_", "-") for f in functions for name in inspect.signature(f).parameters}
