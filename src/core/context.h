@@ -97,6 +97,9 @@ void bvxi_worth_waited(bvxi_worth *w, int64_t start, int64_t lost);
  * does, 2 also when they should rest; 0 as always. */
 void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how);
 
+/* exact.c: how this build or thread would change results, for people; NULL when it would not. */
+const char *bvxi_arithmetic_fault(void);
+
 /* cpu.c: the fastest path of this processor. */
 int32_t bvxi_cpu_detect(void);
 

@@ -623,7 +623,7 @@ P
     done <<'W'
 info KNOT --crossings
 info WAVES
-voxelize KNOT -o x.bvx --resolution 40 --compare-fills
+voxelize KNOT -o x.bvx --resolution 40
 voxelize KNOT -o x_shell.bvx --resolution 40 --mode conservative
 voxelize KNOT -o x_field.nrrd --resolution 40 --mode field
 lod KNOT -o x.glb --levels 24,12 --samples 1000

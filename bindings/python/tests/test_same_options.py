@@ -28,7 +28,7 @@ ELSEWHERE = {
 }
 # Of one command: they look and report, or write a second file, which test_same_bytes.py or tests/program compare.
 REPORTS = {
-    "voxelize": {"--compare-fills"}, "repair": {"--measure"},
+    "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
     "refine": {"--leaves", "--cut"}, "render": {"--turntable"},  # a mesh of boxes and a row of pictures: of the program alone
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings"},
