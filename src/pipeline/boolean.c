@@ -320,7 +320,7 @@ static bvx_status judge_result(boolean_job *job)
 
     /* An empty intersection is an answer, not an error. */
     if (job->report.voxels == 0) return BVX_OK;
-    BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
+    bvxi_grid_content(&job->inside, &box);
     for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
     if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
     return BVX_OK;

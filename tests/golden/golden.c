@@ -18,6 +18,8 @@
  * value depends on none. */
 #include "bitvox.h"
 #include "bare_case.h"
+#include "core/core.h"
+#include "grid/grid.h"
 #include "shapes.h"
 
 #include <inttypes.h>
@@ -475,7 +477,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "golden: no context\n");
         return 2;
     }
-    if (options.cpu != BVX_CPU_BEST && bvx_context_cpu(g.context) != options.cpu) {
+    if (options.cpu != BVX_CPU_BEST && bvxi_cpu(g.context) != options.cpu) {
         puts("this processor or build has no such code");
         return 77;
     }
