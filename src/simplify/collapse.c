@@ -289,10 +289,13 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
 {
     bvxi_collapse *const c = s->c;
     float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
+    uint32_t const x = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
+    uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
 
     bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
-    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge)));
-    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge)));
+    bvxi_edge_find_least(c, x);
+    bvxi_edge_find_least(c, y);
+    c->stale[x] = c->stale[y] = 1;
 }
 
 static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)

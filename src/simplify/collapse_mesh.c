@@ -475,7 +475,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->triangles * 12, "the mesh's corners", &c->origin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
@@ -487,8 +487,10 @@ static bvx_status open_arrays(bvxi_collapse *c)
     c->last = (uint32_t *)(void *)(c->any + n);
     c->waits = c->kind + n;
     c->fresh = c->waits + n;
+    c->stale = c->fresh + n;
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
+    memset(c->stale, 1, (size_t)n);
     for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
         for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
     bvxi_collapse_index(c);

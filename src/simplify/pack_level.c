@@ -39,6 +39,7 @@ static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
         m->at[kept] = m->at[v];
         m->source[kept] = m->source[v];
         c->kind[kept] = c->kind[v];
+        c->stale[kept] = c->stale[v];
         if (c->came != NULL) c->came[kept] = c->came[v];
     }
     m->vertices = c->alive;
