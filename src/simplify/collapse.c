@@ -324,15 +324,18 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     uint32_t const y = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
     bvxi_edge_planned plan;
     double p[3];
-    int verdict, needles;
+    int verdict, needles, planned, crumpled;
 
     if (range != RANGE_ALL && (!in_range(s, (uint64_t)range, x) || !in_range(s, (uint64_t)range, y))) {
         c->waits[v] = 1;
         return;
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
-    if (!bvxi_edge_plan(c, edge, &plan) || !gather_star(m, &plan, &r->star)) {
-        r->counts.link++;
+    planned = bvxi_edge_plan(c, edge, &plan);
+    crumpled = planned && is_crumpled(s, &plan, plan.d);
+    if (!planned || crumpled || !gather_star(m, &plan, &r->star)) {
+        r->counts.crumpled += (uint64_t)crumpled;
+        r->counts.link += !crumpled;
         refuse(s, edge, c->least[v]);
         return;
     }
@@ -345,16 +348,16 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     needles = plan.cost * 2 < (double)c->least[v];
     verdict = judge_at(s, &plan, &r->star, plan.d, needles, p);
     if (verdict != STAR_SAFE &&
-        judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE)
+        judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE &&
+        !is_crumpled(s, &plan, plan.d))
         verdict = STAR_SAFE;
-    if (verdict == STAR_SAFE && !is_crumpled(s, &plan, plan.d)) {
+    if (verdict == STAR_SAFE) {
         apply(c, &plan, p, r);
         return;
     }
     r->counts.turned += verdict == STAR_TURNS;
     r->counts.needle += verdict == STAR_NEEDLE;
     r->counts.crossed += verdict == STAR_CROSSES;
-    r->counts.crumpled += verdict == STAR_SAFE;
     refuse(s, edge, c->least[v]);
 }
 
