@@ -72,6 +72,9 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
     c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
     BVXI_TRY(collapse_within(c, target, from, to));
     order = c->order;
+
+    /* A closed mesh keeps its Euler characteristic and has four vertices at least: fewer triangles are out of reach. */
+    if (c->mesh.ghosts == 0 && target + 2 * c->alive < c->mesh.left + 8) return BVX_OK;
     while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
         c->crumpled = c->crumpled * CRUMPLED_STEP < CRUMPLED_MOST ? c->crumpled * CRUMPLED_STEP
                                                                   : CRUMPLED_MOST;
