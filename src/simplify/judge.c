@@ -457,7 +457,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     }
     BVXI_TRY(list.status);
     BVXI_TRY(undo_pairs(&list, undone));
-    c->counts.crossed += *undone;
+    c->counts.refused += *undone;
     c->counted = all && *undone == 0;
     bvxi_drop(c->ctx, list.pair);
     bvxi_drop(c->ctx, pairs);

@@ -121,7 +121,6 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
     bvx_mesh_view view;
     bvx_level_report *r;
 
@@ -137,7 +136,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
     r->least_angle = smallest_angle(&c->levels[i]);
-    r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
+    r->refused = bvxi_collapse_tried(collapse)->refused;
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->target_errors != NULL || c->measure_samples != 0;
