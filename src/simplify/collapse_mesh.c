@@ -93,7 +93,8 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
     int met;
 
-    c->counted = 0;
+    c->listed = 0;
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     met = c->mesh.left <= target;
@@ -572,6 +573,7 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_drop(c->ctx, c->tree.node[0]);
     bvxi_attributes_close(c);
     bvxi_drop(c->ctx, c->from);
+    bvxi_drop(c->ctx, c->pairs);
     bvxi_drop(c->ctx, c->came);
     bvxi_drop(c->ctx, c->now);
     bvxi_drop(c->ctx, c->first_source);

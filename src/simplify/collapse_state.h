@@ -77,8 +77,9 @@ struct bvxi_collapse {
     uint64_t first_triangles, first_vertices;
     crossing_tree tree; /* while collapses are looked at one by one: node[0] is not NULL */
     uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
-    uint64_t crossings; /* pairs of the level, where counted is 1 */
-    int counted;
+    uint32_t *pairs;    /* that crossed when the level was judged, or NULL [Size: crossings * 2] */
+    uint64_t crossings;
+    int listed; /* 1: all of the level's were looked for */
 
     float reached;    /* cost of the dearest edges that were tried */
     uint64_t refused; /* edges, since all were looked at */

@@ -181,25 +181,28 @@ static bvx_status search_level(bvxi_collapse *c, int all, double from, double to
     return BVX_OK;
 }
 
-/* Keep pairs that have changed: how many others were found along the way must not show. Returns how many. */
-static uint64_t keep_fresh(const bvxi_collapse *c, uint32_t *pairs, uint64_t count)
+/* 1: one of both triangles has changed. */
+static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 {
-    uint64_t kept = 0;
+    int fresh = 0;
 
-    for (uint64_t i = 0; i < count; i++) {
-        int fresh = 0;
+    for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pair[k > 2]].vertex[k % 3]];
+    return fresh;
+}
 
-        for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pairs[2 * i + (k > 2)]].vertex[k % 3]];
-        if (!fresh) continue;
-        memmove(pairs + 2 * kept, pairs + 2 * i, 8);
-        kept++;
-    }
-    return kept;
+/* Pairs that are left and have changed, or have not. */
+static uint64_t count_pairs(const bvxi_collapse *c, const uint32_t *pairs, uint64_t count, int fresh)
+{
+    uint64_t counted = 0;
+
+    for (uint64_t i = 0; i < count; i++, pairs += 2)
+        counted += !bvxi_triangle_gone(&c->mesh.triangle[pairs[0]]) &&
+                   !bvxi_triangle_gone(&c->mesh.triangle[pairs[1]]) && is_fresh_pair(c, pairs) == fresh;
+    return counted;
 }
 
 void bvxi_collapse_end_careful(bvxi_collapse *c)
 {
-    if (c->tree.node[0] != NULL) memset(c->fresh, 0, (size_t)c->mesh.vertices);
     bvxi_drop(c->ctx, c->tree.node[0]);
     c->tree.node[0] = NULL;
 }
@@ -302,7 +305,7 @@ static void mark_beside(judge_origin *o)
 }
 
 /* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
-static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count)
+static bvx_status mark_origin(bvxi_collapse *c)
 {
     const bvxi_corners *const m = &c->mesh;
     judge_origin o = {.now = NULL};
@@ -316,10 +319,14 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
         o.small[v] = BVXI_VERTEX_NONE;
     }
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < c->crossings; i++) {
+        const uint32_t *const pair = c->pairs + 2 * i;
+
         /* Where both have come already nothing else is to be found. */
-        if (bvxi_collapse_has_come(c, pairs[2 * i]) && bvxi_collapse_has_come(c, pairs[2 * i + 1])) continue;
-        for (int k = 0; k < 6; k++) o.beside[m->triangle[pairs[2 * i + (uint64_t)(k % 2)]].vertex[k / 2]] = 1;
+        if (!is_fresh_pair(c, pair) ||
+            (bvxi_collapse_has_come(c, pair[0]) && bvxi_collapse_has_come(c, pair[1])))
+            continue;
+        for (int k = 0; k < 6; k++) o.beside[m->triangle[pair[k % 2]].vertex[k / 2]] = 1;
     }
     BVXI_TRY(gather_origin(c, &o));
     o.came = c->came;
@@ -442,38 +449,38 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone)
 {
     judge_found list = {.c = c};
-    uint32_t *pairs;
-    uint64_t count;
 
     *undone = 0;
-    BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
-    c->crossings = count;
-    count = keep_fresh(c, pairs, count);
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
-    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count));
-    for (uint64_t i = 0; i < count; i++) {
-        list.triangle = pairs[2 * i];
-        add_pair(&list, pairs[2 * i + 1]);
+    bvxi_drop(c->ctx, c->pairs);
+    BVXI_TRY(search_level(c, all, from, to, &c->pairs, &c->crossings));
+
+    /* How many others were found along the way must not show. */
+    if (count_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
+    for (uint64_t i = 0; i < c->crossings; i++) {
+        list.triangle = c->pairs[2 * i];
+        if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
     BVXI_TRY(undo_pairs(&list, undone));
     c->counts.refused += *undone;
-    c->counted = all && *undone == 0;
+    c->listed = all;
     bvxi_drop(c->ctx, list.pair);
-    bvxi_drop(c->ctx, pairs);
     return BVX_OK;
 }
 
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 {
     uint32_t *pairs;
+    uint64_t found;
 
-    if (!c->counted) {
-        BVXI_TRY(search_level(c, 1, 0.0, 1.0, &pairs, &c->crossings));
-        bvxi_drop(c->ctx, pairs);
-        bvxi_collapse_end_careful(c);
-    }
-    c->counted = 1;
     *count = c->crossings;
+    if (c->listed && memchr(c->fresh, 1, (size_t)c->mesh.vertices) == NULL) return BVX_OK;
+
+    /* What was found when the level was judged, but where it has changed since. */
+    BVXI_TRY(search_level(c, !c->listed, 0.0, 1.0, &pairs, &found));
+    *count = c->listed ? count_pairs(c, c->pairs, c->crossings, 0) + count_pairs(c, pairs, found, 1) : found;
+    bvxi_drop(c->ctx, pairs);
+    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }

@@ -44,7 +44,6 @@ static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
     }
     m->vertices = c->alive;
     memset(c->waits, 0, (size_t)m->vertices);
-    memset(c->fresh, 0, (size_t)m->vertices);
     memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
 }
 
