@@ -226,7 +226,7 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
 
 /* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
  * such a mesh is refused, not handed out. */
-static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, int own)
+static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
 {
     bvx_certificate c;
     bvx_mesh_view view;
@@ -236,7 +236,11 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
-        status = bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET, "%s: %s", sections_name, why);
+        status = bvxi_fail_for(
+            ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or "
+            "mend the contours before",
+            sections_name);
     if (status != BVX_OK && own) bvx_mesh_free(ctx, mesh);
     return status;
 }
@@ -292,12 +296,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
             status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
-        status = BVXI_SHARE(
-            context, 0.95, 1.0,
-            check_body(context,
-                       "the mended loops run too near to each other for a closed, manifold mesh; take "
-                       "fewer points, or mend the contours before",
-                       mesh, own));
+        status = BVXI_SHARE(context, 0.95, 1.0, check_body(context, mesh, own));
     if (status == BVX_OK) {
         /* Samples that a full grid would have taken, less those that were measured. */
         stack.report.skipped = stack.report.samples > stack.report.distances
@@ -309,6 +308,31 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
 }
 
 /* ---- planes that each have a normal ---- */
+
+/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
+static bvx_status build_planes(bvx_context *context, const bvx_sections *sections,
+                               const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    int const own = mesh->positions == NULL;
+    bvxi_mended mended;
+    bvx_status status = BVX_ERR_FORMAT;
+
+    memset(&mended, 0, sizeof mended);
+    if (o->mend)
+        status = BVXI_SHARE(context, 0.0, 0.1, bvxi_mend_planes(context, sections_name, sections, o, &mended));
+    if (status == BVX_OK)
+        status = BVXI_SHARE(context, 0.1, 0.9,
+                            bvxi_oblique_body(context, sections_name, &mended.sections, o, report, mesh));
+    if (status == BVX_ERR_FORMAT) {
+        mended.loops = 0;
+        status = bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+    }
+    if (status == BVX_OK && mended.loops != 0) {
+        report->mended_loops = mended.loops;
+        status = check_body(context, mesh, own);
+    }
+    return status;
+}
 
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
                                 const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
@@ -330,7 +354,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     stack.positions = positions;
     stack.normals = NULL;
     return parallel ? build_stack(context, &stack, o, left, report, mesh)
-                    : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+                    : build_planes(context, sections, o, report, mesh);
 }
 
 /* The body of one section, as a slab or a lens. */
