@@ -178,7 +178,6 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
         status = BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &count, &crossed));
         if (status != BVX_OK || crossed == 0) break;
         drop_surface(s, &slabs, count);
-        /* Counts begin anew with the surface. */
         s->report = before;
     }
     if (status == BVX_OK) count_nested(s);
