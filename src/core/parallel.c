@@ -35,6 +35,7 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 
     ctx->mark = bvxi_scratch_begin(ctx);
     ctx->stage = ctx->function = function;
+    ctx->warnings = ctx->warnings_read = 0;
     /* Without a callback nobody looks at shares. */
     if (ctx->progress == NULL) return;
     ctx->shares = 0;
@@ -46,7 +47,8 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
     if (ctx == NULL || --ctx->calls != 0) return status;
 
-    /* What fails leaves its scratch where it is. */
+    /* What fails leaves its scratch where it is, and has nothing to warn of. */
+    if (status != BVX_OK) ctx->warnings = 0;
     (void)bvxi_scratch_end(ctx, ctx->mark, status);
 
     /* The results are there and stay: what the callback answers is not heard. */
