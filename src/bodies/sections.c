@@ -445,6 +445,24 @@ bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, co
     return check_tiny_contours(ctx, function, given);
 }
 
+void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
+{
+    uint64_t const contradicted = r->unkept_points + r->unkept_edges + r->gaps;
+
+    if (r->planes != 0 && contradicted != 0)
+        BVXI_WARN(ctx, BVX_WARN_CONTOURS, (double)r->unkept_points, (double)r->unkept_edges, (double)r->gaps);
+    if (r->planes != 0 && r->specks != 0) BVXI_WARN(ctx, BVX_WARN_SPECKS, (double)r->specks);
+    if (r->planes != 0 && r->handles_left != 0)
+        BVXI_WARN(ctx, BVX_WARN_EXTRA_HANDLES, (double)r->handles_left);
+    /* A finer grid cuts contours in more places; halving cells where two of them run close together helps. */
+    if (r->planes == 0 && r->unkept_edges + r->unkept_loops != 0)
+        BVXI_WARN(ctx, BVX_WARN_CELLS, (double)r->unkept_edges, (double)r->unkept_loops,
+                  depth < BVXI_SECTION_DEEPEST ? BVXI_SECTION_DEEPEST : 0.0);
+    if (r->planes == 0 && r->joined_slabs != 0) BVXI_WARN(ctx, BVX_WARN_WINDOWS, (double)r->joined_slabs);
+    if (r->repeated_points != 0) BVXI_WARN(ctx, BVX_WARN_REPEATED, (double)r->repeated_points);
+    r->warnings = bvxi_warned(ctx);
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
@@ -463,7 +481,9 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);
     BVXI_TRY(build_any(context, sections, &o, &report, mesh));
-    if (o.report != NULL) *o.report = report;
+    if (o.report == NULL) return BVX_OK;
+    bvxi_sections_warn(context, &report, o.depth);
+    *o.report = report;
     return BVX_OK;
 }
 

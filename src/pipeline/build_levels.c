@@ -389,6 +389,7 @@ static bvx_status simplify_as_it_is(levels_job *job)
     r->parted = sheets.parted;
     r->cut = sheets.cut;
     memcpy(r->cut_edge, sheets.cut_edge, sizeof r->cut_edge);
+    bvxi_levels_warn(job->ctx, &job->chain, &r->before, &sheets);
     return BVX_OK;
 }
 
@@ -456,6 +457,21 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->reports = o->reports;
 }
 
+static void warn_of_surface(levels_job *job)
+{
+    bvx_levels_report *const r = &job->report;
+    bvx_certificate from = r->repair.after;
+
+    if (r->resolution < r->planned_resolution)
+        BVXI_WARN(job->ctx, BVX_WARN_LOWERED, r->planned_resolution, r->resolution);
+    if (r->crumbs != 0)
+        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, bvxi_advised(2.0 * r->resolution));
+    bvxi_repair_warn(job->ctx, &r->repair, r->resolution);
+    /* The solid's crumbs are not in its surface. */
+    from.components -= r->crumbs - r->repair.crumbs;
+    bvxi_levels_warn(job->ctx, &job->chain, &from, NULL);
+}
+
 static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
                                    const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
 {
@@ -485,8 +501,11 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     status = levels_steps(&job);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
-    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
-    return status;
+    if (status != BVX_OK || o.report == NULL) return status;
+    if (job.report.solid) warn_of_surface(&job);
+    job.report.warnings = bvxi_warned(context);
+    *o.report = job.report;
+    return BVX_OK;
 }
 
 bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,

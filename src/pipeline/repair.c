@@ -212,10 +212,21 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     return BVXI_SHARE(job->ctx, made, 1.0, bvxi_repair_measure(job, repaired));
 }
 
+static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
+                                  const bvx_repair_options *options, bvx_mesh *repaired)
+{
+    bvx_repair_options o = repair_defaults;
+
+    BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, repaired));
+    BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
+    if (o.report != NULL) bvxi_repair_warn(ctx, o.report, o.lattice == NULL ? o.resolution : 0);
+    return BVX_OK;
+}
+
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
                       bvx_mesh *repaired)
 {
-    return BVXI_CALL(context, bvxi_repair_known(context, mesh, NULL, options, repaired));
+    return BVXI_CALL(context, repair_and_warn(context, mesh, options, repaired));
 }
 
 bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,
