@@ -10,6 +10,7 @@
 
 #define MOST_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
 #define MOST_SHELLED 0.03 /* of the mesh's area, the same */
+#define MOST_LIDS    0.05 /* of the area of a result, from which on lids over holes are warned of */
 
 /* ---- its options ---- */
 
@@ -219,6 +220,22 @@ void cli_warn_of_shells(const bvx_repair_report *r, cli_made *made)
                    r->shelled_triangles, 100.0 * share);
 }
 
+/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
+void cli_warn_of_lids(const bvx_repair_report *r, cli_made *made)
+{
+    const double *const h = r->lattice.spacing;
+    double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
+    double const lids = r->holes != 0 ? (double)r->sheet_edges * 6.0 / edges : 0.0;
+
+    if (lids > MOST_LIDS * r->after.area)
+        cli_advise(
+            made,
+            "lids over %" PRIu64
+            " holes are about %.2g %% of the surface, the longest rim is %.6g: nothing in the input says "
+            "how the body went on there; close such holes first where that matters",
+            r->holes, 100.0 * lids / r->after.area, r->longest_hole);
+}
+
 void cli_advise_measured(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
 {
     double const wanted = r->crossing_volume, off = wanted > 0 ? r->after.volume / wanted - 1.0 : 0.0;
@@ -261,6 +278,7 @@ static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *redu
                    r->after.components, r->before.components);
     cli_warn_of_handles(r, "the result", remedy, made);
     cli_warn_of_shells(r, made);
+    cli_warn_of_lids(r, made);
     /* Only a body without overlaps has the mesh's own volume and area. */
     if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
         r->before.duplicates != 0 || cli_changed_as_asked(r)) {

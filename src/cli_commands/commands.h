@@ -21,6 +21,7 @@ int cli_changed_as_asked(const bvx_repair_report *repair);
 /* Sheets that are hollow bodies now; handles that the mesh does not have; a volume that is not the mesh's,
  * whatever is wrong with that. */
 void cli_warn_of_shells(const bvx_repair_report *repair, cli_made *made);
+void cli_warn_of_lids(const bvx_repair_report *repair, cli_made *made);
 void cli_warn_of_handles(const bvx_repair_report *repair, const char *what, const char *remedy,
                          cli_made *made);
 void cli_advise_measured(const bvx_repair_report *repair, const char *what, const char *remedy,

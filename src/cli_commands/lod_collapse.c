@@ -243,6 +243,7 @@ static void warn_of_input(const lod_collapse *l, cli_made *made)
             r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1], b[2]);
     if (!is_solid(l)) return;
     cli_warn_of_shells(&r->repair, made);
+    cli_warn_of_lids(&r->repair, made);
     cli_warn_of_handles(&r->repair, "the measured surface", "take a higher --resolution", made);
     /* Where one volume says it, the other need not. */
     if (!(l->run.before.closed && l->run.before.oriented))
