@@ -330,17 +330,20 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_WINDOWS, 31,                                                                                                                                \
       "between %d pairs of sections walls are too thin for the cells and may have windows; a finer grid closes them")                                      \
     X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s")                                                                                              \
-    X(BVX_WARN_UNJOINED, 33, "parts of sections share no area with the next section and do not join it")                                                   \
-    X(BVX_WARN_EMPTY, 34, "the result is empty, or has no inside")                                                                                         \
-    X(BVX_WARN_UNMET, 35, "a wish, an option or a level that is requested has no effect")                                                                  \
-    X(BVX_WARN_ENDS, 36, "what was made reaches the sides of its grid and ends there")                                                                     \
-    X(BVX_WARN_LOST, 37,                                                                                                                                   \
+    X(BVX_WARN_LIDS, 33,                                                                                                                                   \
+      "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in the input says how the "                                      \
+      "body went on there; close such holes first where that matters")                                                                                     \
+    X(BVX_WARN_UNJOINED, 34, "parts of sections share no area with the next section and do not join it")                                                   \
+    X(BVX_WARN_EMPTY, 35, "the result is empty, or has no inside")                                                                                         \
+    X(BVX_WARN_UNMET, 36, "a wish, an option or a level that is requested has no effect")                                                                  \
+    X(BVX_WARN_ENDS, 37, "what was made reaches the sides of its grid and ends there")                                                                     \
+    X(BVX_WARN_LOST, 38,                                                                                                                                   \
       "what the input has the file cannot hold: attributes, materials, names, the lattice")                                                                \
-    X(BVX_WARN_READ, 38, "something in a file was left out or mended")                                                                                     \
-    X(BVX_WARN_ROUNDED, 39, "the numbers of a file move vertices, or spoil triangles")                                                                     \
-    X(BVX_WARN_FAR, 40, "a vertex far from all others leaves these few voxels")                                                                            \
-    X(BVX_WARN_FILE, 41, "a file could not be removed")
-enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 42 };
+    X(BVX_WARN_READ, 39, "something in a file was left out or mended")                                                                                     \
+    X(BVX_WARN_ROUNDED, 40, "the numbers of a file move vertices, or spoil triangles")                                                                     \
+    X(BVX_WARN_FAR, 41, "a vertex far from all others leaves these few voxels")                                                                            \
+    X(BVX_WARN_FILE, 42, "a file could not be removed")
+enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 43 };
 
 /** One warning. The library owns it and may append fields. */
 typedef struct bvx_warning {

@@ -203,6 +203,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
 #define REPAIR_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
+#define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
 int bvxi_changed_as_asked(const bvx_repair_report *r)
 {
@@ -237,6 +238,17 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, doubl
         BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)r->handles, finer);
     if (r->shelled && r->shelled_area > REPAIR_SHELLED * r->before.area)
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, r->shelled_area, r->before.area);
+}
+
+/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
+static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r)
+{
+    const double *const h = r->lattice.spacing;
+    double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
+    double const share = (double)r->sheet_edges * 6.0 / (edges * r->after.area);
+
+    if (r->holes != 0 && share > REPAIR_LIDS)
+        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), r->longest_hole);
 }
 
 /* 1: volume and area of the mesh are those of its body. */
@@ -278,6 +290,7 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
     if (has_lost_walls(r)) warn_of_walls(ctx, r);
     warn_of_topology(ctx, r, bvxi_advised(2.0 * longest));
+    warn_of_lids(ctx, r);
     warn_of_size(ctx, r, bvxi_advised(2.0 * longest));
     r->warnings = bvxi_warned(ctx);
 }
