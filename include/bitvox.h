@@ -2314,6 +2314,9 @@ typedef struct bvx_sections_report {
                                   a cell, or pinned. Only the Euler number shows those round several */
     uint64_t specks;         /**< parts of the mesh with one contour alone, which fits into a cell */
     uint64_t lost_loops;     /**< loops most of whose points are no vertices */
+    uint64_t apart;          /**< parts that end towards another one with no plane between: whether they are
+                                  one contours leave open */
+    double apart_at[4][3];   /**< the first of these places, on contours [Units: world] */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {

@@ -504,6 +504,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "handles_left", r->handles_left);
     cli_json_count(t, "specks", r->specks);
     cli_json_count(t, "lost_loops", r->lost_loops);
+    cli_json_count(t, "apart", r->apart);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -548,6 +549,14 @@ static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *
                 " gaps where planes cross the surface does not follow the contours, which contradict each "
                 "other",
                 r->unkept_points, r->unkept_edges, r->gaps);
+        /* A wish for parts that is not met says so too. */
+        if (r->apart != 0 && !cli_given(run, "--parts"))
+            cli_advise(
+                made,
+                "%" PRIu64
+                " parts end towards another one with no plane between, as near (%g, %g, %g): whether they "
+                "are one the contours leave open; a section there, or more --cells, decides it",
+                r->apart, r->apart_at[0][0], r->apart_at[0][1], r->apart_at[0][2]);
         if (r->specks != 0)
             cli_advise(made,
                        "%" PRIu64

@@ -177,7 +177,8 @@ static bvx_status take_mended(bvx_context *ctx, const bvxi_mended *from, uint32_
             memcpy(at, s->points + 3 * p, sizeof at);
             for (int a = 0; a < 2; a++)
                 for (int k = 0; k < 3 && from->nudge[p][a] != 0; k++)
-                    at[k] += axis[a][k] * (from->nudge[p][a] * step_length(from->grid.step[a], from->grid.fine));
+                    at[k] += axis[a][k] *
+                             (from->nudge[p][a] * step_length(from->grid.step[a], from->grid.fine));
             BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
         }
     }
@@ -217,7 +218,8 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     }
     one.normals = NULL;
     one.section_count = 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend", &one.loops));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend",
+                        &one.loops));
     for (uint32_t k = 0; k < given->section_count; k++) {
         one.loop_count = 0;
         one.positions = given->positions + k;

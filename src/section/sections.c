@@ -322,7 +322,8 @@ static bvx_status build_planes(bvx_context *context, const bvx_sections *section
 
     memset(&mended, 0, sizeof mended);
     if (o->mend)
-        status = BVXI_SHARE(context, 0.0, 0.1, bvxi_mend_planes(context, sections_name, sections, o, &mended));
+        status = BVXI_SHARE(context, 0.0, 0.1,
+                            bvxi_mend_planes(context, sections_name, sections, o, &mended));
     if (status == BVX_OK)
         status = BVXI_SHARE(context, 0.1, 0.9,
                             bvxi_oblique_body(context, sections_name, &mended.sections, o, report, mesh));
