@@ -1110,8 +1110,8 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
  *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
  *  smooth lids, overlapping parts become one, sheets become shells, and walls too thin for the lattice are
- *  kept (thin). Details smaller than a voxel are lost, and rods thinner than one come out thicker. The steps,
- *  and what counts as a sheet: docs/rules.md.
+ *  kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller than a voxel are lost,
+ *  and rods thinner than one come out thicker. The steps, and what counts as a sheet: docs/rules.md.
  *  mesh      triangles without area do no harm; vertices must be finite, used or not
  *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts

@@ -176,6 +176,9 @@ static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx
             BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
         }
     }
+    bvxi_drop(ctx, mended.nudge);
+    bvxi_drop(ctx, mended.sections.loops);
+    bvxi_drop(ctx, mended.sections.points);
     return BVX_OK;
 }
 

@@ -81,9 +81,8 @@ struct bvxi_collapse {
     uint64_t crossings;
     int listed; /* 1: all of the level's were looked for */
 
-    float reached;    /* cost of the dearest edges that were tried */
-    uint64_t refused; /* edges, since all were looked at */
-    double crumpled;  /* mean edges that a vertex may lie from the planes that it stands for */
+    float reached;   /* cost of the dearest edges that were tried */
+    double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
     double scale;     /* quadrics measure lengths in units of 1 / scale, the mesh's size */
     double area;      /* of the mesh as it was opened, in the same units */
     double low[3];

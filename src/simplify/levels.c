@@ -122,17 +122,15 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    bvx_mesh_view view;
     bvx_level_report *r;
 
-    bvx_mesh_view_of(&c->levels[i], &view);
     if (c->reports == NULL) return BVX_OK;
 
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, certify_level(ctx, c, collapse, &c->levels[i], r)));
-    r->vertices = view.vertex_count;
-    r->triangles = view.triangle_count;
+    r->vertices = c->levels[i].vertex_count;
+    r->triangles = c->levels[i].triangle_count;
     r->target = target_of(c, i);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
@@ -291,13 +289,6 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                               int *met)
-{
-    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met)
-                                    : make_by_count(c, i, collapse, met);
-}
-
 /* By count the collapse went as far as it could; by error it had nothing to take back. */
 static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
 {
@@ -318,7 +309,9 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
+                        c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
+                                                 : make_by_count(c, i, collapse, &met)));
     if (c->strict && !met) return refuse_missed(ctx, c, i);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
