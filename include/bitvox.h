@@ -333,17 +333,20 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_LIDS, 33,                                                                                                                                   \
       "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in the input says how the "                                      \
       "body went on there; close such holes first where that matters")                                                                                     \
-    X(BVX_WARN_UNJOINED, 34, "parts of sections share no area with the next section and do not join it")                                                   \
-    X(BVX_WARN_EMPTY, 35, "the result is empty, or has no inside")                                                                                         \
-    X(BVX_WARN_UNMET, 36, "a wish, an option or a level that is requested has no effect")                                                                  \
-    X(BVX_WARN_ENDS, 37, "what was made reaches the sides of its grid and ends there")                                                                     \
-    X(BVX_WARN_LOST, 38,                                                                                                                                   \
+    X(BVX_WARN_OPEN_PARTS, 34,                                                                                                                             \
+      "%d part%s end towards another one with no plane between, one in %b: whether they are one the contours leave "                                       \
+      "open; a section there, or more cells, decides it")                                                                                                  \
+    X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it")                                                   \
+    X(BVX_WARN_EMPTY, 36, "the result is empty, or has no inside")                                                                                         \
+    X(BVX_WARN_UNMET, 37, "a wish, an option or a level that is requested has no effect")                                                                  \
+    X(BVX_WARN_ENDS, 38, "what was made reaches the sides of its grid and ends there")                                                                     \
+    X(BVX_WARN_LOST, 39,                                                                                                                                   \
       "what the input has the file cannot hold: attributes, materials, names, the lattice")                                                                \
-    X(BVX_WARN_READ, 39, "something in a file was left out or mended")                                                                                     \
-    X(BVX_WARN_ROUNDED, 40, "the numbers of a file move vertices, or spoil triangles")                                                                     \
-    X(BVX_WARN_FAR, 41, "a vertex far from all others leaves these few voxels")                                                                            \
-    X(BVX_WARN_FILE, 42, "a file could not be removed")
-enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 43 };
+    X(BVX_WARN_READ, 40, "something in a file was left out or mended")                                                                                     \
+    X(BVX_WARN_ROUNDED, 41, "the numbers of a file move vertices, or spoil triangles")                                                                     \
+    X(BVX_WARN_FAR, 42, "a vertex far from all others leaves these few voxels")                                                                            \
+    X(BVX_WARN_FILE, 43, "a file could not be removed")
+enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 44 };
 
 /** One warning. The library owns it and may append fields. */
 typedef struct bvx_warning {
@@ -2389,6 +2392,9 @@ typedef struct bvx_sections_report {
     uint64_t specks;         /**< parts of the mesh with one contour alone, which fits into a cell */
     uint64_t lost_loops;     /**< loops most of whose points are no vertices */
     uint64_t warnings;       /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t apart;          /**< parts that end towards another one with no plane between: whether they are
+                                  one contours leave open */
+    double apart_at[4][3];   /**< the first of these places, on contours [Units: world] */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {

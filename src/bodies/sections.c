@@ -191,7 +191,7 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
                               const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
 {
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, 0.0, mended)));
     if (mended->sections.loop_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
                          sections_name);
@@ -451,6 +451,13 @@ void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
 
     if (r->planes != 0 && contradicted != 0)
         BVXI_WARN(ctx, BVX_WARN_CONTOURS, (double)r->unkept_points, (double)r->unkept_edges, (double)r->gaps);
+    if (r->apart != 0) {
+        bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_OPEN_PARTS, (double)r->apart);
+
+        w->placed = 1;
+        memcpy(w->low, r->apart_at[0], sizeof w->low);
+        memcpy(w->high, r->apart_at[0], sizeof w->high);
+    }
     if (r->planes != 0 && r->specks != 0) BVXI_WARN(ctx, BVX_WARN_SPECKS, (double)r->specks);
     if (r->planes != 0 && r->handles_left != 0)
         BVXI_WARN(ctx, BVX_WARN_EXTRA_HANDLES, (double)r->handles_left);

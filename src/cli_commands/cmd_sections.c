@@ -504,6 +504,7 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_count(t, "handles_left", r->handles_left);
     cli_json_count(t, "specks", r->specks);
     cli_json_count(t, "lost_loops", r->lost_loops);
+    cli_json_count(t, "apart", r->apart);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");

@@ -127,9 +127,8 @@ static double step_length(double cell, int32_t fine)
     return cell / (double)(1 << (fine - 1));
 }
 
-/* least: how long steps are at least. */
-static bvx_status mend_with_steps(bvx_context *ctx, const char *function, const bvx_sections *given,
-                                  const bvx_sections_options *options, double least, bvxi_mended *m)
+bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
+                     const bvx_sections_options *options, double least, bvxi_mended *m)
 {
     bvx_sections kept;
     bvxi_stack s;
@@ -148,53 +147,38 @@ static bvx_status mend_with_steps(bvx_context *ctx, const char *function, const 
     return BVX_OK;
 }
 
-bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
-                     const bvx_sections_options *options, bvxi_mended *m)
-{
-    return mend_with_steps(ctx, function, given, options, 0.0, m);
-}
-
 /* ---- planes of any direction ---- */
 
-/* Mended loops with their points where steps put them: bodies of such planes are made by places alone. */
-static bvx_status take_mended(bvx_context *ctx, const bvxi_mended *from, uint32_t section, bvxi_mended *m)
-{
-    const bvx_sections *const s = &from->sections;
-    double axis[3][3];
-
-    BVXI_TRY(bvxi_section_frame(ctx, "", s->normal, axis));
-    for (uint64_t i = 0; i < s->loop_count; i++) {
-        uint64_t const first = s->loops[i].first_point, end = first + s->loops[i].point_count;
-
-        BVXI_TRY(bvxi_mended_add_loop(ctx, m, section, s->loops[i].label));
-        for (uint64_t p = first; p < end; p++) {
-            double at[3];
-
-            memcpy(at, s->points + 3 * p, sizeof at);
-            for (int a = 0; a < 2; a++)
-                for (int k = 0; k < 3 && from->nudge[p][a] != 0; k++)
-                    at[k] += axis[a][k] * (from->nudge[p][a] * step_length(from->grid.step[a], from->grid.fine));
-            BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
-        }
-    }
-    m->loops += from->loops;
-    return BVX_OK;
-}
-
-/* The loops of one section as a stack of one plane, which holds them. */
+/* The loops of one section, a stack of one plane, with their points where steps put them: bodies of such planes
+ * are made by places alone. */
 static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx_sections *one,
                                uint32_t section, const bvx_sections_options *o, double least, bvxi_mended *m)
 {
     bvxi_mended mended;
-    bvx_status status = mend_with_steps(ctx, function, one, o, least, &mended);
+    double axis[3][3];
+    bvx_status const status = bvxi_mend(ctx, function, one, o, least, &mended);
+    const bvx_section_loop *l = mended.sections.loops;
 
-    if (status == BVX_OK) status = take_mended(ctx, &mended, section, m);
+    /* Nothing of them encloses an area. */
+    m->loops += status == BVX_ERR_EMPTY ? one->loop_count : mended.loops;
+    if (status != BVX_OK) return status == BVX_ERR_EMPTY ? BVX_OK : status;
+    BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
+    for (; l < mended.sections.loops + mended.sections.loop_count; l++) {
+        BVXI_TRY(bvxi_mended_add_loop(ctx, m, section, l->label));
+        for (uint64_t p = l->first_point; p < l->first_point + l->point_count; p++) {
+            double at[3];
+
+            memcpy(at, mended.sections.points + 3 * p, sizeof at);
+            for (int a = 0; a < 2; a++)
+                for (int k = 0; k < 3 && mended.nudge[p][a] != 0; k++)
+                    at[k] += axis[a][k] *
+                             (mended.nudge[p][a] * step_length(mended.grid.step[a], mended.grid.fine));
+            BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
+        }
+    }
     bvxi_drop(ctx, mended.nudge);
     bvxi_drop(ctx, mended.sections.loops);
     bvxi_drop(ctx, mended.sections.points);
-    if (status != BVX_ERR_EMPTY) return status;
-    /* Nothing of them encloses an area. */
-    m->loops += one->loop_count;
     return BVX_OK;
 }
 
@@ -215,7 +199,8 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     }
     one.normals = NULL;
     one.section_count = 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend", &one.loops));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend",
+                        &one.loops));
     for (uint32_t k = 0; k < given->section_count; k++) {
         one.loop_count = 0;
         one.positions = given->positions + k;
@@ -230,6 +215,5 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
         if (one.loop_count != 0)
             BVXI_TRY(mend_section(ctx, function, &one, k, &o, MEND_LEAST_STEP * widest, m));
     }
-    bvxi_drop(ctx, one.loops);
     return BVX_OK;
 }

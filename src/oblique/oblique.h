@@ -313,6 +313,8 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
 bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t triangles, uint64_t vertices,
                            const uint8_t *asked, uint64_t *broken);
 
+/* oblique_parts.c: parts that end towards each other, counted and joined; those joined already are at their roots. */
+bvx_status bvxi_oblique_apart(bvxi_oblique *o, uint32_t *joined);
 /* oblique_surface.c */
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 

@@ -337,7 +337,7 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
 }
 
 /* Bodies with contours on them, their vertices numbered anew; joined becomes the new numbers. */
-static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
+static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
 {
     uint64_t kept = 0;
 
@@ -348,6 +348,7 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
     memset(o->kept, 0, (size_t)o->position_count);
     mark_bodies(o, joined);
+    BVXI_TRY(bvxi_oblique_apart(o, joined));
 
     /* Triangles of the others go; the order of those that stay is as it was. */
     for (uint64_t t = 0; t < o->triangle_count; t++) {
@@ -365,6 +366,7 @@ static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
         if (*number == BVXI_NONE) *number = (uint32_t)(*vertices)++;
         o->triangle[t] = *number;
     }
+    return BVX_OK;
 }
 
 /* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is
@@ -392,7 +394,7 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     BVXI_TRY(refuse_torn(o));
     memset(o->kept, 0, (size_t)o->position_count);
     give_contour_points(o);
-    keep_bodies(o, joined, &vertices);
+    BVXI_TRY(keep_bodies(o, joined, &vertices));
     oblique_count_unkept(o, joined);
     if (o->triangle_count == 0)
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,

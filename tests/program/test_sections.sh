@@ -117,6 +117,10 @@ gives 'planes that cross' 0 'closed, manifold, oriented' sections cross.csl -o c
 printf 'CSLC\n2 1\n1 8 2 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0 4 4 0 8 4 0 8 8 0 4 8 0\n4 1 0 1 2 3\n4 1 4 5 6 7\n2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n' >corner.csl
 gives 'planes that cross: loops that touch' 1 'cross or touch, after their points 0 and 2, near (4, 4, 0); --mend splits loops there' sections corner.csl -o x.ply
 gives 'are mended' 0 '; 2 loops mended' sections corner.csl -o corner.ply --mend --cells 16
+printf 'CSLC\n2 1\n1 4 1 1 0 -0.1 -3\n-3 -1 0 -3 1 0 -2.9 1 1 -2.9 -1 1\n4 1 0 1 2 3\n2 4 1 1 0 0.1 -3\n3 -1 0 3 1 0 2.9 1 1 2.9 -1 1\n4 1 0 1 2 3\n' |
+    sed 's/^1 4 1 1 0 -0.1 -3/1 4 1 1 0 -0.1 3/' >ends.csl
+gives 'a body that falls into parts' 0 '1 parts end towards another one with no plane between, as near (' sections ends.csl -o ends.ply --cells 16
+gives 'a wish for parts says it too' 0 '--parts 1 is not met: the surface has 2 pieces' sections ends.csl -o ends.ply --cells 16 --parts 1
 sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
 gives 'a wish for handles of planes that cross' 0 'of handles that no contour needs 0 were filled, 0 cut, and 0 are left' \
     sections cross.csl -o cross.ply --cells 16 --genus 1

@@ -759,6 +759,44 @@ static void test_normals_of_parallel_planes_change_nothing(void)
     TEST_ASSERT_EQUAL_HEX64(one, two);
 }
 
+/* Both ends of a bar by a plane each: what is between is a guess, unless a plane along the bar shows it. */
+static void test_parts_that_contours_leave_open_are_counted(void)
+{
+    for (int along = 0; along < 2; along++) {
+        uint32_t k;
+        stack_oblique(&stack);
+        for (int side = -1; side <= 1; side += 2) {
+            k = stack_plane(&stack, 1, 0, 0.05 * side, 3 * side / sqrt(1.0025));
+            stack_ball_cut(&stack, k, 3 * side, 0, 0, 0.4, 40);
+        }
+        if (along) {
+            k = stack_plane(&stack, 0, 0, 1, 0);
+            stack_loop(&stack, k);
+            for (int i = 0; i < 4; i++)
+                stack_point(&stack, i == 0 || i == 3 ? -3.5 : 3.5, i < 2 ? -0.4 : 0.4);
+        }
+        o.cells = 32;
+        build_good();
+        TEST_ASSERT_EQUAL_UINT64(along ? 1 : 2, certificate.components);
+        TEST_ASSERT_EQUAL_UINT64(along ? 0 : 1, report.apart);
+        TEST_ASSERT_TRUE(along || fabs(fabs(report.apart_at[0][0]) - 3.0) < 0.1);
+    }
+
+    /* Balls apart, with planes between. */
+    for (uint64_t seed = 1; seed <= 3; seed++) {
+        uint64_t places = seed;
+        stack_oblique(&stack);
+        for (int i = 0; i < 16; i++) {
+            uint32_t const k = stack_any_plane(&stack, &places, 2.5);
+            stack_ball_cut(&stack, k, -2, 0, 0, 1.0, 60);
+            stack_ball_cut(&stack, k, 2, 0, 0, 1.0, 60);
+        }
+        build_good();
+        TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
+        TEST_ASSERT_EQUAL_UINT64(0, report.apart);
+    }
+}
+
 static void test_threads_change_no_oblique_body(void)
 {
     uint64_t hash[3];
@@ -999,6 +1037,7 @@ int main(void)
     RUN_TEST(test_nearly_coincident_planes);
     RUN_TEST(test_nearly_parallel_planes);
     RUN_TEST(test_normals_of_parallel_planes_change_nothing);
+    RUN_TEST(test_parts_that_contours_leave_open_are_counted);
     RUN_TEST(test_threads_change_no_oblique_body);
     RUN_TEST(test_cells_and_spacing_are_one_thing);
     RUN_TEST(test_contradictions_are_named_or_settled);

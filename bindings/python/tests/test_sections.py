@@ -90,6 +90,12 @@ def test_loops_that_meet_are_mended():
     assert oblique.surface(cells=16, mend=True).report.mended_loops == 2
 
 
+def test_parts_that_end_towards_each_other_are_told():
+    ends = Sections.on_planes([np.array([[x, -1, 0], [x, 1, 0], [0.96 * x, 1, 1], [0.96 * x, -1, 1]]) for x in (-3.0, 3.0)])
+    with pytest.warns(UserWarning, match="1 parts end towards another one"):
+        assert ends.surface(cells=16).report.apart == 1
+
+
 def test_slices_of_a_mesh_that_crosses_itself():
     ball = bitvox.surface(ball_grid(), dtype="float64")
     points = np.concatenate([ball.vertices, ball.vertices + [5, 3, 0.3]])
