@@ -808,6 +808,8 @@ const cli_command cli_sections = {
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
+    .most = "--grid --spacing --layers --blend --caps --close-gap --join --mend --crossings "
+            "--triangles --threads --json",
     .rows = sections_rows,
     .start = start_sections,
     .own = sizeof(sections_options),

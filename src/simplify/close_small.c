@@ -489,6 +489,7 @@ bvx_status bvxi_collapse_close_small(bvxi_collapse *c, double longest, uint64_t 
     if (w.done != 0) {
         /* What was collapsed before has other triangles around it now: it can no more be undone. */
         memset(c->last, 0xff, (size_t)c->mesh.vertices * sizeof *c->last);
+        memset(c->stale, 1, (size_t)c->mesh.vertices);
         c->order++;
         BVXI_TRY(bvxi_collapse_evaluate(c));
     }

@@ -255,7 +255,9 @@ static void evaluate_piece(void *user, int32_t index, int32_t worker)
 
     bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
     for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
-        if (bvxi_corner_gone(m, 4 * t)) continue;
+        const uint32_t *const v = m->triangle[t].vertex;
+
+        if (bvxi_corner_gone(m, 4 * t) || c->stale[v[0]] + c->stale[v[1]] + c->stale[v[2]] < 2) continue;
         /* Each edge once, from the smaller corner: ghosts have none. */
         for (int32_t edge = 4 * t; edge < 4 * t + 3; edge++)
             if (edge < bvxi_corner_opposite(m, edge))
@@ -271,7 +273,8 @@ static void least_piece(void *user, int32_t index, int32_t worker)
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
     for (uint64_t v = begin; v < end; v++)
-        if (!bvxi_collapse_is_gone(c, (uint32_t)v)) bvxi_edge_find_least(c, (uint32_t)v);
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v) && (c->stale[v] != 0 || c->edge[v] < 0))
+            bvxi_edge_find_least(c, (uint32_t)v);
 }
 
 void bvxi_collapse_index(bvxi_collapse *c)
@@ -294,6 +297,7 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 {
     bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
     bvxi_collapse_find_least(c);
+    memset(c->stale, 0, (size_t)c->mesh.vertices);
     return BVX_OK;
 }
 

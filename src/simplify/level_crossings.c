@@ -20,7 +20,7 @@ enum {
     WIDTH = CROSSING_WIDTH,
     BOX_HIGHEST = 32767,
     CROSSING_GRAIN = 64, /* nodes of a task, at least */
-    CROSSING_KEYS = 8192 /* pairs that there is room for before they are counted */
+    CROSSING_KEYS = 32768 /* pairs that there is room for before they are counted */
 };
 
 typedef crossing_node box_node;
@@ -224,19 +224,28 @@ static int same_position(const double *p, const double *q)
 /* What planes leave open: equal positions are one pointer to the exact test. */
 static int crosses_exactly(const bvxi_orient_plane *plane, const double *const p[3], const double *q[3])
 {
+    int joined = 0;
+
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (q[k] != p[i] && same_position(q[k], p[i])) q[k] = p[i];
-    return bvxi_triangles_cross_at(plane, p, q) && bvxi_has_area(p) && bvxi_has_area(q);
+        for (int k = 0; k < 3; k++) {
+            if (q[k] == p[i] || !same_position(q[k], p[i])) continue;
+            q[k] = p[i];
+            joined = 1;
+        }
+    return (joined ? bvxi_triangles_cross_at(plane, p, q) : bvxi_triangles_cross_rest(p, q)) &&
+           bvxi_has_area(p) && bvxi_has_area(q);
 }
 
 static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
                    uint64_t t)
 {
     const double *q[3];
+    bvxi_orient_plane other;
 
     corners_in(tree, t, q);
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
+    bvxi_orient_plane_of(q, &other);
+    if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
     return crosses_exactly(plane, p, q);
 }
 

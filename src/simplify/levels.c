@@ -5,6 +5,7 @@
 #include "simplify/collapse.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
+#include "mesh/view.h"
 
 #include <math.h>
 
@@ -65,31 +66,31 @@ static bvx_status measure_level(bvx_context *ctx, bvxi_level_chain *c, const bvx
 static double smallest_angle(const bvx_mesh *level)
 {
     bvx_mesh_view view;
-    double least = BVXI_PI;
+    double least = BVXI_PI, least_x = 0, least_y = 0;
 
     bvx_mesh_view_of(level, &view);
     for (uint64_t t = 0; t < level->triangle_count; t++) {
         double p[3][3];
 
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) {
-                uint64_t const at = 3 * (uint64_t)level->triangles[3 * t + (uint64_t)k] + (uint64_t)a;
-                p[k][a] = level->position_type == BVX_F64 ? ((const double *)level->positions)[at]
-                                                          : (double)((const float *)level->positions)[at];
-            }
+        for (int k = 0; k < 3; k++) bvxi_view_position(&view, level->triangles[3 * t + (uint64_t)k], p[k]);
         for (int k = 0; k < 3; k++) {
-            double u[3], v[3], n[3], angle;
+            double u[3], v[3], n[3], x, y, angle;
 
             for (int a = 0; a < 3; a++) {
                 u[a] = p[(k + 1) % 3][a] - p[k][a];
                 v[a] = p[(k + 2) % 3][a] - p[k][a];
             }
-            for (int a = 0; a < 3; a++)
-                n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-            /* Not atan2, which C libraries round differently. */
-            angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2],
-                               sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
-            if (angle < least) least = angle;
+            bvxi_vec_cross(u, v, n);
+            x = bvxi_vec_dot(u, v);
+            y = bvxi_vec_length(n);
+
+            /* Most are wider, by more than rounding. Not atan2, which C libraries round differently. */
+            if (least_x > 0 && x * least_y < 0.999999 * least_x * y) continue;
+            angle = bvxi_angle(x, y);
+            if (!(angle < least)) continue;
+            least = angle;
+            least_x = x;
+            least_y = y;
         }
     }
     return least * (180 / BVXI_PI);
@@ -121,7 +122,6 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
     bvx_mesh_view view;
     bvx_level_report *r;
 
@@ -140,7 +140,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->handles_cut = c->closed.handles;
     r->holes_filled = c->closed.holes;
     r->longest_closed = c->closed.longest;
-    r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
+    r->refused = bvxi_collapse_tried(collapse)->refused;
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->target_errors != NULL || c->measure_samples != 0;
