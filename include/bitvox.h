@@ -247,6 +247,118 @@ typedef struct bvx_error {
  *  [Cost: O(1)] */
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
+/** What a call that succeeded has cost, or could not do: a frozen number, and a text. %d, %g, %p (a share, as a
+ *  percentage) stand for the warning's values in order, %b for its box, and words in braces are left out where
+ *  the first value in them is 0: a resolution of more than 4,096 is not advised. The program words those from
+ *  BVX_WARN_UNJOINED on by itself. */
+#define BVX_WARN_LIST(X)                                                                                                                                   \
+    X(BVX_WARN_NONE, 0, "nothing to warn of")                                                                                                              \
+    X(BVX_WARN_THIN_LOST, 1,                                                                                                                               \
+      "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %d voxel%s, in %b"                                                     \
+      "{; a resolution of %d keeps nine tenths of them}")                                                                                                  \
+    X(BVX_WARN_THICKER, 2,                                                                                                                                 \
+      "the result has a volume of %g, all parts of the input together %g (%p): what is thinner than a "                                                    \
+      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}")                                                                     \
+    X(BVX_WARN_VOLUME, 3,                                                                                                                                  \
+      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}")                                                            \
+    X(BVX_WARN_AREA, 4,                                                                                                                                    \
+      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}")                                             \
+    X(BVX_WARN_PARTS, 5,                                                                                                                                   \
+      "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap closed "                                                   \
+      "around an empty space{; a resolution of %d may keep it}")                                                                                           \
+    X(BVX_WARN_JOINED, 6,                                                                                                                                  \
+      "the result has %d part%s, the input %d: parts less than two voxels apart became one, or smaller ones are lost{; a resolution of %d may keep them}") \
+    X(BVX_WARN_HANDLES, 7,                                                                                                                                 \
+      "the result has %d handle%s, the input %d: what is less than a voxel thick, or apart, has opened or "                                                \
+      "met{; a resolution of %d may keep it}")                                                                                                             \
+    X(BVX_WARN_SHELLS, 8,                                                                                                                                  \
+      "%d triangle%s with %g of the area of %g enclose nothing and became hollow shells; shell sets their "                                                \
+      "thickness")                                                                                                                                         \
+    X(BVX_WARN_SHELLED_BODIES, 9,                                                                                                                          \
+      "%d triangle%s of bodies thinner than voxels became shells, which are thicker than these bodies"                                                     \
+      "{; a resolution of %d may keep them}")                                                                                                              \
+    X(BVX_WARN_CRUMBS, 10,                                                                                                                                 \
+      "dropped, since what is thinner than a voxel broke: %d small part%s that the input does not have"                                                    \
+      "{; a resolution of %d may keep it}")                                                                                                                \
+    X(BVX_WARN_LEVEL_PARTS, 11,                                                                                                                            \
+      "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more levels}")                                                              \
+    X(BVX_WARN_LEVEL_VOLUME, 12,                                                                                                                           \
+      "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles keep it nearer"                                                      \
+      "{; so it is for %d more levels}")                                                                                                                   \
+    X(BVX_WARN_TARGET, 13,                                                                                                                                 \
+      "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing edges leaves sound"                                             \
+      "{ with %d handle%s}; take a larger target{; %d more levels miss theirs}")                                                                           \
+    X(BVX_WARN_ERROR, 14,                                                                                                                                  \
+      "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more levels miss "                                                \
+      "theirs}")                                                                                                                                           \
+    X(BVX_WARN_CUT, 15,                                                                                                                                    \
+      "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first from %b; levels "                                            \
+      "of the solid join what they part")                                                                                                                  \
+    X(BVX_WARN_LOWERED, 16,                                                                                                                                \
+      "the memory limit lowered the resolution from %d to %d voxels along the longest axis; a larger limit "                                               \
+      "keeps more detail")                                                                                                                                 \
+    X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s")                                                                             \
+    X(BVX_WARN_TURNED, 18,                                                                                                                                 \
+      "turned since they faced the other way than the rest of their patch: %d triangle%s")                                                                 \
+    X(BVX_WARN_ROWS, 19,                                                                                                                                   \
+      "%d of %d rows of centres do not balance, where the surface has holes or flipped triangles; a repair closes them, "                                  \
+      "and the rule below fills under open terrain")                                                                                                       \
+    X(BVX_WARN_NESTED, 20,                                                                                                                                 \
+      "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; the rule "                                        \
+      "nonzero has it solid")                                                                                                                              \
+    X(BVX_WARN_LEAKS, 21,                                                                                                                                  \
+      "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps may hold it, the rules "                                     \
+      "vote and regions do without")                                                                                                                       \
+    X(BVX_WARN_MIXED, 22,                                                                                                                                  \
+      "%d of %d regions are not on one side, since a hole joins them or the axes disagree: each of their %d voxels "                                       \
+      "kept its own vote")                                                                                                                                 \
+    X(BVX_WARN_VOXELS, 23,                                                                                                                                 \
+      "the voxels have a volume of %g, the input about %g (%p){; a resolution of %d is within 1 %%}")                                                      \
+    X(BVX_WARN_FEW, 24, "few or no voxels show this body{; a resolution of %d does}")                                                                      \
+    X(BVX_WARN_FEW_RESULT, 25, "few voxels show the result{; a resolution of %d does}")                                                                    \
+    X(BVX_WARN_APART, 26, "it does not reach the first body: nothing was taken away")                                                                      \
+    X(BVX_WARN_CONTOURS, 27,                                                                                                                               \
+      "at %d points, %d edges and %d gaps where planes cross the surface does not follow the contours, which "                                             \
+      "contradict each other")                                                                                                                             \
+    X(BVX_WARN_SPECKS, 28,                                                                                                                                 \
+      "parts of one contour alone, smaller than a cell: %d; more cells, or leaving out those contours, may join them "                                     \
+      "to the body")                                                                                                                                       \
+    X(BVX_WARN_EXTRA_HANDLES, 29, "left, though no contour needs them: %d handle%s")                                                                       \
+    X(BVX_WARN_CELLS, 30,                                                                                                                                  \
+      "%d edges and %d loops are too fine for the cells: what joins them to the next section is a guess{; a subdivision "                                  \
+      "of %d may help}")                                                                                                                                   \
+    X(BVX_WARN_WINDOWS, 31,                                                                                                                                \
+      "between %d pairs of sections walls are too thin for the cells and may have windows; a finer grid closes them")                                      \
+    X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s")                                                                                              \
+    X(BVX_WARN_UNJOINED, 33, "parts of sections share no area with the next section and do not join it")                                                   \
+    X(BVX_WARN_EMPTY, 34, "the result is empty, or has no inside")                                                                                         \
+    X(BVX_WARN_UNMET, 35, "a wish, an option or a level that is requested has no effect")                                                                  \
+    X(BVX_WARN_ENDS, 36, "what was made reaches the sides of its grid and ends there")                                                                     \
+    X(BVX_WARN_LOST, 37,                                                                                                                                   \
+      "what the input has the file cannot hold: attributes, materials, names, the lattice")                                                                \
+    X(BVX_WARN_READ, 38, "something in a file was left out or mended")                                                                                     \
+    X(BVX_WARN_ROUNDED, 39, "the numbers of a file move vertices, or spoil triangles")                                                                     \
+    X(BVX_WARN_FAR, 40, "a vertex far from all others leaves these few voxels")                                                                            \
+    X(BVX_WARN_FILE, 41, "a file could not be removed")
+enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 42 };
+
+/** One warning. The library owns it and may append fields. */
+typedef struct bvx_warning {
+    int32_t code;  /**< BVX_WARN_... */
+    int32_t input; /**< 0 or 1: the mesh of several that it is about; -1: the result, or the only mesh */
+    int32_t value_count;    /**< [Limit: 0..6] */
+    int32_t placed;         /**< 1: low and high are filled */
+    double value[6];        /**< what the text names, in order */
+    double low[3], high[3]; /**< the box that it is about [Units: world] */
+    const char *name;       /**< "BVX_WARN_..." */
+    const char *text;       /**< one line for people; valid until the next call with this context */
+} bvx_warning;
+
+/** The next warning of the last call, which succeeded; NULL: there is none, or no more. Calls warn as far as they
+ *  measure: a report makes them. Its bits, 1 << BVX_WARN_..., are in the report too.
+ *  [Cost: O(1)] */
+BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
+
 /** Bytes that are held now, results included; and the maximum since creation or the last reset. */
 BVX_API uint64_t bvx_memory_used(const bvx_context *context);
 BVX_API uint64_t bvx_memory_peak(const bvx_context *context);
@@ -641,6 +753,7 @@ typedef struct bvx_solid_report {
                                     crossing_volume where that is 0), by how far off it is now; 0: it is
                                     within 1 %, or no resolution is. Not in bvx_boolean_report */
     int32_t reserved;
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives; not in bvx_boolean_report */
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {
@@ -1080,6 +1193,7 @@ typedef struct bvx_repair_report {
                                  the input. Walls that thin_voxels counts are not all in it. 0: copied, or
                                  nothing encloses a centre. Rounded to a float [Units: world] */
     double shelled_area;    /**< of shelled_triangles [Units: world^2] */
+    uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {
@@ -1122,8 +1236,8 @@ BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
  *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
  *  smooth lids, overlapping parts become one, sheets become shells, and walls too thin for the lattice are
- *  kept (thin). Details smaller than a voxel are lost, and rods thinner than one come out thicker. The steps,
- *  and what counts as a sheet: docs/rules.md.
+ *  kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller than a voxel are lost,
+ *  and rods thinner than one come out thicker. The steps, and what counts as a sheet: docs/rules.md.
  *  mesh      triangles without area do no harm; vertices must be finite, used or not
  *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts
@@ -1158,7 +1272,8 @@ typedef struct bvx_levels_report {
     bvx_repair_report repair;   /**< solid: what was found and done */
     int32_t resolution;         /**< solid without a lattice: as in the options; else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
-    uint64_t reserved[4];
+    uint64_t warnings;          /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t reserved[3];
 } bvx_levels_report;
 
 typedef struct bvx_levels_options {
@@ -1251,6 +1366,7 @@ typedef struct bvx_boolean_report {
     uint64_t crumbs;   /**< small parts and pockets that neither mesh has a part for: dropped and filled */
     uint64_t parts_dropped;            /**< by least_part and keep_largest */
     bvx_solid_report solid_a, solid_b; /**< how each was filled, before walls are kept */
+    uint64_t warnings;                 /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_boolean_report;
 
 /** Meshes of which thin walls were kept. */
@@ -2283,6 +2399,7 @@ typedef struct bvx_sections_report {
                                   a cell, or pinned. Only the Euler number shows those round several */
     uint64_t specks;         /**< parts of the mesh with one contour alone, which fits into a cell */
     uint64_t lost_loops;     /**< loops most of whose points are no vertices */
+    uint64_t warnings;       /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {

@@ -110,8 +110,10 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     o.given = &with_normals;
     status = make_joint(&o, labels, count, meshes);
     if (status != BVX_OK) drop_bodies(context, meshes, count);
-    if (status == BVX_OK && o.options.report != NULL) *o.options.report = o.report;
-    return status;
+    if (status != BVX_OK || o.options.report == NULL) return status;
+    bvxi_sections_warn(context, &o.report, o.options.depth);
+    *o.options.report = o.report;
+    return BVX_OK;
 }
 
 bvx_status bvx_build_bodies(bvx_context *context, const bvx_sections *sections,

@@ -241,7 +241,6 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
     for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
         const uint32_t *const v = f.corner[i / 3];
 
-        /* Each edge once, at the side that its list begins with. */
         if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
         status = bvxi_oblique_grow(o, &pinched->edge, pinched->count, &pinched->room, sizeof *pinched->edge,
                                    "the edges of a body");
@@ -374,7 +373,6 @@ static bvx_status find_points(joint_faces *f)
         const bvxi_plane *const q = &o->plane[p].plane;
         for (uint32_t n = 0; n < q->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
-            /* The first of several at one vertex. */
             if (v != BVXI_NONE && f->point[v] == 0) f->point[v] = q->given[n] + 1;
         }
         first += q->point_count;

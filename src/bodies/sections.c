@@ -178,7 +178,6 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
         status = BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &count, &crossed));
         if (status != BVX_OK || crossed == 0) break;
         drop_surface(s, &slabs, count);
-        /* Counts begin anew with the surface. */
         s->report = before;
     }
     if (status == BVX_OK) count_nested(s);
@@ -226,7 +225,7 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
 
 /* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
  * such a mesh is refused, not handed out. */
-static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, int own)
+static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
 {
     bvx_certificate c;
     bvx_mesh_view view;
@@ -236,7 +235,11 @@ static bvx_status check_body(bvx_context *ctx, const char *why, bvx_mesh *mesh, 
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
-        status = bvxi_fail_for(ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET, "%s: %s", sections_name, why);
+        status = bvxi_fail_for(
+            ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or "
+            "mend the contours before",
+            sections_name);
     if (status != BVX_OK && own) bvx_mesh_free(ctx, mesh);
     return status;
 }
@@ -292,12 +295,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
             status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
-        status = BVXI_SHARE(
-            context, 0.95, 1.0,
-            check_body(context,
-                       "the mended loops run too near to each other for a closed, manifold mesh; take "
-                       "fewer points, or mend the contours before",
-                       mesh, own));
+        status = BVXI_SHARE(context, 0.95, 1.0, check_body(context, mesh, own));
     if (status == BVX_OK) {
         /* Samples that a full grid would have taken, less those that were measured. */
         stack.report.skipped = stack.report.samples > stack.report.distances
@@ -309,6 +307,32 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
 }
 
 /* ---- planes that each have a normal ---- */
+
+/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
+static bvx_status build_planes(bvx_context *context, const bvx_sections *sections,
+                               const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    int const own = mesh->positions == NULL;
+    bvxi_mended mended;
+    bvx_status status = BVX_ERR_FORMAT;
+
+    memset(&mended, 0, sizeof mended);
+    if (o->mend)
+        status = BVXI_SHARE(context, 0.0, 0.1,
+                            bvxi_mend_planes(context, sections_name, sections, o, &mended));
+    if (status == BVX_OK)
+        status = BVXI_SHARE(context, 0.1, 0.9,
+                            bvxi_oblique_body(context, sections_name, &mended.sections, o, report, mesh));
+    if (status == BVX_ERR_FORMAT) {
+        mended.loops = 0;
+        status = bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+    }
+    if (status == BVX_OK && mended.loops != 0) {
+        report->mended_loops = mended.loops;
+        status = check_body(context, mesh, own);
+    }
+    return status;
+}
 
 static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
                                 const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
@@ -330,7 +354,7 @@ static bvx_status build_normals(bvx_context *context, const bvx_sections *sectio
     stack.positions = positions;
     stack.normals = NULL;
     return parallel ? build_stack(context, &stack, o, left, report, mesh)
-                    : bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+                    : build_planes(context, sections, o, report, mesh);
 }
 
 /* The body of one section, as a slab or a lens. */
@@ -421,6 +445,24 @@ bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, co
     return check_tiny_contours(ctx, function, given);
 }
 
+void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
+{
+    uint64_t const contradicted = r->unkept_points + r->unkept_edges + r->gaps;
+
+    if (r->planes != 0 && contradicted != 0)
+        BVXI_WARN(ctx, BVX_WARN_CONTOURS, (double)r->unkept_points, (double)r->unkept_edges, (double)r->gaps);
+    if (r->planes != 0 && r->specks != 0) BVXI_WARN(ctx, BVX_WARN_SPECKS, (double)r->specks);
+    if (r->planes != 0 && r->handles_left != 0)
+        BVXI_WARN(ctx, BVX_WARN_EXTRA_HANDLES, (double)r->handles_left);
+    /* A finer grid cuts contours in more places; halving cells where two of them run close together helps. */
+    if (r->planes == 0 && r->unkept_edges + r->unkept_loops != 0)
+        BVXI_WARN(ctx, BVX_WARN_CELLS, (double)r->unkept_edges, (double)r->unkept_loops,
+                  depth < BVXI_SECTION_DEEPEST ? BVXI_SECTION_DEEPEST : 0.0);
+    if (r->planes == 0 && r->joined_slabs != 0) BVXI_WARN(ctx, BVX_WARN_WINDOWS, (double)r->joined_slabs);
+    if (r->repeated_points != 0) BVXI_WARN(ctx, BVX_WARN_REPEATED, (double)r->repeated_points);
+    r->warnings = bvxi_warned(ctx);
+}
+
 static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
@@ -439,7 +481,9 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);
     BVXI_TRY(build_any(context, sections, &o, &report, mesh));
-    if (o.report != NULL) *o.report = report;
+    if (o.report == NULL) return BVX_OK;
+    bvxi_sections_warn(context, &report, o.depth);
+    *o.report = report;
     return BVX_OK;
 }
 

@@ -159,7 +159,7 @@ static int make_folder(cli_run *run, const char *folder)
 static void begin_file(cli_run *run, const batch *b, int i)
 {
     cli_lock();
-    for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k]);
+    for (int k = 0; k < run->report.warnings; k++) free(run->report.warning[k].text);
     cli_text_free(&run->report.more);
     memset(&run->report, 0, sizeof run->report);
     for (int k = 0; k < run->outputs; k++) free(run->output[k].path);

@@ -67,7 +67,6 @@ typedef struct boolean_run {
     bvx_boolean_report report;
     bvx_solid_report solid[2]; /* of the inputs that are meshes */
     int is_mesh[2];
-    int32_t few, advised; /* BVX_FEW_..., and the resolution to take */
     cli_reduction reduction;
 } boolean_run;
 
@@ -206,9 +205,9 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (status == BVX_OK) status = bvx_boolean(run->context, &view[0], &view[1], b->operation, &o, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
+    cli_take_warnings(
+        run, (const char *const[]){NULL, cli_input_name(b->in[0].path), cli_input_name(b->in[1].path)});
     /* What is told of a result has one form, whichever way it was made. */
-    b->few = b->report.few;
-    b->advised = b->report.advised_resolution;
     b->solid[0] = b->report.solid_a;
     b->solid[1] = b->report.solid_b;
     b->voxels[0] = b->report.voxels_a;
@@ -224,6 +223,7 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
 {
     bvx_voxelize_options v;
     bvx_mesh_view view;
+    bvx_status status;
 
     bvx_voxelize_options_init(&v, sizeof v);
     /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
@@ -231,7 +231,9 @@ static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *l
     v.window = *window;
     v.report = report;
     bvx_mesh_view_of(&in->mesh, &view);
-    return bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    status = bvx_voxelize_solid(run->context, &view, lattice, &v, &in->grid);
+    cli_take_warnings(run, (const char *const[]){cli_input_name(in->path), NULL, NULL});
+    return status;
 }
 
 /* Operands that are meshes become grids, on the lattice of the one that is a grid. */
@@ -348,113 +350,6 @@ static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_
     cli_text_add(t, "}");
 }
 
-/* A union has no more parts than its meshes have together. They are counted only where that is in question.
- */
-static void warn_of_broken_union(const cli_run *run, const boolean_run *b, cli_made *made)
-{
-    uint64_t const parts = run->report.mesh[0].certificate.components;
-    uint64_t own = 0;
-
-    /* One part, or two that do not meet, are as it should be. */
-    if (!b->by_mesh || b->operation != BVX_BOOLEAN_UNION || parts <= 2) return;
-    for (int i = 0; i < 2; i++) {
-        bvx_certificate c;
-        bvx_mesh_view view;
-
-        bvx_mesh_view_of(&b->in[i].mesh, &view);
-        /* Joined at equal positions: a file may have each corner of a triangle for itself. */
-        if (bvx_mesh_check(run->context, &view, 1, &c) != BVX_OK) return;
-        own += c.components;
-    }
-    if (parts > own)
-        cli_advise(made,
-                   "the result has %" PRIu64 " parts, the meshes %" PRIu64
-                   ": what is thinner than voxels came apart; take a higher --resolution, or --thin drop",
-                   parts, own);
-}
-
-/* The factor by which a shared volume counted in voxels may be off. */
-#define MOST_OFF_SHARED 1.25
-
-/* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
-static double shared_volume(const boolean_run *b)
-{
-    uint64_t const all = b->voxels[0] + (b->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : b->voxels[1]);
-    uint64_t const twice = b->operation == BVX_BOOLEAN_XOR ? 2 : 1;
-    uint64_t const voxels = all > b->report.voxels ? (all - b->report.voxels) / twice : 0;
-    double shared[2] = {0.0, HUGE_VAL};
-
-    for (int i = 0; i < 2; i++)
-        if (b->voxels[i] != 0 && b->solid[i].crossing_volume > 0.0)
-            shared[i] = b->solid[i].crossing_volume * (double)voxels / (double)b->voxels[i];
-    return fmin(shared[0], shared[1]);
-}
-
-/* The volume of the result beside those of the meshes. An intersection's does not follow from these. */
-static void warn_of_volume(const cli_run *run, const boolean_run *b, cli_made *made)
-{
-    int const alone = b->operation == BVX_BOOLEAN_DIFFERENCE;
-    double const sum = b->solid[0].crossing_volume + (alone ? 0.0 : b->solid[1].crossing_volume);
-    double const shared = shared_volume(b) * (b->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
-    double const v = run->report.mesh[0].certificate.volume;
-
-    if (!b->by_mesh || b->operation == BVX_BOOLEAN_INTERSECTION || b->few != 0 ||
-        b->report.parts_dropped != 0)
-        return;
-    for (int i = 0; i < 2 - alone; i++)
-        if (b->solid[i].crossing_volume <= 0.0) return;
-    if (v >= (1.0 - CLI_MOST_OFF_SURFACE) * (sum - shared * MOST_OFF_SHARED) &&
-        v <= (1.0 + CLI_MOST_OFF_SURFACE) * (sum - shared / MOST_OFF_SHARED))
-        return;
-    cli_advise(
-        made,
-        "the result has a volume of %.4g, by those of the meshes it would be about %.4g: what is %s; take a "
-        "higher --resolution",
-        v, sum - shared,
-        v > sum - shared ? "thinner than voxels became as thick" : "few voxels thick became thinner");
-}
-
-static void warn_of_boolean(const cli_run *run, const boolean_run *b, cli_made *made)
-{
-    static const char *const what[3] = {"A", "B", "the result"};
-    char of[600];
-
-    for (int i = 0; i < 2; i++) {
-        /* A grid is what it is; only filling a mesh can lose something. */
-        if (!b->is_mesh[i]) continue;
-        if (b->solid[i].unbalanced_rows != 0)
-            cli_advise(made,
-                       "%s: %" PRIu64 " rows do not balance: the mesh has holes or flipped triangles there",
-                       cli_input_name(b->in[i].path), b->solid[i].unbalanced_rows);
-        if (b->solid[i].fill_reason == BVX_FILL_REASON_NESTED)
-            cli_advise(
-                made,
-                "%s: closed shells lie inside others, face the same way and do not cross: what lies in both "
-                "is hollow; --fill nonzero "
-                "has it solid",
-                cli_input_name(b->in[i].path));
-        snprintf(of, sizeof of, "%s: ", cli_input_name(b->in[i].path));
-        if (!is_thin_kept(b, i))
-            cli_tell_losses(&made->warnings, of, "", b->by_mesh ? HUGE_VAL : CLI_MOST_OFF,
-                            &run->report.lattice, &b->solid[i]);
-    }
-    for (int i = 0; i < 2 && !b->by_mesh; i++)
-        if (b->is_mesh[i] && b->voxels[i] == 0)
-            cli_advise(made, "%s: no voxel's centre lies inside", cli_input_name(b->in[i].path));
-    /* Often wrong units or a wrong place. A body that the lattice is too coarse for is told below. */
-    if (b->by_mesh && b->operation == BVX_BOOLEAN_DIFFERENCE && b->voxels[1] == 0 &&
-        (b->few & BVX_FEW_B) == 0)
-        cli_advise(made, "%s does not reach %s: nothing is taken away", cli_input_name(b->in[1].path),
-                   cli_input_name(b->in[0].path));
-    /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
-    for (int i = 0; i < 3; i++)
-        if ((b->few >> i & 1) != 0)
-            cli_advise(made, "%s has %s voxels at this resolution; --resolution %d shows it", what[i],
-                       i < 2 && b->voxels[i] == 0 ? "no" : "few", (int)b->advised);
-    warn_of_broken_union(run, b, made);
-    warn_of_volume(run, b, made);
-}
-
 static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
 {
     const boolean_run *const b = work;
@@ -491,10 +386,8 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
         if (is_thin_kept(b, i))
             cli_tell(made, "  thin        %" PRIu64 " voxels at walls of %s below 1.5 voxels: kept\n",
                      b->solid[i].thin_voxels, i == 0 ? "A" : "B");
-    /* What follows is of a mesh that was written. */
-    warn_of_boolean(run, b, made);
     if (b->kind != CLI_MESH) return;
-    cli_tell_reduction(run, &b->reduction, made);
+    cli_tell_reduction(&b->reduction, made);
     cli_tell_result(&run->report.mesh[0].certificate, made);
 }
 

@@ -219,7 +219,8 @@ static void tell_fill(const cli_run *run, const void *work, cli_made *made)
     report_fill(job, made);
     /* Filled to the side of the window, the fill has run out of the shape. */
     if (job->reaches_side)
-        cli_advise(made, "%s: the fill reaches the window's sides: these voxels do not hold it",
+        cli_advise(made, BVX_WARN_ENDS,
+                   "%s: the fill reaches the window's sides: these voxels do not hold it",
                    cli_input_name(job->in.path));
 }
 

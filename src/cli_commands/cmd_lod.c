@@ -166,19 +166,21 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
 
     /* No saving: the level costs more than what it stands for. */
     if (c->lod[i].exceeds_source)
-        cli_advise(made, "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
+        cli_advise(made, BVX_WARN_UNMET,
+                   "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
                    c->mesh[i].triangle_count, c->input_triangles);
     /* A grid has no parts or volume of its own besides its voxels. */
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
-        cli_advise(made,
+        cli_advise(made, BVX_WARN_PARTS,
                    "level %d has %" PRIu64 " parts, the mesh %" PRIu64
                    ": what is thinner than its samples broke; take more samples, or "
                    "--method collapse",
                    number, level->components, c->certificate.components);
     else if (off > 0.05 * volume || -off > 0.05 * volume)
         cli_advise(
-            made, "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
+            made, BVX_WARN_VOLUME,
+            "level %d has a volume of %.6g, the solid of %.6g: take more samples, or --method collapse",
             number, level->volume, volume);
 }
 
@@ -204,7 +206,7 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
             run, status, NULL,
             status == BVX_ERR_EMPTY && number != 0 ? "; no level before it keeps anything either" : advice);
     /* Where all levels share a file, that of the others is this one's too. */
-    cli_advise(made, "%s%s; %s%s", bvx_last_error(run->context)->text, advice, path,
+    cli_advise(made, BVX_WARN_UNMET, "%s%s; %s%s", bvx_last_error(run->context)->text, advice, path,
                own_file ? " is not written" : " is written without it");
     if (own_file) {
         cli_forget_output(run, i);

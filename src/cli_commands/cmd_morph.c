@@ -375,16 +375,16 @@ static void tell_changed(const cli_run *run, const void *work, cli_made *made)
         cli_json_count(t, "drained", h->drained);
         if (h->drained != 0) cli_json_triple(t, "drain", h->drain);
         if (h->hollowed == 0)
-            cli_advise(made, "nothing is deeper than %.9g, so nothing was hollowed out",
+            cli_advise(made, BVX_WARN_UNMET, "nothing is deeper than %.9g, so nothing was hollowed out",
                        own->hollow.thickness);
     }
     cli_text_add(t, "}");
     if (job->action == DILATE && !job->roomy && cli_touches_side(&job->out) &&
         !cli_touches_side(&job->in.grid))
         cli_advise(
-            made,
+            made, BVX_WARN_ENDS,
             "what was added reaches the grid's sides and ends there; a --padding of the grid's makes room");
-    if (made->set == 0) cli_advise(made, "the result is empty");
+    if (made->set == 0) cli_advise(made, BVX_WARN_EMPTY, "the result is empty");
 }
 
 static int make_changed(cli_run *run, void *work, cli_made *made)
@@ -476,7 +476,7 @@ static void tell_distances(const cli_run *run, const void *work, cli_made *made)
     cli_text_add(t, "}");
     /* Infinity less itself is NaN, which differs from 0. */
     if (least - least != 0.0 || greatest - greatest != 0.0)
-        cli_advise(made, "%s: some distances are infinite, since there is no %s voxel",
+        cli_advise(made, BVX_WARN_EMPTY, "%s: some distances are infinite, since there is no %s voxel",
                    cli_input_name(job->in.path), made->set == 0 ? "set" : "empty");
 }
 

@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
-#define MOST_SHELLED 0.03 /* of the mesh's area, the same */
-
 /* ---- its options ---- */
 
 /* The library's own options, at first what it takes by itself. */
@@ -167,114 +164,6 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
              r->thin_kept ? ": kept" : "");
 }
 
-int cli_changed_as_asked(const bvx_repair_report *r)
-{
-    return r->parts_dropped + r->cavities_dropped > r->crumbs;
-}
-
-/* Returns 1 where the result is thicker, and it is said. */
-static int advise_thickened(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
-{
-    /* Where volumes cannot be compared, that bodies became shells of voxels says it. */
-    if (r->parts_volume == 0 && r->thin_shelled != 0)
-        cli_advise(made,
-                   "%s is thicker than the mesh at %" PRIu64
-                   " triangles of bodies that are thinner than voxels: they became shells; %s",
-                   what, r->thin_shelled, remedy);
-    /* Filled cavities are no walls that became thicker. */
-    if (cli_changed_as_asked(r) && r->cavities_dropped != 0) return 0;
-    /* Of an open mesh there is no volume to compare with. */
-    if (r->parts_volume == 0 || r->after.volume <= (1.0 + MOST_CHANGED) * r->parts_volume) return 0;
-    cli_advise(made,
-               "%s has a volume of %.6g, all parts of the mesh together have %.6g (%+.1f %%): walls and rods "
-               "thinner than voxels became as thick as these; %s",
-               what, r->after.volume, r->parts_volume, (r->after.volume / r->parts_volume - 1.0) * 100.0,
-               remedy);
-    return 1;
-}
-
-/* Handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
- * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
-void cli_warn_of_handles(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
-{
-    int64_t const has = cli_count_handles(&r->after);
-
-    if (r->handles < 0 || (r->shelled && !r->before.closed) || has <= r->handles + (int64_t)r->crossings)
-        return;
-    cli_advise(made,
-               "%s has %" PRId64 " handles, the mesh %" PRId32
-               ": what is thinner than voxels, or less than one apart, has met; %s",
-               what, has, r->handles, remedy);
-}
-
-void cli_warn_of_shells(const bvx_repair_report *r, cli_made *made)
-{
-    double const share = r->shelled && r->before.area > 0 ? r->shelled_area / r->before.area : 0.0;
-
-    if (share > MOST_SHELLED)
-        cli_advise(made,
-                   "%" PRIu64
-                   " triangles, %.3g %% of the area, enclose nothing and became shells, hollow and --shell "
-                   "voxels thick",
-                   r->shelled_triangles, 100.0 * share);
-}
-
-void cli_advise_measured(const bvx_repair_report *r, const char *what, const char *remedy, cli_made *made)
-{
-    double const wanted = r->crossing_volume, off = wanted > 0 ? r->after.volume / wanted - 1.0 : 0.0;
-
-    if (advise_thickened(r, what, remedy, made) || cli_changed_as_asked(r) || r->shelled) return;
-    /* Where walls were put back there is more than lines of centres see. */
-    if (fabs(off) > MOST_CHANGED && (off < 0.0 || r->thin_voxels == 0))
-        cli_advise(made,
-                   "%s has a volume of %.6g, the mesh about %.6g (%+.1f %%): what is some voxels thin is cut "
-                   "off, or filled; %s",
-                   what, r->after.volume, wanted, off * 100.0, remedy);
-}
-
-/* Dropped walls, parts and handles that the mesh does not have, and a size that has changed without
- * overlaps. */
-static void warn_of_repair(const bvx_repair_report *r, const cli_reduction *reduction, cli_made *made)
-{
-    /* Where edges collapsed afterwards, a finer lattice would not help. */
-    const char *const remedy = reduction->done ? "ask for more --triangles or a smaller --error"
-                                               : "take a higher --resolution";
-    double const volume = fabs(r->before.volume), area = r->before.area;
-    char advice[80] = "";
-    double box[6];
-
-    thin_box(r, box);
-    if (r->thin_resolution > 0)
-        snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
-                 (int)r->thin_resolution);
-    if (r->thin_voxels != 0 && !r->thin_kept)
-        cli_advise(made,
-                   "walls thinner than 1.5 voxels are dropped where no voxel's centre lies in them: %" PRIu64
-                   " voxels of %" PRIu64 " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s",
-                   r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
-                   advice);
-    if (r->after.components > r->before.components)
-        cli_advise(made,
-                   "the result has %" PRIu64 " parts, the mesh %" PRIu64
-                   ": what is thinner than a voxel broke, or cavities closed; take a "
-                   "higher --resolution, or --least-part",
-                   r->after.components, r->before.components);
-    cli_warn_of_handles(r, "the result", remedy, made);
-    cli_warn_of_shells(r, made);
-    /* Only a body without overlaps has the mesh's own volume and area. */
-    if (!r->before.closed || !r->before.oriented || r->overlaps != 0 || r->turned != 0 || volume == 0 ||
-        r->before.duplicates != 0 || cli_changed_as_asked(r)) {
-        cli_advise_measured(r, "the result", remedy, made);
-        return;
-    }
-    if (fabs(r->after.volume - volume) > MOST_CHANGED * volume)
-        cli_advise(made, "the result's volume is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
-                   r->after.volume, volume, (r->after.volume / volume - 1.0) * 100.0, remedy);
-    else if (fabs(r->after.area - area) > MOST_CHANGED * area)
-        cli_advise(made, "the result's area is %.6g, the mesh's %.6g (%+.1f %%), and no parts overlap; %s",
-                   r->after.area, area, (r->after.area / area - 1.0) * 100.0, remedy);
-}
-
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
                           cli_made *made)
 {
@@ -298,7 +187,7 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     if (r->cavities_dropped != 0)
         cli_tell(made, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
                  r->cavities_dropped + r->cavities_kept);
-    cli_tell_reduction(run, reduction, made);
+    cli_tell_reduction(reduction, made);
     cli_tell_result(&r->after, made);
     if (!own->measure) return;
     cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
@@ -468,7 +357,6 @@ static void tell_repair(const cli_run *run, const void *work, cli_made *made)
     const repair_job *const job = work;
 
     cli_report_repair(&made->members, &job->report, own->measure);
-    warn_of_repair(&job->report, &job->reduction, made);
     tell_found(run, &job->report, made);
     tell_repaired(run, &job->report, &job->reduction, made);
 }

@@ -101,7 +101,7 @@ static const cli_argument sections_rows[] = {
 
 enum { BLOCK_PARTS = 8 }; /* fine voxels a block along each axis */
 
-enum { USUAL_DEPTH = 5, DEEPEST = 8 }; /* of --subdivide */
+enum { USUAL_DEPTH = 5 }; /* of --subdivide */
 
 #define LEAST_VOLUME \
     0.9 /* of the prismoids' volume: less means that parts of neighbouring sections do not join */
@@ -206,7 +206,7 @@ static const cli_rule sections_rules[] = {
 /* What only the file says: how its planes lie. */
 static const cli_rule planes_rules[] = {
     {.when = ANY_DIRECTION,
-     .given = "--grid --layers --blend --nesting --crossings --subdivide --mend --join",
+     .given = "--grid --layers --blend --nesting --crossings --subdivide --join",
      .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
@@ -262,10 +262,8 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
                         cli_input_name(o->input[0]));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]),
-                                job->sections.normals != NULL
-                                    ? "; --mend is for parallel planes alone: mend the contours before"
-                                : reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
-                                                                  : "; --mend leaves such loops out");
+                                reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
+                                                                : "; --mend leaves such loops out");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     return check_body(run, job, path);
 }
@@ -408,7 +406,7 @@ static void tell_planes(const cli_run *run, const sections_job *job, cli_made *m
                  "  handles     %" PRIu64 " filled, %" PRIu64 " cut, %" PRIu64
                  " left that no contour needs\n",
                  r->handles_filled, r->handles_cut, r->handles_left);
-    cli_tell_reduction(run, &job->reduction, made);
+    cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
     cli_tell(made, "  volume      %g by the mesh\n  time        %.1f ms\n", c->volume, job->seconds * 1e3);
@@ -454,7 +452,7 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
                  r->shifted_parts, r->added_sections);
     cli_tell(made, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
              r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
-    cli_tell_reduction(run, &job->reduction, made);
+    cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
     cli_tell(made, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
@@ -530,52 +528,18 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_json_value(t, "milliseconds", job->seconds * 1e3);
 }
 
-/* A finer grid cuts contours in more places; halving cells where two of
- * them run close together is what helps. */
 static void warn_of_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
-    int32_t const depth = own->body.depth;
 
     /* An option that did nothing is told of, since its result looks like one that it made. */
     if (own->body.thickness > 0.0 && r->sections > 1 && !wants_all_labels(run))
-        cli_advise(made, "--thickness is for one section alone; the body has %" PRIu64, r->sections);
-    /* The warnings below are of cells between parallel sections. */
-    if (r->planes != 0) {
-        if (r->unkept_edges + r->unkept_points + r->gaps != 0)
-            cli_advise(
-                made,
-                "at %" PRIu64 " points, %" PRIu64 " edges and %" PRIu64
-                " gaps where planes cross the surface does not follow the contours, which contradict each "
-                "other",
-                r->unkept_points, r->unkept_edges, r->gaps);
-        if (r->specks != 0)
-            cli_advise(made,
-                       "%" PRIu64
-                       " parts have one contour alone, smaller than a cell: more cells, or leaving out "
-                       "those contours, may join them to the body",
-                       r->specks);
-        /* A wish for handles that is not met says so too. */
-        if (r->handles_left != 0 && !cli_given(run, "--genus"))
-            cli_advise(made, "%" PRIu64 " handles are left that no contour needs", r->handles_left);
-        return;
-    }
-    if (r->unkept_edges + r->unkept_loops != 0)
-        cli_advise(made,
-                   "%" PRIu64 " edges and %" PRIu64
-                   " loops are too fine for the cells: what joins them to the next section is a "
-                   "guess%s",
-                   r->unkept_edges, r->unkept_loops, depth < DEEPEST ? "; take --subdivide 8" : "");
-    if (r->joined_slabs != 0)
+        cli_advise(made, BVX_WARN_UNMET, "--thickness is for one section alone; the body has %" PRIu64,
+                   r->sections);
+    if (r->planes == 0 && own->body.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
         cli_advise(
-            made,
-            "between %" PRIu64
-            " pairs of sections walls are too thin for the cells and may have windows; take a finer --grid",
-            r->joined_slabs);
-    if (own->body.caps != BVX_CAPS_OPEN && job->volume < LEAST_VOLUME * r->prismoid_volume)
-        cli_advise(
-            made,
+            made, BVX_WARN_UNJOINED,
             "the body has %.2g of the volume between its sections' areas (%.6g of %.6g): parts that share no "
             "area with one of the next section do not join it; --join, or sections that lie closer together, "
             "may help",
@@ -603,7 +567,8 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
                  met ? "met" : "not met");
         cli_text_add(t, ", \"parts_met\": %s", met ? "true" : "false");
         if (!met)
-            cli_advise(made, "--parts %" PRId32 " is not met: the surface has %" PRIu64 " pieces", own->parts,
+            cli_advise(made, BVX_WARN_UNMET,
+                       "--parts %" PRId32 " is not met: the surface has %" PRIu64 " pieces", own->parts,
                        job->parts);
     }
     if (genus) {
@@ -612,12 +577,12 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
                  met ? "met" : "not met");
         cli_text_add(t, ", \"genus_met\": %s", met ? "true" : "false");
         if (!met)
-            cli_advise(made,
+            cli_advise(made, BVX_WARN_UNMET,
                        "--genus %" PRId32 " is not met: the surface has %" PRId64
                        " handles; more sections where they are, or more --cells, decide what is joined",
                        own->genus, job->genus);
         if (!met && r->planes != 0)
-            cli_advise(made,
+            cli_advise(made, BVX_WARN_UNMET,
                        "of handles that no contour needs %" PRIu64 " were filled, %" PRIu64
                        " cut, and %" PRIu64 " are left",
                        r->handles_filled, r->handles_cut, r->handles_left);
@@ -755,9 +720,6 @@ static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
     const sections_job *const job = work;
 
     warn_of_body(run, job, made);
-    /* Said once, not for each body: it is of the file. */
-    if (job->report.repeated_points != 0)
-        cli_advise(made, "%" PRIu64 " repeated points were left out", job->report.repeated_points);
     tell_body(run, job, made);
     report_body(run, job, made);
     tell_wishes(run, job, made);

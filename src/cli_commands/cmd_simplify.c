@@ -58,7 +58,6 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
 
     /* Levels are compared with the input: nothing was measured in between. */
-    c->surface = c->before;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -67,22 +66,6 @@ static void tell_head(const cli_run *run, const cli_collapse_run *c, cli_made *m
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     cli_tell(made, "%" PRIu64 " piece%s, volume %.6g; edges collapsed in %.1f ms\n\n", c->before.components,
              c->before.components == 1 ? "" : "s", c->before.volume, c->seconds * 1e3);
-}
-
-/* What the library mends of a mesh that is not oriented, or has triangles twice. */
-static void warn_of_input(const cli_run *run, const cli_collapse_run *c, cli_made *made)
-{
-    const char *const in = cli_input_name(run->options->input[0]);
-
-    /* The library mends these and goes on, so they are warnings and not errors. */
-    if (c->before.duplicates != 0)
-        cli_advise(made, "%s: %" PRIu64 " triangle%s there twice: counted once", in, c->before.duplicates,
-                   c->before.duplicates == 1 ? " is" : "s are");
-    if (c->before.flipped_edges != 0)
-        cli_advise(made,
-                   "%s: at %" PRIu64
-                   " edge%s neighbours faced opposite ways: the smaller part of each patch was turned",
-                   in, c->before.flipped_edges, c->before.flipped_edges == 1 ? "" : "s");
 }
 
 static int make_simplify(cli_run *run, void *work, cli_made *made)
@@ -110,7 +93,6 @@ static void tell_simplify(const cli_run *run, const void *work, cli_made *made)
 {
     tell_head(run, work, made);
     cli_tell_collapse(run, work, made);
-    warn_of_input(run, work, made);
 }
 
 static void free_simplify(cli_run *run, void *work)

@@ -350,10 +350,11 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
     cli_text_add(t, "}");
 
     /* Empty, or hollow where a body was requested: different remedies. */
-    if (made->set == 0) cli_advise(made, "the result is empty: no voxel holds so many points");
+    if (made->set == 0)
+        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: no voxel holds so many points");
     else if (own->cloud.body && r->pockets == 0)
         cli_advise(
-            made,
+            made, BVX_WARN_EMPTY,
             "the body has no inside: the flood comes in everywhere; try --close-gaps of more than %" PRId32
             ", or larger voxels",
             run->options->close_gaps);
@@ -377,7 +378,8 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
     cli_json_count(t, "inside", inside);
     cli_json_truth(t, "vectors", o->vectors);
     cli_text_add(t, ", \"value_type\": \"f%d\"}", f->value_type == BVX_F64 ? 64 : 32);
-    if (f->value_count == 0) cli_advise(made, "no voxel's centre is within %.9g of the mesh", f->half_width);
+    if (f->value_count == 0)
+        cli_advise(made, BVX_WARN_EMPTY, "no voxel's centre is within %.9g of the mesh", f->half_width);
 }
 
 static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
@@ -444,7 +446,7 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
     else tell_surface(run, &reports->surface, made);
 
     if (made->set == 0 && !job->cloud)
-        cli_advise(made, "the result is empty: %s",
+        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: %s",
                    solid ? "the mesh contains no voxel's centre"
                          : "the surface meets no voxel of the "
                            "window");
@@ -464,6 +466,7 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     result = choose_lattice(run, job);
     if (result != CLI_DONE) return result;
     status = make_voxels(run, job, &reports, made);
+    cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
     /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);

@@ -1,4 +1,4 @@
-/* collapse_run.c - a chain of levels that edges collapse to: targets by options, distances, warnings, files.
+/* collapse_run.c - a chain of levels that edges collapse to: targets by options, distances, files.
  *
  * The library makes the whole chain in one call, which is the stage "level 0"; distances are measured
  * afterwards, one stage a level. */
@@ -17,8 +17,6 @@ enum {
     LEAST_USUAL = 20,   /* triangles of a level that nobody requested */
     LEAST_TRIANGLES = 4 /* of any closed mesh */
 };
-
-#define VOLUME_CHANGE 0.05 /* of the volume, from which on it is warned of */
 
 /* ---- Options ---- */
 
@@ -191,141 +189,6 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     run->report.meshes = i + 1;
 }
 
-/* ---- Warnings ---- */
-
-/* Of a cube's volume as its area says it: bodies that face opposite ways may cancel each other. */
-#define NO_VOLUME 1e-9
-
-/* The share by which a volume differs from that of a mesh, whichever way both are turned; 0: it has none. */
-static double volume_change(double volume, const bvx_certificate *from)
-{
-    double const least = NO_VOLUME * from->area * sqrt(from->area);
-
-    return fabs(from->volume) > least ? fabs(volume) / fabs(from->volume) - 1.0 : 0.0;
-}
-
-static void warn_of_volume(cli_made *made, const char *what, double change, const char *than, const char *why)
-{
-    if (fabs(change) > VOLUME_CHANGE)
-        cli_advise(made, "%s has %.3g %% %s volume than %s%s", what, 100.0 * fabs(change),
-                   change < 0.0 ? "less" : "more", than, why);
-}
-
-/* What a lattice too coarse for the input does to it. Where the input is no body its parts may join, but not
- * become more, and its volume means nothing. */
-static void warn_of_surface(cli_made *made, const cli_collapse_run *c)
-{
-    const bvx_certificate *const in = &c->before, *const s = &c->surface;
-
-    /* Losses that nobody sees in a count of triangles: crumbs, pieces, volume. */
-    if (c->crumbs != 0)
-        cli_advise(made,
-                   "%" PRIu64
-                   " crumb%s of the measured surface %s dropped: what is thinner than a voxel broke, "
-                   "and a larger --resolution keeps more of it",
-                   c->crumbs, c->crumbs == 1 ? "" : "s", c->crumbs == 1 ? "was" : "were");
-    if (s->components > in->components)
-        cli_advise(made,
-                   "the measured surface has %" PRIu64 " pieces, the input %" PRIu64
-                   ": what is thinner than a voxel broke, and a larger --resolution keeps more of it",
-                   s->components, in->components);
-    else if (!c->chosen && cli_is_sound(in) && s->components < in->components)
-        cli_advise(made,
-                   "the measured surface has %" PRIu64 " piece%s, the input %" PRIu64
-                   ": parts that touch became one, and what is thinner than a voxel may be lost",
-                   s->components, s->components == 1 ? "" : "s", in->components);
-    if (in->closed && in->oriented && !c->chosen) {
-        double const change = volume_change(s->volume, in);
-
-        warn_of_volume(made, "the measured surface", change, "the input",
-                       change < 0.0 ? ": parts that overlap count once in it, and what is thinner than a "
-                                      "voxel may be lost"
-                                    : ": sheets became shells, or cavities are filled");
-    }
-}
-
-/* 1: fans and sheets that met are apart in the levels, so that they have more pieces. */
-static int is_parted(const cli_collapse_run *c)
-{
-    return c->told && !c->solid &&
-           !(c->before.edge_manifold && c->before.vertex_manifold && c->before.oriented);
-}
-
-/* Handles never close, so many of them are what a level sticks at. */
-static void warn_of_count(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
-                          const char *what)
-{
-    int64_t const handles = cli_count_handles(&l->certificate);
-    char kept[64] = "";
-
-    /* Where there are none, or the mesh is open, handles are not the reason. */
-    if (handles > 0 && l->certificate.closed)
-        snprintf(kept, sizeof kept, " with its %" PRId64 " handle%s", handles, handles == 1 ? "" : "s");
-    cli_advise(made,
-               "%s misses its target of %" PRIu64 " triangles: %" PRIu64
-               " are the fewest that collapsing edges leaves sound%s; take a larger target%s",
-               what, l->target, l->triangles, kept,
-               c->solid ? "" : ", or 'bitvox lod --solid', which joins parts and closes holes");
-}
-
-static void warn_of_missed(cli_made *made, const cli_collapse_run *c, const bvx_level_report *l,
-                           const char *what)
-{
-    if (!c->by_error) warn_of_count(made, c, l, what);
-    else if (c->solid)
-        cli_advise(
-            made,
-            "%s misses its target: the measured surface, with no more triangles than the input, is further "
-            "than %.4g from it; a larger --error, or the mesh as it is, without --solid, is met",
-            what, l->target_error);
-    else cli_advise(made, "%s misses its target of %.4g; a larger --error is met", what, l->target_error);
-}
-
-static void warn_of_level(cli_made *made, const cli_collapse_run *c, int i)
-{
-    const bvx_level_report *const l = &c->level[i];
-    const bvx_certificate *const in = &c->before, *const s = &c->surface;
-    double const of_surface = volume_change(l->certificate.volume, s);
-    char what[32];
-
-    /* Pieces and volume, against what the level was made from. */
-    snprintf(what, sizeof what, "level %d", i);
-    if (l->certificate.components != s->components && !is_parted(c))
-        cli_advise(made, "%s has %" PRIu64 " piece%s, what it was made from %" PRIu64, what,
-                   l->certificate.components, l->certificate.components == 1 ? "" : "s", s->components);
-    /* An open input has no volume to compare with; its measured surface has. */
-    if (in->closed && in->oriented && !c->chosen && fabs(of_surface) > VOLUME_CHANGE)
-        warn_of_volume(made, what, volume_change(l->certificate.volume, in), "the input", "");
-    else if (s->closed && s->oriented)
-        warn_of_volume(made, what, of_surface, "the surface that it was made from",
-                       "; more triangles keep it nearer");
-    if (!l->met) warn_of_missed(made, c, l, what);
-}
-
-/* By number of triangles: no edge collapsed since the level before, whose target was kept, or missed, too. */
-static int is_same_again(const cli_collapse_run *c, int i)
-{
-    const bvx_level_report *const l = c->level;
-
-    return i > 0 && !c->by_error && l[i].met == l[i - 1].met && l[i].triangles == l[i - 1].triangles &&
-           l[i].certificate.volume == l[i - 1].certificate.volume;
-}
-
-/* What holds for a level holds for those that repeat it: they are told of at once. */
-static void warn_of_levels(cli_made *made, const cli_collapse_run *c)
-{
-    int same = 0;
-
-    for (int i = 0; i < c->count; i++) {
-        if (!is_same_again(c, i)) warn_of_level(made, c, i);
-        /* One that keeps its target as it is needs no collapse. */
-        else same += !c->level[i].met;
-    }
-    if (same != 0)
-        cli_advise(made, "%d of %d levels %s the level before again, which no collapse makes smaller", same,
-                   c->count, same == 1 ? "is" : "are");
-}
-
 /* ---- The end ---- */
 
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
@@ -351,9 +214,6 @@ int cli_write_collapse(cli_run *run, void *work)
 
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made)
 {
-    if (c->solid) warn_of_surface(made, c);
-    warn_of_levels(made, c);
-
     cli_tell_collapsed(run, c->count, c->diagonal, &c->before, made);
     cli_tell_distances(run, c->count, c->diagonal, 4, "", "mesh", made);
     cli_tell_written(run, c->count, made);

@@ -12,12 +12,10 @@ typedef struct cli_collapse_run {
     bvx_certificate before;  /* of the input, vertices at equal positions taken as one */
     bvx_certificate surface; /* of what the levels were made from */
     uint64_t crumbs;         /* small pieces that a measured surface had beyond the input's, dropped */
-    int told;                /* 1: which fans and sheets were parted is told of */
     int solid;               /* 1: that is a measured surface */
-    int chosen; /* 1: parts were dropped or cavities filled as options ask, and no warning is due of that */
-    double diagonal; /* of the input */
-    int usual_count; /* levels where none are requested; 0: by the input's triangles */
-    int count;       /* levels; 0: not yet known */
+    double diagonal;         /* of the input */
+    int usual_count;         /* levels where none are requested; 0: by the input's triangles */
+    int count;               /* levels; 0: not yet known */
     int by_error;
     uint64_t target[CLI_MAX_LEVELS];
     double error[CLI_MAX_LEVELS]; /* [Units: world] */

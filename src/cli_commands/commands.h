@@ -16,16 +16,6 @@ extern const cli_command *const cli_commands[CLI_COMMANDS + 1];
 int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_grid_difference *difference);
 /* cmd_repair.c: the numbers of a repair as a member of the JSON report. */
 void cli_report_repair(cli_text *members, const bvx_repair_report *repair, int measured);
-/* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
-int cli_changed_as_asked(const bvx_repair_report *repair);
-/* Sheets that are hollow bodies now; handles that the mesh does not have; a volume that is not the mesh's,
- * whatever is wrong with that. */
-void cli_warn_of_shells(const bvx_repair_report *repair, cli_made *made);
-void cli_warn_of_handles(const bvx_repair_report *repair, const char *what, const char *remedy,
-                         cli_made *made);
-void cli_advise_measured(const bvx_repair_report *repair, const char *what, const char *remedy,
-                         cli_made *made);
-
 /* ---- solids.c: the rules that fill a mesh ---- */
 
 /* The mesh of an input becomes its solid, on this lattice, or on that of the options in a stage of its own.
@@ -37,20 +27,8 @@ int cli_fill_input(cli_run *run, cli_input *in);
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why, as a line. */
 void cli_tell_fill(cli_text *text, const bvx_solid_report *report);
-/* How far off a volume may be without a warning: of voxels that are the result; of those that a surface is
- * made of, whose vertices lie on the mesh. */
-#define CLI_MOST_OFF         0.01
-#define CLI_MOST_OFF_SURFACE 0.05
-/* Thin walls and volume that a solid has lost, as warnings; of: an input among several with ": ", or "";
- * remedy: what else helps, with "; " before it, or "". */
-void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, double most_off,
-                     const bvx_lattice *lattice, const bvx_solid_report *report);
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
-/* All that is wrong with a solid, as warnings. */
-void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, const bvx_grid *grid,
-                     const bvx_solid_report *report);
-void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *report);
-/* The solid as a member of the JSON report; that, lines and warnings. */
+/* The solid as a member of the JSON report; that and lines. */
 void cli_report_solid(const cli_run *run, cli_text *members, const bvx_lattice *lattice,
                       const bvx_solid_report *report);
 void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_report *report, cli_made *made);

@@ -86,16 +86,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
 
 /* ---- Levels ---- */
 
-static void warn_of_lowered(const lod_collapse *l, cli_made *made)
-{
-    if (l->report.resolution < l->report.planned_resolution)
-        cli_advise(made,
-                   "the memory limit lowered the resolution from %" PRId32 " to %" PRId32
-                   " voxels along the longest axis; a larger "
-                   "--memory-limit keeps more detail",
-                   l->report.planned_resolution, l->report.resolution);
-}
-
 static int is_solid(const lod_collapse *l)
 {
     return l->report.solid;
@@ -119,9 +109,7 @@ static int build_levels(cli_run *run, lod_collapse *l)
     /* the solid's are not in its surface */
     c->surface.components -= l->report.crumbs - l->report.repair.crumbs;
     c->crumbs = l->report.crumbs;
-    c->chosen = is_solid(l) && cli_changed_as_asked(&l->report.repair);
     c->solid = is_solid(l);
-    c->told = 1;
     if (is_solid(l)) {
         run->report.lattice = l->report.repair.lattice;
         run->report.has_lattice = 1;
@@ -230,26 +218,6 @@ static void report_levels(const lod_collapse *l, cli_made *made)
     if (is_solid(l)) cli_report_repair(t, &l->report.repair, 0);
 }
 
-/* What was cut, where it shows; what measuring did to a volume. */
-static void warn_of_input(const lod_collapse *l, cli_made *made)
-{
-    const bvx_levels_report *const r = &l->report;
-    const double *const a = r->cut_edge[0], *const b = r->cut_edge[1];
-
-    if (r->cut != 0)
-        cli_advise(
-            made,
-            "%" PRIu64 " edge%s of three triangles and more, or whose triangles cannot agree, %s cut, the "
-            "first from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g); --solid joins what they part",
-            r->cut, r->cut == 1 ? "" : "s", r->cut == 1 ? "was" : "were", a[0], a[1], a[2], b[0], b[1], b[2]);
-    if (!is_solid(l)) return;
-    cli_warn_of_shells(&r->repair, made);
-    cli_warn_of_handles(&r->repair, "the measured surface", "take a higher --resolution", made);
-    /* Where one volume says it, the other need not. */
-    if (!(l->run.before.closed && l->run.before.oriented))
-        cli_advise_measured(&r->repair, "the measured surface", "take a higher --resolution", made);
-}
-
 static int make_collapse(cli_run *run, void *work, cli_made *made)
 {
     lod_collapse *const l = work;
@@ -272,8 +240,6 @@ static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
 
     tell_lod_head(run, l, made);
     cli_tell_collapse(run, &l->run, made);
-    warn_of_input(l, made);
-    warn_of_lowered(l, made);
     report_levels(l, made);
 }
 

@@ -94,7 +94,6 @@ static int make_solid(cli_run *run, cli_chain *c)
     c->solid_seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, path));
     result = count_solid(run, c);
-    if (result == CLI_DONE) cli_warn_of_solid(run, &c->solid, &c->solid_report);
     return result;
 }
 

@@ -15,15 +15,6 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->add_shell = o->add_shell;
 }
 
-/* Rows of centres that a rule looks along. */
-static uint64_t rows_of(const bvx_grid *g, int32_t fill)
-{
-    uint64_t const x = (uint64_t)g->size[0], y = (uint64_t)g->size[1], z = (uint64_t)g->size[2];
-    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING
-               ? y * z
-               : y * z + x * z + x * y;
-}
-
 /* Where the thin walls lie, in the mesh's unit. */
 static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
 {
@@ -31,52 +22,6 @@ static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box
         box[a] = l->origin[a] + (double)r->thin_low[a] * l->spacing[a];
         box[a + 3] = l->origin[a] + ((double)r->thin_high[a] + 1.0) * l->spacing[a];
     }
-}
-
-/* By how much the voxels' volume is off, and why; 0 in *wanted where nothing is known. */
-static double part_off(const bvx_solid_report *r, double *wanted)
-{
-    *wanted = r->mesh_volume > 0 ? r->mesh_volume : r->volume > 0 ? r->crossing_volume : 0;
-    return *wanted > 0 ? r->volume / *wanted - 1.0 : 0;
-}
-
-static void tell_volume(cli_text *warnings, const char *of, double most_off, const bvx_solid_report *r)
-{
-    char advice[80] = "take a higher --resolution";
-    double wanted, off = part_off(r, &wanted);
-
-    /* Half a voxel of surface is always off a little. */
-    if (fabs(off) <= most_off) return;
-    if (r->volume_resolution > 0)
-        snprintf(advice, sizeof advice, "--resolution %d is within 1 %%", (int)r->volume_resolution);
-    cli_add_warning(warnings,
-                    "%sthe volume of the voxels is %.6g, that of the mesh %s%.6g (%+.1f %%): %s; %s", of,
-                    r->volume, r->mesh_volume > 0 ? "" : "about ", wanted, off * 100.0,
-                    r->thin_voxels != 0 && off < 0
-                        ? "walls are lost, and faces lie up to half a voxel from where voxels end"
-                        : "faces lie up to half a voxel from where voxels end",
-                    advice);
-}
-
-void cli_tell_losses(cli_text *warnings, const char *of, const char *remedy, double most_off,
-                     const bvx_lattice *lattice, const bvx_solid_report *r)
-{
-    char advice[80] = "";
-    double box[6];
-
-    thin_box(lattice, r, box);
-    /* A remedy is named only where one was found. */
-    if (r->thin_resolution > 0)
-        snprintf(advice, sizeof advice, "; --resolution %d keeps nine tenths of them",
-                 (int)r->thin_resolution);
-    if (r->thin_voxels != 0)
-        cli_add_warning(
-            warnings,
-            "%swalls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %" PRIu64
-            " voxel%s, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s%s",
-            of, r->thin_voxels, r->thin_voxels == 1 ? "" : "s", box[0], box[1], box[2], box[3], box[4],
-            box[5], advice, remedy);
-    tell_volume(warnings, of, most_off, r);
 }
 
 void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -98,59 +43,6 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
                      box[3], box[4], box[5]);
 }
 
-void cli_tell_faults(cli_text *warnings, const char *remedy, double most_off, const bvx_grid *grid,
-                     const bvx_solid_report *r)
-{
-    uint64_t const rows = rows_of(grid, r->fill);
-
-    /* Each fault has a remedy of its own. */
-    if (r->unbalanced_rows != 0 && r->dropped != 0)
-        cli_add_warning(warnings,
-                        "%" PRIu64 " of %" PRIu64
-                        " rows do not balance: the mesh has holes or flipped triangles there; %" PRIu64
-                        " crossings were dropped",
-                        r->unbalanced_rows, rows, r->dropped);
-    else if (r->unbalanced_rows != 0)
-        cli_add_warning(warnings,
-                        "%" PRIu64 " of %" PRIu64
-                        " rows do not balance: the mesh has holes or flipped triangles there",
-                        r->unbalanced_rows, rows);
-    if (r->fill_reason == BVX_FILL_REASON_NESTED)
-        cli_add_warning(
-            warnings,
-            "closed shells lie inside others, face the same way and do not cross: what lies in both is "
-            "hollow; --fill nonzero has "
-            "it solid");
-    if (r->leaks != 0)
-        cli_add_warning(warnings,
-                        "the flood came through a hole to %" PRIu64
-                        " voxels that are surely inside; a larger --close-gaps may hold it, "
-                        "--fill vote or regions does without",
-                        r->leaks);
-    if (r->mixed_regions != 0)
-        cli_add_warning(
-            warnings,
-            "%" PRIu64 " of %" PRIu64
-            " regions are not on one side, since a hole joins them or the axes disagree: each of their "
-            "%" PRIu64 " voxels kept its own vote",
-            r->mixed_regions, r->regions, r->mixed_voxels);
-    cli_tell_losses(warnings, "", remedy, most_off, &grid->lattice, r);
-}
-
-/* Of a mesh it is the surface that counts. */
-static double allowed_off(const cli_run *run)
-{
-    return run->command->bit == CLI_LOD || CLI_HOLDS(run, CLI_TO_MESH) ? CLI_MOST_OFF_SURFACE : CLI_MOST_OFF;
-}
-
-void cli_warn_of_solid(cli_run *run, const bvx_grid *grid, const bvx_solid_report *r)
-{
-    cli_text warnings = {0};
-
-    cli_tell_faults(&warnings, "", allowed_off(run), grid, r);
-    cli_warn_lines(run, &warnings);
-}
-
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 {
     bvx_solid_report report;
@@ -168,9 +60,7 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     /* Only morph measures from the mesh afterwards; for the others its memory is free from here on. */
     if (run->command->bit != CLI_MORPH || !CLI_HOLDS(run, CLI_TO_MESH))
         bvx_mesh_free(run->context, &in->mesh);
-    CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
-    cli_warn_of_solid(run, &in->grid, &report);
-    return CLI_DONE;
+    return cli_check_call(run, status, cli_input_name(in->path));
 }
 
 int cli_fill_input(cli_run *run, cli_input *in)
@@ -292,6 +182,4 @@ void cli_tell_solid(const cli_run *run, const bvx_grid *grid, const bvx_solid_re
 {
     tell_lines(run, &made->text, &grid->lattice, r);
     cli_report_solid(run, &made->members, &grid->lattice, r);
-    cli_tell_faults(&made->warnings, "; --add-shell sets the surface's voxels too", allowed_off(run), grid,
-                    r);
 }

@@ -137,7 +137,8 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
     made->placed = j->volume.placed;
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
-    if (j->report.inside == 0) cli_advise(made, "the result is empty: the range holds no sample");
+    if (j->report.inside == 0)
+        cli_advise(made, BVX_WARN_EMPTY, "the result is empty: the range holds no sample");
     return CLI_DONE;
 }
 
@@ -256,7 +257,7 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
     cli_tell_parts(run, &made->text);
-    cli_tell_reduction(run, &reduction, made);
+    cli_tell_reduction(&reduction, made);
     tell_mesh_of(run, 0, made);
     return CLI_DONE;
 }

@@ -186,8 +186,8 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
             if (taken == packed->size) return CLI_DONE;
             if (packed->size - taken < 2 || packed->bytes[taken] != 0x1f ||
                 packed->bytes[taken + 1] != 0x8b) {
-                cli_warn(run, "%s: gzip: %" PRIu64 " bytes after the data are ignored", cli_input_name(path),
-                         (uint64_t)(packed->size - taken));
+                cli_warn(run, BVX_WARN_READ, "%s: gzip: %" PRIu64 " bytes after the data are ignored",
+                         cli_input_name(path), (uint64_t)(packed->size - taken));
                 return CLI_DONE;
             }
             inflateReset(z);
@@ -421,7 +421,7 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
 static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
 {
     if (dropped != 0)
-        cli_warn(run, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
+        cli_warn(run, BVX_WARN_READ, "%s: %" PRIu64 " triangle%s with a corner that is not finite left out",
                  cli_input_name(path), dropped, dropped == 1 ? "" : "s");
 }
 
@@ -443,7 +443,7 @@ static void warn_of_losses(cli_run *run, const char *path, uint32_t lost)
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
         if ((lost & known[i].bit) != 0)
             n += (size_t)snprintf(text + n, sizeof text - n, "%s%s", n > 0 ? ", " : "", known[i].text);
-    if (n > 0) cli_warn(run, "%s: not read: %s", cli_input_name(path), text);
+    if (n > 0) cli_warn(run, BVX_WARN_READ, "%s: not read: %s", cli_input_name(path), text);
 }
 
 uint32_t cli_attributes_of(const bvx_mesh *mesh)

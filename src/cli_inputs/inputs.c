@@ -70,7 +70,7 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
     if (read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL && has_vox_colours(b))
-        cli_warn(run, "%s: the colours of its voxels are not kept", cli_input_name(in->path));
+        cli_warn(run, BVX_WARN_LOST, "%s: the colours of its voxels are not kept", cli_input_name(in->path));
     return cli_check_call(run, read, cli_input_name(in->path));
 }
 
@@ -245,7 +245,7 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
         cli_end_parse(run, b.size);
         status = cli_check_call(run, read, cli_input_name(path));
         if (status == CLI_DONE && flipped != 0)
-            cli_warn(run,
+            cli_warn(run, BVX_WARN_READ,
                      "%s: D has the other sign on all planes, A x + B y + C z = D; the points were taken",
                      cli_input_name(path));
     }

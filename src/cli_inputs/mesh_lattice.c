@@ -256,7 +256,7 @@ static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *vie
     /* A lattice that is small anyway loses nothing worth a warning. */
     if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
 
-    cli_warn(run,
+    cli_warn(run, BVX_WARN_FAR,
              "%s: %s %" PRIu64 " at %.9g, %.9g, %.9g lies far from the others%s, which are %.2g of %" PRId32
              " voxels long; take it out of "
              "the file, or choose voxels by --spacing",

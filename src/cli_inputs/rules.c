@@ -169,6 +169,9 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
 void cli_find_facts(cli_run *run)
 {
     run->options->facts = facts_of_options(run) | facts_of_output(run->options->output);
+    /* A mesh that is made of voxels is not as far off as they are. */
+    if (CLI_HOLDS(run, CLI_TO_MESH) || run->command->bit == CLI_LOD)
+        run->unheard = (uint64_t)1 << BVX_WARN_VOXELS;
 }
 
 int cli_check_rules(cli_run *run, const cli_rule *rules, uint32_t facts, const char *word)

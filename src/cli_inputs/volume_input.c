@@ -398,7 +398,7 @@ void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *
     cli_text_add(t, "}");
     /* Both are on no side of a level; that they count as outside is a choice, so it is told. */
     if (r->nan + r->infinite != 0)
-        cli_add_warning(warnings,
+        cli_add_warning(warnings, BVX_WARN_READ,
                         "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,
                         r->infinite);
 }

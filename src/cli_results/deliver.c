@@ -50,6 +50,7 @@ static void tell_made(cli_run *run, cli_made *made)
                 out != NULL ? " -> " : "", out != NULL ? cli_output_name(run, out) : "");
     cli_say_lines(run, &made->head);
     cli_say_lines(run, &made->text);
+    cli_say_warnings(run);
     cli_warn_lines(run, &made->warnings);
 }
 

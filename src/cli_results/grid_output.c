@@ -32,7 +32,7 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
     /* These keep the lattice and where in it the window lies. */
     if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
     if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
-    cli_warn(run,
+    cli_warn(run, BVX_WARN_LOST,
              "%s holds only these voxels: that they are a part of a lattice of %" PRId32 " x %" PRId32
              " x %" PRId32 " is lost",
              path, d[0], d[1], d[2]);

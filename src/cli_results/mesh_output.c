@@ -161,7 +161,7 @@ void cli_tell_lost(const cli_run *run, cli_made *made)
 
     if (lost == 0 || !CLI_HOLDS(run, CLI_TO_MESH)) return;
     name_attributes(lost, run->report.materials, &names);
-    cli_advise(made, "%s: %s %s not kept%s", run->options->output, names.bytes,
+    cli_advise(made, BVX_WARN_LOST, "%s: %s %s not kept%s", run->options->output, names.bytes,
                lost == CLI_HAS_MATERIALS && run->report.materials == 1 ? "is" : "are",
                remedy_of_loss(run, lost));
     cli_text_free(&names);
@@ -216,7 +216,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     return CLI_DONE;
 }
 
-void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made)
+void cli_tell_reduction(const cli_reduction *r, cli_made *made)
 {
     cli_text *const t = &made->members;
 
@@ -232,12 +232,6 @@ void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *ma
     cli_json_value(t, "least_angle", r->level.least_angle);
     cli_json_count(t, "crossings", r->level.crossings);
     cli_text_add(t, "}");
-    /* Below this nothing closed and free of crossings is left; the target was not a promise. */
-    if (!r->level.met)
-        cli_advise(made,
-                   "%s has %" PRIu64 " triangles, not %" PRIu64
-                   ": these are the fewest that collapsing edges leaves sound",
-                   run->options->output, r->level.triangles, (uint64_t)run->options->triangles.value[0]);
 }
 
 /* ---- what the file holds ---- */
@@ -317,11 +311,11 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
     bvx_mesh_view view;
 
     if (r->spoilt != 0)
-        cli_warn(run,
+        cli_warn(run, BVX_WARN_ROUNDED,
                  "%s: the %s of .%s leave %" PRIu64 " of %" PRIu64 " triangles without area or turned over",
                  path, what, format, r->spoilt, placed->triangle_count);
     else if (r->largest_move * WARNED_SHARE > r->mean_edge)
-        cli_warn(run,
+        cli_warn(run, BVX_WARN_ROUNDED,
                  "%s: the %s of .%s move vertices by up to %.2g, where edges have a mean length of "
                  "%.2g%s",
                  path, what, format, r->largest_move, r->mean_edge,
@@ -332,7 +326,7 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
     bvx_mesh_view_of(placed, &view);
     if (bvx_mesh_check(run->context, &view, 0, &own) != BVX_OK || !cli_is_sound(&own)) return;
     cli_warn(
-        run,
+        run, BVX_WARN_ROUNDED,
         "%s: the mesh is closed, manifold and oriented, but not as .%s: its readers join vertices at equal "
         "positions, "
         "and %" PRIu64 " edges and %" PRIu64 " vertices are not manifold then",

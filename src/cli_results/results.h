@@ -140,7 +140,7 @@ typedef struct cli_reduction {
 /* The edges of a closed mesh collapse, where that is requested. */
 int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r);
 /* What became of it: a line of text, a member of the JSON report, a warning. */
-void cli_tell_reduction(const cli_run *run, const cli_reduction *r, cli_made *made);
+void cli_tell_reduction(const cli_reduction *r, cli_made *made);
 
 /* ---- level_tables.c: what is reported of levels ---- */
 

@@ -216,7 +216,7 @@ void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)
     cli_json_count(t, "half_way", s->middle);
     cli_json_truth(t, "sharp", s->sharp != 0);
     cli_text_add(t, "}");
-    cli_tell_reduction(run, &v->reduction, made);
+    cli_tell_reduction(&v->reduction, made);
     cli_tell_result(&run->report.mesh[0].certificate, made);
 }
 

@@ -123,7 +123,11 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
 
 int cli_check_call(cli_run *run, bvx_status status, const char *about)
 {
-    return status == BVX_OK ? CLI_DONE : cli_fail_status(run, status, about);
+    const char *const of[3] = {NULL, about, about};
+
+    if (status != BVX_OK) return cli_fail_status(run, status, about);
+    cli_take_warnings(run, of);
+    return CLI_DONE;
 }
 
 int cli_stage_check(cli_run *run, bvx_status status, const char *about)
@@ -132,31 +136,71 @@ int cli_stage_check(cli_run *run, bvx_status status, const char *about)
     return cli_check_call(run, status, about);
 }
 
-void cli_warn(cli_run *run, const char *format, ...)
+/* Keep a copy of a warning, with its text, for the report. */
+static void keep_warning(cli_run *run, const cli_warning *warning, char *text)
 {
     cli_report *const r = &run->report;
-    char text[512], prefix[512], *copy;
+    cli_warning w = *warning;
+
+    tame(text);
+    w.text = malloc(strlen(text) + 1);
+    if (w.text == NULL || r->warnings == CLI_MAX_WARNINGS) {
+        free(w.text);
+        return;
+    }
+    memcpy(w.text, text, strlen(text) + 1);
+    cli_lock();
+    r->warning[r->warnings++] = w;
+    cli_unlock();
+}
+
+#define NAME_OF_WARNING(name, value, text) #name,
+static const char *const warning_names[] = {BVX_WARN_LIST(NAME_OF_WARNING)};
+
+void cli_warn(cli_run *run, int32_t code, const char *format, ...)
+{
+    cli_warning const plain = {.code = warning_names[code]};
+    char text[512];
     va_list args;
 
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    tame(text);
-    cli_clear_bar(run);
-    fflush(stdout);
-    name_input(run, text, prefix, sizeof prefix);
-    if (!run->general->quiet) fprintf(stderr, "bitvox: warning: %s%s\n", prefix, text);
-    /* The report keeps a copy; without memory for it the warning was at least said. */
-    copy = malloc(strlen(text) + 1);
-    if (copy == NULL) return;
-    memcpy(copy, text, strlen(text) + 1);
-    cli_lock();
-    if (r->warnings < CLI_MAX_WARNINGS) {
-        r->warning[r->warnings++] = copy;
-        copy = NULL;
+    keep_warning(run, &plain, text);
+    cli_say_warnings(run);
+}
+
+void cli_take_warnings(cli_run *run, const char *const about[3])
+{
+    const bvx_warning *w;
+
+    while ((w = bvx_next_warning(run->context)) != NULL) {
+        cli_warning kept = {.code = w->name, .values = w->value_count, .placed = w->placed};
+        const char *const of = about[w->input + 1];
+        char text[1024];
+
+        if ((run->unheard >> w->code & 1) != 0) continue;
+        memcpy(kept.value, w->value, sizeof kept.value);
+        memcpy(kept.low, w->low, sizeof kept.low);
+        memcpy(kept.high, w->high, sizeof kept.high);
+        snprintf(text, sizeof text, "%s%s%s", of != NULL ? of : "", of != NULL ? ": " : "", w->text);
+        keep_warning(run, &kept, text);
     }
-    cli_unlock();
-    free(copy);
+}
+
+void cli_say_warnings(cli_run *run)
+{
+    cli_report *const r = &run->report;
+
+    for (; r->warnings_said < r->warnings; r->warnings_said++) {
+        const cli_warning *const w = &r->warning[r->warnings_said];
+        char prefix[512];
+
+        cli_clear_bar(run);
+        fflush(stdout);
+        name_input(run, w->text, prefix, sizeof prefix);
+        if (!run->general->quiet) fprintf(stderr, "bitvox: warning: %s%s [%s]\n", prefix, w->text, w->code);
+    }
 }
 
 void cli_say(cli_run *run, const char *format, ...)
@@ -172,7 +216,7 @@ void cli_say(cli_run *run, const char *format, ...)
     va_end(args);
 }
 
-void cli_add_warning(cli_text *lines, const char *format, ...)
+void cli_add_warning(cli_text *lines, int32_t code, const char *format, ...)
 {
     char text[512];
     va_list args;
@@ -182,16 +226,18 @@ void cli_add_warning(cli_text *lines, const char *format, ...)
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     tame(text);
-    cli_text_add(lines, "%s\n", text);
+    cli_text_add(lines, "%d %s\n", (int)code, text);
 }
 
 void cli_warn_lines(cli_run *run, cli_text *lines)
 {
     for (const char *p = lines->bytes; p != NULL && *p != 0;) {
-        size_t const n = strcspn(p, "\n");
+        char *text;
+        int32_t const code = (int32_t)strtol(p, &text, 10);
+        size_t const n = strcspn(text, "\n");
 
-        cli_warn(run, "%.*s", (int)n, p);
-        p += n + (p[n] != 0);
+        cli_warn(run, code, "%.*s", (int)n - 1, text + 1);
+        p = text + n + (text[n] != 0);
     }
     cli_text_free(lines);
 }

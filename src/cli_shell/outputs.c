@@ -487,7 +487,7 @@ int cli_keep_outputs(cli_run *run)
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         if (good && o->older != NULL)
-            cli_warn(run, "%s, which stood at %s, cannot be removed", o->older, o->path);
+            cli_warn(run, BVX_WARN_FILE, "%s, which stood at %s, cannot be removed", o->older, o->path);
         forget_older(o);
     }
     return good ? CLI_DONE : CLI_FAILED;

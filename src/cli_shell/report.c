@@ -117,6 +117,20 @@ static void report_parts(const cli_report *report, cli_text *t)
     cli_text_add(t, "}");
 }
 
+static void report_warning(cli_text *t, const cli_warning *w)
+{
+    cli_text_add(t, "{\"code\": \"%s\", \"message\": ", w->code);
+    cli_json_string(t, w->text);
+    cli_text_add(t, ", \"values\": [");
+    for (int i = 0; i < w->values; i++) cli_text_add(t, "%s%.9g", i == 0 ? "" : ", ", w->value[i]);
+    cli_text_add(t, "], \"place\": ");
+    if (w->placed)
+        cli_text_add(t, "[[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", w->low[0], w->low[1], w->low[2],
+                     w->high[0], w->high[1], w->high[2]);
+    else cli_text_add(t, "null");
+    cli_text_add(t, "}");
+}
+
 static void report_error(cli_text *t, const cli_report *r)
 {
     cli_text_add(t, ", \"error\": {\"code\": ");
@@ -155,7 +169,7 @@ void cli_report_text(const cli_run *run, int status, int brief, cli_text *t)
     cli_text_add(t, "], \"warnings\": [");
     for (int i = 0; i < r->warnings; i++) {
         cli_text_add(t, "%s", i == 0 ? "" : ", ");
-        cli_json_string(t, r->warning[i]);
+        report_warning(t, &r->warning[i]);
     }
     cli_text_add(t, "]");
     if (!brief && r->more.size != 0) cli_text_add(t, "%s", r->more.bytes);

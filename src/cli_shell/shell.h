@@ -81,6 +81,13 @@ typedef struct cli_mesh_entry {
 /* What vertices and triangles of a mesh have beside their positions; normals follow from these. */
 enum { CLI_HAS_COLOURS = 1, CLI_HAS_UVS = 2, CLI_HAS_SECOND_UVS = 4, CLI_HAS_MATERIALS = 8 };
 
+typedef struct cli_warning {
+    const char *code; /* "BVX_WARN_..." */
+    char *text;
+    int values, placed;
+    double value[6], low[3], high[3];
+} cli_warning;
+
 /* Stages, warnings, peak and error change under cli_lock, since an interrupt may report them at any time. */
 typedef struct cli_report {
     bvx_lattice lattice;
@@ -99,8 +106,8 @@ typedef struct cli_report {
     cli_mesh_entry mesh[CLI_MAX_OUTPUTS];
     int meshes;
     cli_text more; /* further members as JSON, each with ", " before it */
-    char *warning[CLI_MAX_WARNINGS];
-    int warnings;
+    cli_warning warning[CLI_MAX_WARNINGS];
+    int warnings, warnings_said;
     uint64_t peak_bytes; /* most bytes held for data */
     cli_text batch;      /* the whole report of several inputs, in place of the above */
     char error_code[32];
@@ -127,7 +134,7 @@ int cli_usage(cli_run *run, const char *format, ...);
 /* The same for a call of the library that failed; about names the file or
  * is NULL. CLI_INTERRUPTED when cancelled. */
 int cli_fail_status(cli_run *run, bvx_status status, const char *about);
-/* CLI_DONE where the call succeeded, else the same; the second also ends the stage that it was made in. */
+/* CLI_DONE and its warnings taken where the call succeeded, else the same; the second also ends the stage that it was made in. */
 int cli_check_call(cli_run *run, bvx_status status, const char *about);
 int cli_stage_check(cli_run *run, bvx_status status, const char *about);
 /* The same, with an advice after the message. */
@@ -135,11 +142,16 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
 int cli_fail_interrupted(cli_run *run);
 /* What an interrupt left, as the message says it. */
 void cli_interrupt_text(const cli_run *run, char *text, size_t room);
-void cli_warn(cli_run *run, const char *format, ...);
+/* code: BVX_WARN_... */
+void cli_warn(cli_run *run, int32_t code, const char *format, ...);
+/* Keep what the call of the library that has just succeeded warns of; about: names for its result or only input, or
+ * NULL, for its first and for its second input. Say what was kept. */
+void cli_take_warnings(cli_run *run, const char *const about[3]);
+void cli_say_warnings(cli_run *run);
 /* Print to standard output unless --quiet, --json or an output takes it; to standard error with -o -. */
 void cli_say(cli_run *run, const char *format, ...);
 /* One more line of a text that is warned of later. */
-void cli_add_warning(cli_text *lines, const char *format, ...);
+void cli_add_warning(cli_text *lines, int32_t code, const char *format, ...);
 /* Each line of a text as a warning; all of a text. The text is freed. */
 void cli_warn_lines(cli_run *run, cli_text *lines);
 void cli_say_lines(cli_run *run, cli_text *lines);
@@ -277,6 +289,7 @@ struct cli_run {
     const cli_command *const *commands; /* all of them, NULL after the last */
     const cli_general *general;         /* a part of the options */
     const char *about;                  /* the input that messages name, one of several; NULL: no need */
+    uint64_t unheard; /* 1 << BVX_WARN_...: warnings of calls that say nothing of the result */
     const struct cli_argument *row[CLI_MAX_OPTIONS]; /* of the command's options */
     int rows;
     unsigned char given[CLI_MAX_OPTIONS]; /* by row */

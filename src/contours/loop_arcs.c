@@ -224,7 +224,6 @@ void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
         bvxi_ring_arc *const r = &p->ring_arc[i];
         r->from = a->from;
         r->to = a->to;
-        /* The next cell begins anew. */
         if (i == 0 || p->arc_cell[i] != p->arc_cell[i - 1]) sides = 0, asks = 0;
         /* A loop inside the cell, or a side crossed twice, requires that it is cut further. */
         if (a->from == BVXI_NONE) {

@@ -17,9 +17,11 @@ typedef struct bvxi_mended {
     bvxi_section_grid grid; /* whose fixed point decided */
 } bvxi_mended;
 
-/* Close it also after a failure. */
 bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
                      const bvx_sections_options *options, bvxi_mended *mended);
+/* The same for planes that each have a normal. Points are moved themselves; other labels stay as they are. */
+bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_sections *given,
+                            const bvx_sections_options *options, bvxi_mended *mended);
 
 /* ---- mend_split.c: a section's segments, split until they meet at their ends alone ---- */
 

@@ -61,7 +61,6 @@ double bvxi_mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, do
 
     bvxi_mend_direction(p->w, p->edge, from, d);
     bvxi_mend_direction(p->w, p->edge, to, e);
-    /* Unit directions of both ends. */
     length = sqrt((double)d[0] * (double)d[0] + (double)d[1] * (double)d[1]);
     for (int k = 0; k < 2; k++) u[k] = (double)d[k] / length;
     length = sqrt((double)e[0] * (double)e[0] + (double)e[1] * (double)e[1]);
@@ -150,7 +149,6 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     const bvxi_mend_paths *const p = w->paths;
     uint32_t const nodes = p->w->node_count;
 
-    /* Stops by node, by counting. */
     memset(w->first, 0, ((size_t)nodes + 1) * 4);
     for (uint32_t i = 0; i < p->stop_count; i++) w->first[p->stop[i].node + 1]++;
     for (uint32_t n = 0; n < nodes; n++) w->first[n + 1] += w->first[n];
@@ -285,7 +283,6 @@ static bvx_status find_collisions(apart_work *w)
             /* It ended before this one begins, and leaves the list. */
             if (larger_of(t->q[0][0], t->q[1][0]) < left) continue;
             w->active[kept++] = w->active[a];
-            /* Apart along v. */
             if (larger_of(t->q[0][1], t->q[1][1]) < low || lesser_of(t->q[0][1], t->q[1][1]) > high) continue;
             if (segments_collide(s, t)) mark_collision(w, s, t);
         }

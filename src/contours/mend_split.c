@@ -208,7 +208,6 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
             if (high < least) continue;
             w->active[kept++] = j;
             mend_range(w, j, 1, &other[0], &other[1]);
-            /* Apart along v. */
             if (other[1] < own[0] || other[0] > own[1]) continue;
             BVXI_TRY(mend_pair(w, j, i));
             if (w->split_count == BVXI_NONE) return BVX_OK;

@@ -89,7 +89,6 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 
     for (uint32_t i = 0; i < w->edge_count; i++) {
         uint32_t const a = w->edge[i].node[0], b = w->edge[i].node[1];
-        /* Loops that stay take no part. */
         if (!w->changed[w->edge[i].loop]) continue;
         key[count] = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
         order[count++] = i;

@@ -46,7 +46,6 @@ static void plane_place_piece(void *user, int32_t index, int32_t worker)
     (void)worker;
     bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
-        /* An empty box, which any point opens. */
         double *const b = job->bounds[i];
         b[0] = b[1] = 1e300;
         b[2] = b[3] = -1e300;

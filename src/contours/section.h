@@ -198,6 +198,8 @@ bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, co
  * volumes are infinite or 0. */
 bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, const bvx_sections_options *o);
 bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given);
+/* sections.c: warn of what a report says; depth: as in the options. */
+void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *report, int32_t depth);
 /* An orthonormal frame with w along normal, exact where that is an axis. */
 bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const double normal[3],
                               double axis[3][3]);

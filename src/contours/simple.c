@@ -221,7 +221,6 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
             uint32_t const j = w->active[a], jn = p->next[j];
             if (most(p->q[j][0], p->q[jn][0]) < left) continue;
             w->active[kept++] = j;
-            /* Apart along v. */
             if (most(p->q[j][1], p->q[jn][1]) < low || least(p->q[j][1], p->q[jn][1]) > high) continue;
             if (pair_meets(p, w->place, i, j)) return refuse_pair(s, p, i, j);
         }

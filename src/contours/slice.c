@@ -378,7 +378,6 @@ static bvx_status slice_planes(slice_work *w)
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->to));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 4, "the pieces of a contour", &w->order));
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most, "the pieces of a contour", &w->used));
-    /* From plane to plane, with the same arrays. */
     for (uint64_t i = 0; i < w->plane_count; i++) {
         uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));

@@ -268,7 +268,6 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
     s->function = function;
     s->given = given;
     s->options = *options;
-    /* An empty box, which any point opens. */
     s->low[0] = s->low[1] = 1e300;
     s->high[0] = s->high[1] = -1e300;
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));

@@ -26,6 +26,8 @@ typedef struct bvxi_share {
     double low, high;
 } bvxi_share;
 
+enum { BVXI_WARNINGS = 12 }; /* of one call; further ones are dropped */
+
 enum { BVXI_SHARES = 12, BVXI_SCOPES = 32 }; /* more works in each other than calls have */
 
 struct bvx_context {
@@ -54,6 +56,9 @@ struct bvx_context {
     const char *function;          /* the outermost public one */
     bvx_error error;               /* the last failure; its text points into message */
     char message[BVXI_MESSAGE_SIZE];
+    bvx_warning warning[BVXI_WARNINGS + 1]; /* of the last call; the last one is for those that are dropped */
+    int32_t warnings, warnings_read;
+    char warning_text[BVXI_MESSAGE_SIZE]; /* of the one read last */
 };
 
 /* heap.c, left out of freestanding builds: the C library's heap with alignment. */

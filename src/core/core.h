@@ -103,6 +103,26 @@ BVXI_COLD bvx_status bvxi_fail_null(bvx_context *ctx, const char *function, cons
 /* owner stands before the field's name: "" for options, "mesh." and its like for other structs. */
 BVXI_COLD bvx_status bvxi_fail_reserved(bvx_context *ctx, const char *function, const char *owner);
 
+/* ---- message.c: warnings ---- */
+
+/* Warn of what the present public call has cost: values as BVX_WARN_LIST's text names them. A call within another
+ * one warns of nothing, since its caller does not get what it makes. Returns the warning, whose input and box may
+ * be set. */
+bvx_warning *bvxi_warn(bvx_context *ctx, int32_t code, int32_t count, const double *value);
+#define BVXI_WARN(ctx, code, ...)                                                     \
+    bvxi_warn(ctx, code, (int32_t)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)), \
+              (const double[]){__VA_ARGS__})
+/* Its box: voxels of a lattice, both ends inclusive. */
+void bvxi_warn_box(bvx_warning *warning, const bvx_lattice *lattice, const int32_t low[3],
+                   const int32_t high[3]);
+/* The bits of the call's warnings so far, as reports have them. */
+uint64_t bvxi_warned(const bvx_context *ctx);
+/* A resolution to advise: as it is up to 4,096, else 0. */
+static inline double bvxi_advised(double resolution)
+{
+    return resolution <= 4096.0 ? resolution : 0.0;
+}
+
 /* ---- decimal.c: correctly rounded, locale-free ---- */
 
 /* Shortest decimal that reads back as value; writes at most 32 bytes, ends with 0, returns the length. */

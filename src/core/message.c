@@ -1,10 +1,11 @@
 /* message.c - what went wrong, for people and for programs: the fixed texts of statuses and reasons, and the
- * last failure in parts and in one line.
+ * last failure in parts and in one line; warnings of a call that succeeded.
  *
  * A message is formatted without stdio and locale, into the context, so a failure allocates nothing. */
 #include "context.h"
 #include "core.h"
 
+#include <math.h>
 #include <stdarg.h>
 
 /* ---- Texts of statuses, and the version ---- */
@@ -217,4 +218,106 @@ const bvx_error *bvx_last_error(const bvx_context *context)
                                               .index = -1};
 
     return context == NULL ? &without_context : &context->error;
+}
+
+/* ---- Warnings ---- */
+
+bvx_warning *bvxi_warn(bvx_context *ctx, int32_t code, int32_t count, const double *value)
+{
+    bvx_warning *const w = &ctx->warning[ctx->warnings];
+
+    memset(w, 0, sizeof *w);
+    w->code = code;
+    w->input = -1;
+    w->value_count = count;
+    for (int32_t i = 0; i < count; i++) w->value[i] = value[i];
+    if (ctx->calls == 1 && ctx->warnings < BVXI_WARNINGS) ctx->warnings++;
+    return w;
+}
+
+void bvxi_warn_box(bvx_warning *w, const bvx_lattice *lattice, const int32_t low[3], const int32_t high[3])
+{
+    w->placed = 1;
+    for (int a = 0; a < 3; a++) {
+        w->low[a] = lattice->origin[a] + (double)low[a] * lattice->spacing[a];
+        w->high[a] = lattice->origin[a] + ((double)high[a] + 1.0) * lattice->spacing[a];
+    }
+}
+
+uint64_t bvxi_warned(const bvx_context *ctx)
+{
+    uint64_t bits = 0;
+
+    for (int32_t i = 0; i < ctx->warnings; i++) bits |= (uint64_t)1 << ctx->warning[i].code;
+    return bits;
+}
+
+/* To so many digits. A power of ten up to 10^22 is exact, so the quotient is the double of the decimal. */
+static double round_to(double value, double most)
+{
+    double power = 1.0;
+
+    while (bvxi_absolute(value) * power < most / 10.0 && power < 1e22) power *= 10.0;
+    return value > -1e15 && value < 1e15 ? floor(value * power + 0.5) / power : value;
+}
+
+static void put_rounded(message_line *l, double value, double most)
+{
+    char number[32];
+
+    message_put(l, number, (size_t)bvxi_print_double(round_to(value, most), number));
+}
+
+static void put_place(message_line *l, const bvx_warning *w)
+{
+    for (int i = 0; i < 6; i++) {
+        put_rounded(l, i < 3 ? w->low[i] : w->high[i - 3], 1e6);
+        if (i != 5) message_put(l, i == 2 ? " to " : ",", i == 2 ? 4 : 1);
+    }
+}
+
+/* The text with the values of a warning; %s is an s after any whole number but 1. */
+static void put_warning(message_line *l, const char *p, const bvx_warning *w)
+{
+    const double *v = w->value;
+
+    for (; *p != 0; p++) {
+        if (*p == '{' && *v == 0.0) {
+            for (; *p != '}'; p++) v += p[0] == '%' && p[1] != 's';
+        } else if (*p != '%') {
+            if (*p != '{' && *p != '}') message_put(l, p, 1);
+        } else if (*++p == 's') {
+            message_put(l, "s", v[-1] == 1.0 ? 0 : 1);
+        } else if (*p == 'b') {
+            put_place(l, w);
+        } else if (*p == 'p') {
+            if (*v > 0.0) message_put(l, "+", 1);
+            put_rounded(l, *v++ * 100.0, 1e3);
+            message_put(l, " %", 2);
+        } else if (*p == '%') {
+            message_put(l, p, 1);
+        } else {
+            put_rounded(l, *v++, *p == 'd' ? 1.0 : 1e6);
+        }
+    }
+}
+
+const bvx_warning *bvx_next_warning(bvx_context *context)
+{
+#define BVXI_NAME(name, value, text) #name,
+#define BVXI_TEXT(name, value, text) text,
+    static const char *const names[] = {BVX_WARN_LIST(BVXI_NAME)};
+    static const char *const texts[] = {BVX_WARN_LIST(BVXI_TEXT)};
+#undef BVXI_NAME
+#undef BVXI_TEXT
+    message_line l;
+    bvx_warning *w;
+
+    if (context == NULL || context->warnings_read == context->warnings) return NULL;
+    w = &context->warning[context->warnings_read++];
+    l = (message_line){context->warning_text, sizeof context->warning_text, 0, NULL};
+    put_warning(&l, texts[w->code], w);
+    w->name = names[w->code];
+    w->text = l.text;
+    return w;
 }

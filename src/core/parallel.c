@@ -36,6 +36,7 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
     if (ctx->calls++ != 0) return;
 
     ctx->stage = ctx->function = function;
+    ctx->warnings = ctx->warnings_read = 0;
     /* Without a callback nobody looks at shares. */
     if (ctx->progress == NULL) return;
     ctx->shares = 0;
@@ -48,6 +49,8 @@ bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
     if (ctx == NULL) return status;
     (void)bvxi_scope_end(ctx, status);
     if (--ctx->calls != 0) return status;
+    /* What fails has nothing to warn of. */
+    if (status != BVX_OK) ctx->warnings = 0;
 
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);

@@ -290,3 +290,60 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     if (o->add_shell) report->crossing_volume = 0;
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
 }
+
+/* ---- Warnings ---- */
+
+#define LOSS_LARGE 0.05 /* of a volume: also a surface made of the voxels is off */
+
+/* Rows of centres that a rule looks along. */
+static double rows_of(const bvx_grid *g, int32_t fill)
+{
+    double const x = g->size[0], y = g->size[1], z = g->size[2];
+
+    return fill == BVX_FILL_PARITY || fill == BVX_FILL_NONZERO || fill == BVX_FILL_WINDING
+               ? y * z
+               : y * z + x * z + x * y;
+}
+
+/* Half a voxel of surface is always off a little. What sides say counts while lines of centres see no more of it:
+ * shells that face the wrong way take from it; what an open mesh encloses is not known. */
+static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
+{
+    int const by_sides = r->mesh_volume > 0.0 && r->crossing_volume * (1.0 - LOSS_LARGE) <= r->mesh_volume;
+    double const wanted = by_sides ? r->mesh_volume : r->crossing_volume;
+    double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
+    int const large = bvxi_absolute(off) > LOSS_LARGE;
+
+    if (bvxi_absolute(off) > LOSS_MOST && r->fill_reason != BVX_FILL_REASON_OPEN)
+        BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
+                  bvxi_advised(r->volume_resolution));
+}
+
+void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_solid_report *r,
+                        int32_t input)
+{
+    bvx_warning *w;
+
+    if (r->thin_voxels == 0) return;
+    w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels, bvxi_advised(r->thin_resolution));
+    w->input = input;
+    bvxi_warn_box(w, lattice, r->thin_low, r->thin_high);
+}
+
+void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *r, int32_t input)
+{
+    if (r->unbalanced_rows != 0)
+        BVXI_WARN(ctx, BVX_WARN_ROWS, (double)r->unbalanced_rows, rows_of(solid, r->fill))->input = input;
+    if (r->fill_reason == BVX_FILL_REASON_NESTED) bvxi_warn(ctx, BVX_WARN_NESTED, 0, NULL)->input = input;
+}
+
+void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_report *r)
+{
+    bvxi_warn_of_fill(ctx, solid, r, -1);
+    if (r->leaks != 0) BVXI_WARN(ctx, BVX_WARN_LEAKS, (double)r->leaks);
+    if (r->mixed_regions != 0)
+        BVXI_WARN(ctx, BVX_WARN_MIXED, (double)r->mixed_regions, (double)r->regions, (double)r->mixed_voxels);
+    bvxi_warn_of_walls(ctx, &solid->lattice, r, -1);
+    warn_of_voxels(ctx, r);
+    r->warnings = bvxi_warned(ctx);
+}

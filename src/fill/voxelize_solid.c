@@ -260,7 +260,9 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
         return status;
     }
     *solid = made;
-    if (o.report != NULL) *o.report = report;
+    if (o.report == NULL) return BVX_OK;
+    bvxi_warn_of_solid(context, &made, &report);
+    *o.report = report;
     return BVX_OK;
 }
 

@@ -279,7 +279,6 @@ static bvx_status join_in_job(slabs_job *job)
     uint64_t vertices = own->vertex_count, triangles = 0;
     bvx_status status;
 
-    /* Places of vertices and triangles follow from the counts, in the order of the slabs. */
     for (uint32_t i = 0; i < job->count; i++) {
         job->vertex[i] = vertices;
         job->triangle[i] = triangles;

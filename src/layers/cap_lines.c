@@ -61,7 +61,6 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
                         &p.contour));
-    /* No vertex has a line at first. */
     memset(behind, 0xff, (size_t)vertices * 4);
     BVXI_TRY(follow_lines(s, &p, edge, count, behind));
     BVXI_TRY(bvxi_cap_fill(s, &p, side));

@@ -185,7 +185,6 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
     double middle[3] = {0.0, 0.0, 0.0}, centre[3], uv[2];
     uint32_t faces = 0xff, number;
 
-    /* The mean of the corners, and the faces that all of them lie on. */
     for (uint32_t i = 0; i < l->count; i++) {
         faces &= l->faces[i];
         for (int k = 0; k < 3; k++) middle[k] += at[i][k];

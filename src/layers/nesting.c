@@ -144,7 +144,6 @@ static void nest_hold_segment(nest_work *w, uint32_t k, uint32_t i, uint32_t *re
         /* It ended before this segment begins, and leaves the list. */
         if (nest_greater(c[0], d[0]) < left) continue;
         active[kept++] = j;
-        /* Apart along v. */
         if (nest_greater(c[1], d[1]) < low || nest_lesser(c[1], d[1]) > high) continue;
         other = &w->on[1 - k][bvxi_contour_of(o, j)];
         if (!(own->met && other->met) && bvxi_segments_meet(a, b, c, d)) nest_meet(own, other);
@@ -287,7 +286,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     uint64_t const loops = s->all.contour_room * sizeof(nest_loop), n = nest_most_segments(s);
     nest_work w;
 
-    /* Stacks without levels have no list of them. */
     if (s->nesting.count == NULL) return BVX_OK;
     memset(&w, 0, sizeof w);
     w.s = s;

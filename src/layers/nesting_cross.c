@@ -130,7 +130,6 @@ static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
     for (uint32_t i = 0, end; i < m->count; i = end) {
         end = i + 1;
         if (!nest_is_level(&m->slab[i])) continue;
-        /* All levels between the same two planes. */
         while (end < m->count && m->slab[end].below == m->slab[i].below) end++;
 
         BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
@@ -199,7 +198,6 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     nest_mesh m;
 
     *found = 0;
-    /* No levels, nothing to cross. */
     if (s->nesting.plane_count == 0) return BVX_OK;
     memset(&m, 0, sizeof m);
     m.s = s;

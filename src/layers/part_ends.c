@@ -80,7 +80,6 @@ static int is_met_by_points(ends_work *w, uint32_t part)
             if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
             if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
         }
-    /* Points of the other plane in this part, then those of the part in the other plane. */
     for (uint32_t i = 0; i < other->point_count; i++) {
         const double *const at = other->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
@@ -189,7 +188,6 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
             if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }
     if (w->left == 0) return;
-    /* What is left ends towards this side. */
     measure_depths(w, depth);
     for (uint32_t c = 0; c < p->contour_count; c++)
         if (!w->met[w->owner[c]]) p->contour[c].end[side] = depth[w->owner[c]];
@@ -218,7 +216,6 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
 
     memset(&w, 0, sizeof w);
     w.s = s;
-    /* Arrays for the section with the most loops. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner));

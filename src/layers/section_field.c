@@ -80,7 +80,6 @@ static double ending_depth(const bvxi_field *f, int k, double off, double depth)
 static double outside_value(bvxi_field *f, int k, double u, double v, double d)
 {
     double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
-    /* No part ends here: plain distance. */
     if (!(depth > 0.0)) return -d;
     if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
     /* a part that ends the other way is nearer */
@@ -246,7 +245,6 @@ static void measure_lines(bvxi_field *f, int k, int ends)
     double *const d = f->line[k];
     uint32_t n = 0;
 
-    /* No place of this plane was measured yet. */
     for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
     for (int32_t j = 0; j <= s->size[1]; j++) {
         int32_t last = INT32_MIN / 2;
@@ -301,7 +299,6 @@ static bvx_status cross_hanging_lines(bvxi_field *f)
         bvxi_hanging *const h = &slab->hanging[i];
         double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
         double d[BVXI_BLEND_SECTIONS] = {0.0, 0.0, 0.0, 0.0};
-        /* Inside on both or outside on both: not crossed. */
         if (h->inside[0] == h->inside[1]) continue;
         if (!ending_line(f, !h->inside[0], u, v, d))
             for (int k = 0; k < 2; k++)

@@ -234,7 +234,6 @@ static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, doubl
             if (!met[i] && near[i].to != BVXI_NONE &&
                 (best == BVXI_NONE || near[i].square < near[best].square))
                 best = i;
-        /* None left that has anything within reach. */
         if (best == BVXI_NONE) return;
 
         if (met[on[0].count + near[best].to]) {
@@ -253,7 +252,6 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
     bvxi_disc *const d = &on[k].disc[number];
     bvxi_disc_group *const group = &g->group[d->root];
 
-    /* The box of all discs of the group on this plane. */
     for (int i = 0; i < 2; i++) {
         if (group->count[k] == 0 || d->box[i] < group->box[k][i]) group->box[k][i] = d->box[i];
         if (group->count[k] == 0 || d->box[i + 2] > group->box[k][i + 2])
@@ -350,7 +348,6 @@ double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *g, int 
         bvxi_disc *const d = &on[k].disc[i];
         double const at[2] = {u, v};
         double distance;
-        /* Neither nearer nor around the place. */
         if (disc_box_distance(d->box, u, v) > least) continue;
         distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
         if (distance < least) least = distance;

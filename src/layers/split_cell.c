@@ -165,7 +165,6 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
     piece_walk a;
 
     memset(&a, 0, sizeof a);
-    /* From one crossing of the cell's border to the other, point by point. */
     a.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]);
     a.last = arc->from;
     for (uint32_t i = 0; i < arc->count; i++) {

@@ -30,7 +30,6 @@ static int uncross_pierces(const double *p, const double *q, const double *const
 {
     double const sp = uncross_volume(t[0], t[1], t[2], p), sq = uncross_volume(t[0], t[1], t[2], q);
     double a, b, c;
-    /* Both ends on one side. */
     if ((sp > 0.0) == (sq > 0.0)) return 0;
     a = uncross_volume(p, q, t[0], t[1]);
     b = uncross_volume(p, q, t[1], t[2]);

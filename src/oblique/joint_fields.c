@@ -152,7 +152,6 @@ static void bound_surroundings(bvxi_oblique *b)
             margin = way > margin ? way : margin;
         }
     }
-    /* Whole cells, within the lattice. */
     for (int k = 0; k < 3; k++) {
         double const first = floor(low[k] - margin) - 3.0, last = floor(high[k] + margin) + 4.0;
         b->near_low[k] = first > 0.0 ? first : 0.0;
@@ -184,7 +183,6 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
     bound_surroundings(b);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.3, 1.0, make_field(b)));
 
-    /* Counts are those of all bodies. */
     o->report.loops += b->report.loops;
     o->report.holes += b->report.holes;
     o->report.points += b->report.points;
@@ -203,7 +201,6 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
     const bvxi_oblique_plane *const p = &o->plane[plane];
     double at[3];
 
-    /* Back to the world, for the message. */
     for (int k = 0; k < 3; k++)
         at[k] = o->origin[k] +
                 o->step * (p->offset * p->normal[k] + (uv[0] * p->axis[0][k] + uv[1] * p->axis[1][k]));
@@ -397,7 +394,6 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
         BVXI_TRY(
             BVXI_SHARE(o->ctx, 0.7 * i / count, 0.7 * (i + 1) / count, open_joint_body(o, i, labels[i])));
 
-    /* From here on kinds are those of several bodies. */
     o->body_count = count;
     BVXI_TRY(join_contours(o));
     BVXI_TRY(find_ends(o));

@@ -292,7 +292,6 @@ static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
         const uint32_t *const x = o->tetra[o->star[i]].v;
         for (int a = 0; a < 4 && *hold; a++) {
             if (o->vertex[x[a]].sign != 0) continue;
-            /* A contour's point must lie on the surface once, and its edges too. */
             *hold = bvxi_look_link(o, &w->look, x[a]) && !bvxi_look_torn(o, &w->look, x[a]);
             for (int b = a + 1; b < 4 && *hold; b++) {
                 uint32_t changes = 0;

@@ -174,7 +174,6 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 {
     bvxi_plane *const p = &f->plane;
 
-    /* An empty box, which any point opens. */
     for (int k = 0; k < 2; k++) {
         f->low[k] = 1e300;
         f->high[k] = -1e300;
@@ -199,7 +198,6 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
         }
     }
 
-    /* Loops close: the last point leads to the first. */
     for (uint32_t i = 0; i < p->contour_count; i++)
         for (uint32_t j = 0; j < p->contour[i].count; j++)
             p->next[p->contour[i].first + j] = p->contour[i].first +
@@ -276,7 +274,6 @@ bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, con
     BVXI_TRY(
         bvxi_alloc(o->ctx, BVXI_SCRATCH, o->box_room * sizeof *all->box, "the boxes of contours", &all->box));
 
-    /* Each plane's stretches, in the order of the planes. */
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_plane *const p = &o->plane[i].plane;
         bvxi_plane_tree_size((uint32_t)points[i], &groups, &boxes);

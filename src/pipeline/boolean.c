@@ -6,6 +6,7 @@
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 #include "mesh/view.h"
+#include "fill/fills.h"
 #include "pipeline/steps.h"
 #include "pipeline/thicken.h"
 #include "surface/field_surface.h"
@@ -518,6 +519,99 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     return BVXI_SHARE(job->ctx, 0.86, 1.0, flatten_boolean(job, result));
 }
 
+/* ---- Warnings ---- */
+
+#define BOOLEAN_OFF    0.05 /* of a volume */
+#define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
+
+/* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
+static double shared_volume(const boolean_job *job)
+{
+    const bvx_boolean_report *const r = &job->report;
+    const bvx_solid_report *const of[2] = {&r->solid_a, &r->solid_b};
+    uint64_t const count[2] = {r->voxels_a, r->voxels_b};
+    uint64_t const all = count[0] + (job->operation == BVX_BOOLEAN_DIFFERENCE ? 0 : count[1]);
+    uint64_t const twice = job->operation == BVX_BOOLEAN_XOR ? 2 : 1;
+    double const voxels = all > r->voxels ? (double)((all - r->voxels) / twice) : 0.0;
+    double shared[2] = {0.0, 1e300};
+
+    for (int i = 0; i < 2; i++)
+        if (count[i] != 0 && of[i]->crossing_volume > 0.0)
+            shared[i] = of[i]->crossing_volume * voxels / (double)count[i];
+    return shared[0] < shared[1] ? shared[0] : shared[1];
+}
+
+/* The volume of the result beside those of the meshes. An intersection's does not follow from these. */
+static void warn_of_operands_volume(boolean_job *job, double volume, double finer)
+{
+    const bvx_boolean_report *const r = &job->report;
+    int const alone = job->operation == BVX_BOOLEAN_DIFFERENCE;
+    double const a = r->solid_a.crossing_volume, b = alone ? 0.0 : r->solid_b.crossing_volume;
+    double const shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
+    double const wanted = a + b - shared;
+
+    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0 || !(a > 0.0) ||
+        !(alone || b > 0.0) || !(wanted > 0.0))
+        return;
+    if (volume < (1.0 - BOOLEAN_OFF) * (a + b - shared * BOOLEAN_SHARED) ||
+        volume > (1.0 + BOOLEAN_OFF) * (a + b - shared / BOOLEAN_SHARED))
+        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted, volume / wanted - 1.0, finer);
+}
+
+/* A union has no more parts than its meshes have together. They are counted only where that is in question: one
+ * part, or two that do not meet, are as it should be. */
+static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, double finer)
+{
+    uint64_t own = 0;
+
+    if (job->operation != BVX_BOOLEAN_UNION || parts <= 2) return BVX_OK;
+    for (int i = 0; i < 2; i++) {
+        bvx_certificate c;
+
+        BVXI_TRY(bvx_mesh_check(job->ctx, job->body[i].mesh, 1, &c));
+        own += c.components;
+    }
+    if (parts > own) BVXI_WARN(job->ctx, BVX_WARN_PARTS, (double)parts, (double)own, finer);
+    return BVX_OK;
+}
+
+static void warn_of_operand(boolean_job *job, int32_t i)
+{
+    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+
+    bvxi_warn_of_fill(job->ctx, &job->body[i].solid, r, i);
+    if ((job->report.thin_kept & (i == 0 ? BVX_KEPT_A : BVX_KEPT_B)) == 0)
+        bvxi_warn_of_walls(job->ctx, &job->lattice, r, i);
+    /* A body of so few voxels has lost its shape; the resolution that keeps it follows from its size. */
+    if ((job->report.few >> i & 1) != 0)
+        BVXI_WARN(job->ctx, BVX_WARN_FEW, bvxi_advised(job->report.advised_resolution))->input = i;
+}
+
+static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
+{
+    bvx_boolean_report *const r = &job->report;
+    const int32_t *const n = job->lattice.dims;
+    double const longest = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
+    double const finer = bvxi_advised(2.0 * (longest - 2.0));
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    for (int32_t i = 0; i < 2; i++) warn_of_operand(job, i);
+    /* Often wrong units or a wrong place. */
+    if (job->operation == BVX_BOOLEAN_DIFFERENCE && r->voxels_b == 0 && (r->few & BVX_FEW_B) == 0)
+        bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
+    if ((r->few & BVX_FEW_RESULT) != 0)
+        BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
+    if (result->triangle_count != 0) {
+        bvx_mesh_view_of(result, &view);
+        BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &c));
+        BVXI_TRY(warn_of_operands_parts(job, c.components, finer));
+        warn_of_operands_volume(job, c.volume, finer);
+    }
+    r->warnings = bvxi_warned(job->ctx);
+    return BVX_OK;
+}
+
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                               int32_t operation, const bvx_boolean_options *options, bvx_mesh *result)
 {
@@ -538,7 +632,9 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.body[0].mesh = a;
     mine = result->positions == NULL;
     job.body[1].mesh = b;
-    status = boolean_steps(&job, result);
+    status = BVXI_SHARE(context, 0.0, 0.97, boolean_steps(&job, result));
+    if (status == BVX_OK && o.report != NULL)
+        status = BVXI_SHARE(context, 0.97, 1.0, warn_of_boolean(&job, result));
     /* Only what the library made is freed. */
     if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;

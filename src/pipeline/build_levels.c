@@ -94,14 +94,6 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
 
 /* ---- The plan ---- */
 
-static void corners_of(const bvx_mesh_view *mesh, uint64_t t, double p[3][3])
-{
-    uint32_t v[3];
-
-    bvxi_view_triangle(mesh, t, v);
-    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-}
-
 /* Triangles of the finest level; by error the mesh's own. */
 static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uint64_t triangles)
 {
@@ -164,8 +156,8 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
         double p[3][3];
         uint32_t v[3];
 
-        corners_of(surface, t, p);
         bvxi_view_triangle(surface, t, v);
+        for (int k = 0; k < 3; k++) bvxi_view_position(surface, v[k], p[k]);
         /* The volume of the tetrahedron with the origin, by its sign. */
         volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                                 p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
@@ -399,6 +391,7 @@ static bvx_status simplify_as_it_is(levels_job *job)
     r->parted = sheets.parted;
     r->cut = sheets.cut;
     memcpy(r->cut_edge, sheets.cut_edge, sizeof r->cut_edge);
+    bvxi_levels_warn(job->ctx, &job->chain, &r->before, &sheets);
     return BVX_OK;
 }
 
@@ -467,6 +460,21 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->reports = o->reports;
 }
 
+static void warn_of_surface(levels_job *job)
+{
+    bvx_levels_report *const r = &job->report;
+    bvx_certificate from = r->repair.after;
+
+    if (r->resolution < r->planned_resolution)
+        BVXI_WARN(job->ctx, BVX_WARN_LOWERED, r->planned_resolution, r->resolution);
+    if (r->crumbs != 0)
+        BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, bvxi_advised(2.0 * r->resolution));
+    bvxi_repair_warn(job->ctx, &r->repair, r->resolution);
+    /* The solid's crumbs are not in its surface. */
+    from.components -= r->crumbs - r->repair.crumbs;
+    bvxi_levels_warn(job->ctx, &job->chain, &from, NULL);
+}
+
 static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
                                    const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
 {
@@ -496,8 +504,11 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     status = levels_steps(&job);
     if (status != BVX_OK) bvxi_levels_drop(context, levels, level_count);
     if (status == BVX_ERR_BUDGET) status = explain_budget(&job, used);
-    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
-    return status;
+    if (status != BVX_OK || o.report == NULL) return status;
+    if (job.report.solid) warn_of_surface(&job);
+    job.report.warnings = bvxi_warned(context);
+    *o.report = job.report;
+    return BVX_OK;
 }
 
 bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,

@@ -162,8 +162,13 @@ static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
 static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_flat_body const body = {&job->thin, NULL};
+    uint64_t const mark = bvxi_scratch_begin(job->ctx);
 
-    return bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired);
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
+    return bvxi_scratch_end(
+        job->ctx, mark,
+        BVXI_SHARE(job->ctx, 0.5, 1.0,
+                   bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside, &job->body, repaired)));
 }
 
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
@@ -207,10 +212,21 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
     return BVXI_SHARE(job->ctx, made, 1.0, bvxi_repair_measure(job, repaired));
 }
 
+static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
+                                  const bvx_repair_options *options, bvx_mesh *repaired)
+{
+    bvx_repair_options o = repair_defaults;
+
+    BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, repaired));
+    BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
+    if (o.report != NULL) bvxi_repair_warn(ctx, o.report, o.lattice == NULL ? o.resolution : 0);
+    return BVX_OK;
+}
+
 bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
                       bvx_mesh *repaired)
 {
-    return BVXI_CALL(context, bvxi_repair_known(context, mesh, NULL, options, repaired));
+    return BVXI_CALL(context, repair_and_warn(context, mesh, options, repaired));
 }
 
 bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,

@@ -198,3 +198,86 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }
+
+/* ---- Warnings ---- */
+
+#define REPAIR_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
+#define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
+
+int bvxi_changed_as_asked(const bvx_repair_report *r)
+{
+    return r->parts_dropped + r->cavities_dropped > r->crumbs;
+}
+
+static int has_lost_walls(const bvx_repair_report *r)
+{
+    return r->thin_voxels != 0 && !r->thin_kept;
+}
+
+static void warn_of_walls(bvx_context *ctx, const bvx_repair_report *r)
+{
+    bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
+                                     bvxi_advised(r->thin_resolution));
+
+    bvxi_warn_box(w, &r->lattice, r->thin_low, r->thin_high);
+}
+
+/* Parts, and handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
+ * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
+static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, double finer)
+{
+    double const after = (double)r->after.components, before = (double)r->before.components;
+    int64_t const has = lidded_handles(&r->after, 0);
+
+    if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
+    /* Parts that cross become one as they should. */
+    if (after < before && r->needs == BVX_NEEDS_NOTHING && !bvxi_changed_as_asked(r) && !has_lost_walls(r))
+        BVXI_WARN(ctx, BVX_WARN_JOINED, after, before, finer);
+    if (r->handles >= 0 && (!r->shelled || r->before.closed) && has > r->handles + (int64_t)r->crossings)
+        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)r->handles, finer);
+    if (r->shelled && r->shelled_area > REPAIR_SHELLED * r->before.area)
+        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, r->shelled_area, r->before.area);
+}
+
+/* 1: volume and area of the mesh are those of its body. */
+static int has_own_size(const bvx_repair_report *r)
+{
+    return r->before.closed && r->before.oriented && r->overlaps == 0 && r->turned == 0 &&
+           r->before.duplicates == 0 && r->before.volume != 0.0;
+}
+
+/* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
+ * see of it. Where walls were put back there is more than these see. */
+static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double finer)
+{
+    double const volume = r->after.volume, all = r->parts_volume, seen = r->crossing_volume;
+    int const own = has_own_size(r);
+    double const from = own ? bvxi_absolute(r->before.volume) : seen;
+    double const off = from > 0.0 ? volume / from - 1.0 : 0.0;
+    double const area = r->before.area, wider = area > 0.0 ? r->after.area / area - 1.0 : 0.0;
+
+    if (all == 0.0 && r->thin_shelled != 0)
+        BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)r->thin_shelled, finer);
+    if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
+        !(bvxi_changed_as_asked(r) && r->cavities_dropped))
+        BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer);
+    else if (bvxi_changed_as_asked(r) || (r->shelled && !own)) return;
+    else if (bvxi_absolute(off) > REPAIR_CHANGED && (own || off < 0.0 || r->thin_voxels == 0))
+        BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer);
+    else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
+        BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer);
+}
+
+void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution)
+{
+    double longest = resolution;
+
+    /* A copy is what it was. */
+    if (r->copied) return;
+    for (int a = 0; a < 3 && resolution == 0; a++)
+        longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
+    if (has_lost_walls(r)) warn_of_walls(ctx, r);
+    warn_of_topology(ctx, r, bvxi_advised(2.0 * longest));
+    warn_of_size(ctx, r, bvxi_advised(2.0 * longest));
+    r->warnings = bvxi_warned(ctx);
+}

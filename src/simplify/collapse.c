@@ -436,7 +436,6 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
     c->alive -= r->collapsed;
     c->counts.collapsed += r->collapsed;
     c->counts.refused += r->refused;
-    c->refused += r->refused;
 }
 
 static bvx_status sweep_ranges(collapse_sweep *s)
@@ -475,9 +474,9 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     choose_threshold(&s, wanted < share ? wanted : share, idle);
 
     /* Before edges that cost far more those that were refused are looked at anew. */
-    if ((double)s.threshold > DEARER * (double)c->reached && c->refused != 0) {
+    if ((double)s.threshold > DEARER * (double)c->reached &&
+        memchr(c->stale, 1, (size_t)c->mesh.vertices) != NULL) {
         BVXI_TRY(bvxi_collapse_evaluate(c));
-        c->refused = 0;
         choose_threshold(&s, wanted < share ? wanted : share, idle);
     }
     if (s.threshold > c->reached) c->reached = s.threshold;

@@ -92,9 +92,8 @@ struct bvxi_collapse {
     uint64_t crossings;
     int listed; /* 1: all of the level's were looked for */
 
-    float reached;    /* cost of the dearest edges that were tried */
-    uint64_t refused; /* edges, since all were looked at */
-    double crumpled;  /* mean edges that a vertex may lie from the planes that it stands for */
+    float reached;   /* cost of the dearest edges that were tried */
+    double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
     double scale;     /* quadrics measure lengths in units of 1 / scale, the mesh's size */
     double area;      /* of the mesh as it was opened, in the same units */
     double low[3];
@@ -184,8 +183,6 @@ bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
  * collapses are looked at one by one, until the end is called. */
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone);
 void bvxi_collapse_end_careful(bvxi_collapse *c);
-/* careful.c: for bvxi_crossing_tree_visit: is there any? */
-int bvxi_any_crossing(void *user, uint32_t t);
 /* careful.c: 1 where triangles of the mesh crossed that are part of this one. */
 int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle);
 /* careful.c: 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,

@@ -118,12 +118,6 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
     return 1;
 }
 
-/* Either end may stay. */
-static int may_swap(const bvxi_collapse *c, const bvxi_edge_planned *plan)
-{
-    return freedom(c, plan->u) == freedom(c, plan->v);
-}
-
 /* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
@@ -136,7 +130,6 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
     plan->cost = plan->all.c > 0 ? plan->all.c : 0;
 }
 
-/* Where an edge's ends would meet, and what it costs; 0: nowhere. */
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
 {
     int const kept = c->options.vertices == BVX_VERTICES_KEPT;
@@ -144,7 +137,7 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 
     if (!plan_ends(c, edge, plan)) return 0;
     join_ends(c, plan);
-    if (plan->still && !may_swap(c, plan)) return 1;
+    if (plan->still && freedom(c, plan->u) != freedom(c, plan->v)) return 1;
 
     /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
     if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
@@ -224,7 +217,6 @@ float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge)
     return cost < COLLAPSE_NEVER ? cost : COLLAPSE_NEVER;
 }
 
-/* The cheapest edge of a vertex, by the costs beside them. */
 void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
 {
     const bvxi_corners *const m = &c->mesh;
@@ -301,7 +293,6 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
     return BVX_OK;
 }
 
-/* Both ends' quadric, moved to the new position. */
 void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p)
 {
     bvxi_corner_vertex *const at = &c->mesh.at[plan->u];

@@ -122,17 +122,15 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    bvx_mesh_view view;
     bvx_level_report *r;
 
-    bvx_mesh_view_of(&c->levels[i], &view);
     if (c->reports == NULL) return BVX_OK;
 
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, certify_level(ctx, c, collapse, &c->levels[i], r)));
-    r->vertices = view.vertex_count;
-    r->triangles = view.triangle_count;
+    r->vertices = c->levels[i].vertex_count;
+    r->triangles = c->levels[i].triangle_count;
     r->target = target_of(c, i);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
@@ -296,13 +294,6 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                               int *met)
-{
-    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met)
-                                    : make_by_count(c, i, collapse, met);
-}
-
 /* By count the collapse went as far as it could; by error it had nothing to take back. */
 static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
 {
@@ -323,7 +314,9 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
+                        c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
+                                                 : make_by_count(c, i, collapse, &met)));
     if (c->strict && !met) return refuse_missed(ctx, c, i);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
@@ -388,4 +381,83 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     bvxi_sheets_close(ctx, &made);
     if (status != BVX_OK) bvxi_levels_drop(ctx, c->levels, c->count);
     return status;
+}
+
+/* ---- Warnings ---- */
+
+#define LEVEL_CHANGED 0.05 /* of the volume, from which on it is warned of */
+#define LEVEL_HOLLOW  1e-9 /* of a cube of that area: bodies that face opposite ways may cancel each other */
+
+/* Levels of which a fact holds. */
+typedef struct level_fact {
+    uint64_t first, count;
+} level_fact;
+
+static void note_fact(level_fact *f, int holds, uint64_t level)
+{
+    if (holds && f->count++ == 0) f->first = level;
+}
+
+/* The share by which a level's volume differs, whichever way both are turned; 0: what it was made from has none. */
+static double level_volume_change(const bvx_certificate *level, const bvx_certificate *from)
+{
+    double const volume = bvxi_absolute(from->volume);
+
+    if (!from->closed || !from->oriented || volume <= LEVEL_HOLLOW * from->area * sqrt(from->area))
+        return 0.0;
+    return bvxi_absolute(level->volume) / volume - 1.0;
+}
+
+static void warn_of_sheets(bvx_context *ctx, const bvxi_sheets_report *s)
+{
+    if (s->doubles != 0) BVXI_WARN(ctx, BVX_WARN_DOUBLES, (double)s->doubles);
+    if (s->turned != 0) BVXI_WARN(ctx, BVX_WARN_TURNED, (double)s->turned);
+    if (s->cut != 0) {
+        bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_CUT, (double)s->cut);
+
+        w->placed = 1;
+        for (int a = 0; a < 3; a++) {
+            int const low = s->cut_edge[1][a] < s->cut_edge[0][a];
+
+            w->low[a] = s->cut_edge[low][a];
+            w->high[a] = s->cut_edge[!low][a];
+        }
+    }
+}
+
+void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *c, const bvx_certificate *from,
+                      const bvxi_sheets_report *sheets)
+{
+    /* Else fans and sheets that met are apart in the levels, so that they have more pieces. */
+    int const sound = from->edge_manifold && from->vertex_manifold && from->oriented;
+    level_fact parts = {0, 0}, volume = {0, 0}, missed = {0, 0};
+    const bvx_level_report *r;
+
+    if (sheets != NULL) warn_of_sheets(ctx, sheets);
+    for (uint64_t i = 0; i < c->count && c->reports != NULL; i++) {
+        const bvx_certificate *const level = &c->reports[i].certificate;
+
+        note_fact(&parts, sound && level->components != from->components, i);
+        note_fact(&volume, bvxi_absolute(level_volume_change(level, from)) > LEVEL_CHANGED, i);
+        note_fact(&missed, !c->reports[i].met, i);
+    }
+    r = &c->reports[parts.first];
+    if (parts.count != 0)
+        BVXI_WARN(ctx, BVX_WARN_LEVEL_PARTS, (double)parts.first, (double)r->certificate.components,
+                  (double)from->components, (double)parts.count - 1.0);
+    r = &c->reports[volume.first];
+    if (volume.count != 0)
+        BVXI_WARN(ctx, BVX_WARN_LEVEL_VOLUME, (double)volume.first, bvxi_absolute(r->certificate.volume),
+                  bvxi_absolute(from->volume), level_volume_change(&r->certificate, from),
+                  (double)volume.count - 1.0);
+    r = &c->reports[missed.first];
+    if (missed.count == 0) return;
+    if (c->target_errors != NULL)
+        BVXI_WARN(ctx, BVX_WARN_ERROR, (double)missed.first, r->target_error, (double)missed.count - 1.0);
+    else
+        BVXI_WARN(ctx, BVX_WARN_TARGET, (double)missed.first, (double)r->target, (double)r->triangles,
+                  r->certificate.closed
+                      ? (double)r->certificate.components - 0.5 * (double)r->certificate.euler
+                      : 0.0,
+                  (double)missed.count - 1.0);
 }

@@ -64,6 +64,9 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *chain);
  * failure no level is left. */
 bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *chain, const bvx_mesh_view *mesh,
                             bvxi_sheets_report *sheets);
+/* Warn of what the reports of levels say, each fact once; from: of what they were made; sheets: NULL, or as above. */
+void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *chain, const bvx_certificate *from,
+                      const bvxi_sheets_report *sheets);
 /* Free what the library made of levels, and empty those in arrays of the caller's. */
 void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count);
 

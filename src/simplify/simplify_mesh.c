@@ -37,6 +37,8 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
 {
     bvx_simplify_options o = simplify_defaults;
     bvxi_level_chain chain = {.function = simplify_name};
+    bvxi_sheets_report sheets;
+    bvx_certificate from;
     double low[3], high[3];
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -70,7 +72,12 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(bvxi_levels_check(context, &chain));
 
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
-    return bvxi_levels_make(context, &chain, mesh, NULL);
+    BVXI_TRY(BVXI_SHARE(context, 0.0, o.reports == NULL ? 1.0 : 0.95,
+                        bvxi_levels_make(context, &chain, mesh, &sheets)));
+    if (o.reports == NULL) return BVX_OK;
+    BVXI_TRY(BVXI_SHARE(context, 0.95, 1.0, bvx_mesh_check(context, mesh, 1, &from)));
+    bvxi_levels_warn(context, &chain, &from, &sheets);
+    return BVX_OK;
 }
 
 bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,

@@ -103,7 +103,7 @@ refuses 1 'by --label' sections drum2.csl -o drum.ply
 warns 'share no area' sections stairs.csv -o stairs.ply
 run sections "$knot" -o x.ply
 run slice utm.obj -o utm.csv --spacing 0.2
-warns 'take --subdivide 8' sections utm.csv -o x.ply
+warns 'a subdivision of 8 may help' sections utm.csv -o x.ply
 run sections utm.csv -o x.ply --subdivide 8
 if grep -q 'take' err; then not_ok 'no advice beyond the deepest' 'advice'; else ok 'no advice beyond the deepest'; fi
 

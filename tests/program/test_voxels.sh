@@ -127,7 +127,7 @@ sets 4096 nested.obj --spacing 1 --padding 2 --fill nonzero
 sets 4032 nested.obj --spacing 1 --padding 2
 reports 'auto keeps cavities and says why' 'r["solid"]["fill"] == "parity" and r["solid"]["reason"] == "nested" and len(r["warnings"]) == 1' \
     voxelize nested.obj -o x.bvx --spacing 1 --padding 2
-reports 'nested shells and no voxel are two warnings' 'len(r["warnings"]) == 2 and r["warnings"][0].endswith("has it solid")' \
+reports 'nested shells and no voxel are two warnings' 'len(r["warnings"]) == 2 and r["warnings"][0]["code"] == "BVX_WARN_NESTED"' \
     voxelize thin_nested.obj -o x.bvx --spacing 1 --padding 2
 # The flood leaves the hollow to the solid, but voxels of its surface vote: 4 x 4 x 4 less 2 x 2 x 2 stay empty.
 sets 4096 nested.obj --spacing 1 --padding 2 --fill flood
@@ -135,11 +135,11 @@ reports 'regions are counted' 'r["solid"]["fill"] == "regions" and r["solid"]["r
     and r["solid"]["mixed_voxels"] == 0 and r["warnings"] == []' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --fill regions
 # One side of the box is missing: every row along x lacks a crossing.
 sets 128 box.obj --spacing 0.25 --padding 2
-warns '16 of 64 rows do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
+warns '16 of 64 rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2
 sets 128 open.obj --spacing 0.25 --padding 2 --fill vote
 # Half a side is missing: some rows along x do.
 for rule in vote regions; do sets 8192 half.obj --spacing 0.0625 --padding 2 --fill $rule; done
-warns 'rows do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2 --fill vote
+warns 'rows of centres do not balance' voxelize open.obj -o x.bvx --spacing 0.25 --padding 2 --fill vote
 warns 'regions are not on one side' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill regions
 reports 'mixed regions are counted' 'r["solid"]["mixed_regions"] == 1 == r["solid"]["regions"] and r["solid"]["mixed_voxels"] > 0
     and len(r["warnings"]) == 2' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill regions
@@ -166,23 +166,24 @@ refuses 2 'one of: parity, nonzero, vote, flood, regions, below' voxelize box.ob
 { corners 0 2 2 2; for z in 3.06 3.1; do printf 'v 2.5 2.5 %s\nv 5 2.5 %s\nv 5 5 %s\nv 2.5 5 %s\n' $z $z $z $z; done; sides 0 <all; sides 8 <all; } >plate.obj
 { corners 0 2 2 2; sides 0 <all; } >two.obj
 warns "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: " voxelize plate.obj -o x.bvx --spacing 0.1
-holds 'with a place and a remedy' grep -q -E '[0-9]+ voxels, in 2[.]5,2[.]5,3 to 5,5,3[.]1; --resolution 188 keeps nine tenths of them; --add-shell' err
+holds 'with a place and a remedy' grep -q -E '[0-9]+ voxels, in 2[.]5,2[.]5,3 to 5,5,3[.]1; a resolution of 188 keeps nine tenths of them' err
 reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] > 500 and abs(r["solid"]["thin_wall"] - 0.04) < 0.002
-    and len(r["solid"]["thin_box"]) == 2 and len(r["warnings"]) == 2 and "8, that of the mesh 8.25 (-3.0 %): walls are lost" in r["warnings"][1]
+    and len(r["solid"]["thin_box"]) == 2 and [w["code"] for w in r["warnings"]] == ["BVX_WARN_THIN_LOST", "BVX_WARN_VOXELS"]
+    and "volume of 8, the input about 8.25 (-3.03 %)" in r["warnings"][1]["message"] and r["warnings"][0]["place"][0] == [2.5, 2.5, 3]
     and abs(r["solid"]["volume"] - 8) < 0.01' voxelize plate.obj -o x.bvx --spacing 0.1
-reports 'and are not looked for with never' 'r["solid"]["thin_checked"] is False and len(r["warnings"]) == 1 and "thinner" not in r["warnings"][0]' voxelize plate.obj -o x.bvx --spacing 0.1 --check-thin never
+reports 'and are not looked for with never' 'r["solid"]["thin_checked"] is False and [w["code"] for w in r["warnings"]] == ["BVX_WARN_VOXELS"]' voxelize plate.obj -o x.bvx --spacing 0.1 --check-thin never
 reports 'and nothing is told where nothing is missing' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0 and "thin_box" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
 reports 'also with always' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] == 0' voxelize box.obj -o x.bvx --spacing 0.25 --check-thin always
 # Also of very small ones: a plate of two by two voxels.
 { corners 0 2 2 2; for z in 3.06 3.1; do printf 'v 2.5 2.5 %s\nv 2.7 2.5 %s\nv 2.7 2.7 %s\nv 2.5 2.7 %s\n' $z $z $z $z; done; sides 0 <all; sides 8 <all; } >chip.obj
 warns "lost where no voxel's centre lies in them: 4 voxels, in 2.5,2.5,3 to 2.7,2.7,3.1" voxelize chip.obj -o x.bvx --spacing 0.1
 # Voxels of 1.3 for a cube of 2: eight of them.
-warns 'the volume of the voxels is 17.576, that of the mesh 8 (+119.7 %): faces lie up to half a voxel from where voxels end; --resolution 39' voxelize two.obj -o x.bvx --spacing 1.3
+warns 'the result has a volume of 17.576, the input about 8 (+120 %); a resolution of 39' voxelize two.obj -o x.bvx --spacing 1.3
 # A per cent and no more, also where the mesh's own sum is not known; and of a mesh it is the surface that counts.
 { corners 0 2 2 1.97; sides 0 <all; } >low.obj
-warns 'that of the mesh 7.88 (+1.5 %): faces lie up to half a voxel' voxelize low.obj -o x.bvx --spacing 0.1
+warns 'the voxels have a volume of 8, the input about 7.88 (+1.52 %); a resolution of' voxelize low.obj -o x.bvx --spacing 0.1
 { corners 0 2 2 1.97; corners 1 3 3 2.97; sides 0 <all; sides 8 <all; } >lows.obj
-warns 'that of the mesh about ' voxelize lows.obj -o x.bvx --spacing 0.1
+warns 'the voxels have a volume of ' voxelize lows.obj -o x.bvx --spacing 0.1
 reports 'in the report too' '0.008 < abs(r["solid"]["volume"] / r["solid"]["crossing_volume"] - 1) and "mesh_volume" not in r["solid"] and r["solid"]["volume_resolution"] > 20' voxelize lows.obj -o x.bvx --spacing 0.1
 reports 'not of a mesh' 'r["warnings"] == []' voxelize low.obj -o x.ply --spacing 0.1
 reports 'nor where all is well' 'r["warnings"] == [] and r["solid"]["volume_resolution"] == 0 and abs(r["solid"]["crossing_volume"] - 8) < 1e-6' voxelize two.obj -o x.bvx --spacing 0.1
@@ -220,7 +221,7 @@ refuses 2 'one of: x, y, z' voxelize ground.obj -o x.bvx --fill below --up w
 
 # ---- rules in lod and render ----
 
-warns 'rows do not balance' lod open.obj -o l_%d.ply --levels 16 --fill vote --samples 0
+warns 'rows of centres do not balance' lod open.obj -o l_%d.ply --levels 16 --fill vote --samples 0
 run info l_0.ply
 holds 'lod --fill vote closes the box' says '^  closed +yes'
 works 'lod --fill nonzero' lod nested.obj -o l_%d.ply --levels 16 --fill nonzero --samples 0 --quiet
@@ -265,7 +266,7 @@ reports 'faces --json' 'r["command"] == "faces" and r["set"] == 128 and r["meshe
     and "faces" in [s["name"] for s in r["stages"]]' faces box.npy -o x.ply --merge
 for format in obj stl glb; do works "faces to $format" faces box.npy -o x.$format; done
 rm -f x.*
-warns 'rows do not balance' faces open.obj -o x.ply --spacing 0.25 --fill vote
+warns 'rows of centres do not balance' faces open.obj -o x.ply --spacing 0.25 --fill vote
 rm -f x.*
 for option in '--resolution 5' '--spacing 1' '--padding 1' '--fill vote' '--close-gaps 1'; do
     # shellcheck disable=SC2086
@@ -489,8 +490,8 @@ refuses 1 'limit' refine "$knot" -o x.vtu --halvings 9 --memory-limit 20M
 # ---- real meshes ----
 
 if [ -d "$meshes" ]; then
-    warns 'rows do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o bunny.bvx --fill vote --resolution 128
-    warns 'rows do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o again.bvx --fill regions --resolution 128
+    warns 'rows of centres do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o bunny.bvx --fill vote --resolution 128
+    warns 'rows of centres do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o again.bvx --fill regions --resolution 128
     same 'holes of the scan join all regions, so each voxel votes' bunny.bvx again.bvx
     works 'a real terrain' voxelize "$meshes/terrain_turbineSiting.stl.gz" -o terrain.bvx --fill below --base 900 --resolution 200
     holds 'a real terrain has columns' says '^  columns +[0-9]{5} under the surface$'

@@ -63,7 +63,7 @@ no_cpu_detection() {
 
 # Functions without a result that a machine could change, and without work that could fail, are named here.
 plain='bvx_context_create_version bvx_context_destroy bvx_context_fault bvx_context_threads bvx_format_of_name
-    bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used
+    bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_next_warning
     bvx_status_text bvx_version'
 
 every_function_proven() {
@@ -91,7 +91,7 @@ contents_of_the_header() {
 # in one wording.
 lists_stand_once() {
     awk '/^#define BVX_[A-Z]*_LIST\(X\)/ { list = $2; sub(/_LIST.*/, "", list); n = 0 }
-        list != "" && list !~ /STATUS|REASON/ && match($0, /X\(BVX_[A-Z0-9_]*, *[0-9]+, *"[^"]*"\)/) {
+        list != "" && list !~ /STATUS|REASON|WARN/ && match($0, /X\(BVX_[A-Z0-9_]*, *[0-9]+, *"[^"]*"\)/) {
             name = substr($0, RSTART + 2)
             sub(/,.*/, "", name)
             text = $0

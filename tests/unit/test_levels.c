@@ -567,6 +567,7 @@ static void test_threads_do_not_matter(void)
         bvx_context *other;
         bvx_levels_options o = defaults();
         bvx_levels_report more;
+        bvx_level_report reports[2];
         bvx_mesh many[2] = {{0}};
         bvx_mesh_view view;
         make_shape(shape_named("dented torus"));
@@ -579,7 +580,7 @@ static void test_threads_do_not_matter(void)
         c.threads = 4;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         o.report = &more;
-        o.reports = NULL;
+        o.reports = reports;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(other, &view, &o, 2, many));
         TEST_ASSERT_EQUAL_MEMORY(&found, &more, sizeof more);
         for (int i = 0; i < 2; i++) {

@@ -338,7 +338,7 @@ static void test_arena_of_any_size(void)
 
     for (size_t i = 0; i < sizeof shifts / sizeof shifts[0]; i++) {
         int made = 0, refused = 0;
-        for (size_t size = 1; size < 3000; size++) {
+        for (size_t size = 1; size < 6000; size++) {
             bvx_context *ctx = NULL;
             bvx_status const status = arena_context(&room, shifts[i], size, &ctx);
             if (status == BVX_OK) {
