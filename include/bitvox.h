@@ -1017,6 +1017,16 @@ enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
     X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
 
+/** What becomes of handles and holes.
+ *  KEEP      they stay
+ *  SIMPLIFY  those that are at most three mean edges of the level around are cut and filled, the smallest
+ *            first; what hangs on a neck that short goes where that costs no more than the edges that
+ *            collapse. No part goes, and none becomes two. Those at seams or locked vertices stay */
+#define BVX_TOPOLOGY_LIST(X)        \
+    X(BVX_TOPOLOGY_KEEP, 0, "keep") \
+    X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
+enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
+
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
     uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
@@ -1029,7 +1039,9 @@ typedef struct bvx_level_report {
     uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
     double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
     uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
-    uint64_t reserved[6];
+    uint64_t handles_cut, holes_filled; /**< of the mesh, down to this level: BVX_TOPOLOGY_SIMPLIFY */
+    double longest_closed;        /**< way around the largest of them, or 0 [Units: world] */
+    uint64_t reserved[3];
 } bvx_level_report;
 
 typedef struct bvx_simplify_options {
@@ -1057,14 +1069,14 @@ typedef struct bvx_simplify_options {
     const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
                                     [Size: vertex_count] [Default: NULL] */
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t reserved0;
+    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     uint64_t reserved[3];
 } bvx_simplify_options;
 
 BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t size);
 
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
- *  edges that cost least. Parts, handles, borders, sides and own crossings stay. What is closed, manifold,
+ *  edges that cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold,
  *  oriented and free of crossings stays so; any other mesh gets no new fault. A collapse that would break
  *  this is refused, so a small target is not always met; no level has more triangles than the mesh:
  *  docs/rules.md.
@@ -1301,7 +1313,9 @@ typedef struct bvx_levels_options {
     double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
     uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
     const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    uint64_t reserved[2];
+    int32_t topology;           /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+    int32_t reserved0;
+    uint64_t reserved[1];
 } bvx_levels_options;
 
 BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);

@@ -380,6 +380,8 @@ export interface ChainOptions extends CallOptions {
     locked?: readonly number[] | Uint8Array | undefined;
     /** Placed: new ones, where they lie nearest to the mesh; kept: the mesh's own, all of them, which triangles index [placed]. */
     vertices?: 'placed' | 'kept' | undefined;
+    /** Simplify: small handles are cut and small holes filled, the smallest first [keep]. */
+    topology?: 'keep' | 'simplify' | undefined;
 }
 /** [bvx_simplify_options] */
 export type SimplifyOptions = ChainOptions;
@@ -411,6 +413,9 @@ export interface LevelReport {
     crossings: number;
     leastAngle: number;
     refused: number;
+    handlesCut: number;
+    holesFilled: number;
+    longestClosed: number;
 }
 /** [bvx_levels_report] */
 export interface LevelsReport {

@@ -122,6 +122,7 @@ struct cli_options {
     int32_t strict;
     double even, attributes;
     int32_t lock_border, keep_vertices;
+    int32_t topology; /* BVX_TOPOLOGY_... */
     int64_t samples; /* -1: not given */
 
     /* meshes in files */

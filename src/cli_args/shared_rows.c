@@ -9,6 +9,7 @@
     [value] = (value) == BVX_FORMAT_PNG ? "" : (value) == BVX_FORMAT_SVG ? NULL : text,
 
 static const char *const error_names[] = {BVX_ERROR_LIST(CLI_NAME_OF) NULL};
+static const char *const topology_names[] = {BVX_TOPOLOGY_LIST(CLI_NAME_OF) NULL};
 const char *const cli_fill_names[] = {BVX_FILL_LIST(CLI_NAME_OF) NULL};
 const char *const cli_mode_names[] = {"solid", BVX_SURFACE_LIST(CLI_NAME_OF) "field", NULL};
 const char *const cli_sign_names[] = {BVX_SIGN_LIST(CLI_NAME_OF) NULL};
@@ -146,6 +147,9 @@ const cli_argument cli_takes_collapse[] = {
             "0: they follow it and cost nothing [1]"),
     FLAG("--lock-border", SHARED(lock_border), "vertices on borders stay where they are, so that tiles join"),
     FLAG("--keep-vertices", SHARED(keep_vertices), "levels use vertices of the mesh and make none"),
+    CHOICE("--topology", "HOW", SHARED(topology), topology_names, BVX_TOPOLOGY_KEEP,
+           "simplify: handles are cut and holes filled that are small beside the\n"
+           "triangles of a level, the smallest first; keep: none [keep]"),
     {0}};
 
 const cli_argument cli_takes_reduction[] = {

@@ -84,7 +84,7 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
 #define OF_SOLID "--levels --threshold --edge-samples --collapse --fill --close-gaps --padding"
 #define OF_COLLAPSE                                                                            \
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
-    "--solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
+    "--topology --solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
 /* Facts of the line: the method. */
 enum {

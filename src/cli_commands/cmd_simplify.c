@@ -46,6 +46,7 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     if (cli_given(run, "--even")) s.even = o->even;
     if (cli_given(run, "--attributes")) s.attribute_weight = o->attributes;
     s.lock_border = o->lock_border;
+    s.topology = o->topology;
     s.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     s.measure_samples = cli_collapse_samples(run, c);
     s.strict = o->strict;

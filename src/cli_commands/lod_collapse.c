@@ -67,6 +67,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (cli_given(run, "--even")) b->even = o->even;
     if (cli_given(run, "--attributes")) b->attribute_weight = o->attributes;
     b->lock_border = o->lock_border;
+    b->topology = o->topology;
     b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     b->measure_samples = cli_collapse_samples(run, &l->run);
     b->strict = o->strict;

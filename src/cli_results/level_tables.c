@@ -90,6 +90,10 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
         cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                  m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,
                  l->met ? "met" : "NOT MET", sound);
+        if (l->handles_cut + l->holes_filled != 0)
+            cli_tell(made, "      %" PRIu64 " handle%s cut, %" PRIu64 " hole%s filled, up to %.3g around\n",
+                     l->handles_cut, l->handles_cut == 1 ? "" : "s", l->holes_filled,
+                     l->holes_filled == 1 ? "" : "s", l->longest_closed);
     }
 }
 

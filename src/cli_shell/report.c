@@ -60,6 +60,9 @@ static void report_level(cli_text *t, const cli_mesh_entry *m)
     cli_json_count(t, "crossings", l->crossings);
     cli_json_value(t, "least_angle", l->least_angle);
     cli_json_count(t, "refused", l->refused);
+    cli_json_count(t, "handles_cut", l->handles_cut);
+    cli_json_count(t, "holes_filled", l->holes_filled);
+    cli_json_value(t, "longest_closed", l->longest_closed);
     cli_json_value(t, "simplification_rate", m->rate);
     cli_json_truth(t, "solid", m->solid);
 }

@@ -57,6 +57,8 @@ static const bvxi_option levels_rows[] = {
     BVXI_SWITCH(bvx_levels_options, lock_border),
     BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
     BVXI_REAL(bvx_levels_options, attribute_weight, 0.0, 1000.0),
+    BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
+    BVXI_RESERVED(bvx_levels_options, reserved0),
     BVXI_RESERVED(bvx_levels_options, reserved),
 };
 
@@ -452,6 +454,7 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     c->collapse.lock_border = o->lock_border;
     c->collapse.locked = o->locked;
     c->collapse.vertices = o->vertices;
+    c->collapse.topology = o->topology;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;

@@ -421,6 +421,13 @@ void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3
     move_along(s, &along, way);
 }
 
+void bvxi_attributes_move(bvxi_collapse *c, uint32_t row, const double way[3], const int32_t *corner,
+                          int32_t count)
+{
+    for (int32_t i = 0; i < count; i++) c->attributes.row[corner[i]] = row;
+    move_sums(c->attributes.q + (size_t)c->attributes.stride * row, c->attributes.channels, way);
+}
+
 void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3])
 {
     bvxi_attributes *const s = &c->attributes;

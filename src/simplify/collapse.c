@@ -17,8 +17,6 @@
 #include "bits/bits.h"
 #include "core/vec3.h"
 
-/* Of mean edge's square to a triangle's area, where all sides are equal. */
-#define EDGE_SQUARE 2.309401076758503
 /* A new triangle keeps its side when its normal turns by less than about 78 degrees. */
 #define SIDE_COSINE 0.2
 /* Twice the area over the sum of squared sides, of a triangle that is no needle (equal sides: 0.577). */
@@ -40,17 +38,8 @@ enum {
 
 /* ---- The star of an edge ---- */
 
-/* Triangle i of the star is at corner[i], which is its corner at v for the first of them and at u for the
- * others; link[i] and link[i + 1] are its other vertices, counter-clockwise around both. */
-typedef struct collapse_star {
-    int32_t of_v, count;
-    int32_t corner[2 * COLLAPSE_STAR];
-    uint32_t link[2 * COLLAPSE_STAR + 1];
-} collapse_star;
-
-/* Triangles around a vertex after that of `start`, until one has vertex `other`; 0: too many. */
-static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
-                       collapse_star *star)
+int bvxi_star_gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
+                          collapse_star *star)
 {
     for (int32_t c = bvxi_corner_turn_left(m, start);; c = bvxi_corner_turn_left(m, c)) {
         if (bvxi_corner_vertex_of(m, bvxi_corner_previous(c)) == other) return 1;
@@ -60,16 +49,8 @@ static int gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int
     }
 }
 
-/* 0: the collapse would change the topology, or the star is too large. */
-static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, collapse_star *star)
+int bvxi_star_close(collapse_star *star)
 {
-    int32_t const across = bvxi_corner_opposite(m, plan->edge);
-
-    star->count = 0;
-    if (!gather_side(m, bvxi_corner_next(across), plan->u, COLLAPSE_STAR, star)) return 0;
-    star->of_v = star->count;
-    if (!gather_side(m, bvxi_corner_next(plan->edge), plan->v, star->count + COLLAPSE_STAR, star)) return 0;
-
     /* Fewer would leave two triangles back to back on the same three vertices. */
     if (star->count < 3) return 0;
     star->link[star->count] = star->link[0];
@@ -80,6 +61,18 @@ static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, col
         for (int32_t j = 0; j < i; j++)
             if (star->link[i] == star->link[j]) return 0;
     return 1;
+}
+
+/* 0: the collapse would change the topology, or the star is too large. */
+static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, collapse_star *star)
+{
+    int32_t const most = COLLAPSE_STAR, across = bvxi_corner_opposite(m, plan->edge);
+
+    star->count = 0;
+    if (!bvxi_star_gather_side(m, bvxi_corner_next(across), plan->u, most, star)) return 0;
+    star->of_v = star->count;
+    if (!bvxi_star_gather_side(m, bvxi_corner_next(plan->edge), plan->v, star->count + most, star)) return 0;
+    return bvxi_star_close(star);
 }
 
 /* The sum of squared sides. */
@@ -144,9 +137,7 @@ typedef struct collapse_range {
     uint64_t refused;
 } collapse_range;
 
-/* Take a triangle out from between its two other edges, which become one; corner is opposite to the
- * collapsing edge. Returns 1 unless it is a ghost. */
-static int drop_triangle(bvxi_corners *m, int32_t corner)
+int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner)
 {
     bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)),
                       bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
@@ -218,8 +209,8 @@ static void apply(bvxi_collapse *c, const bvxi_edge_planned *plan, const double 
         c->kind[v] |= VERTEX_PINCHED;
     }
     bvxi_edge_settle(c, plan, p);
-    r->triangles += (uint64_t)drop_triangle(m, plan->edge);
-    r->triangles += (uint64_t)drop_triangle(m, across);
+    r->triangles += (uint64_t)bvxi_collapse_drop_triangle(m, plan->edge);
+    r->triangles += (uint64_t)bvxi_collapse_drop_triangle(m, across);
     for (int32_t i = 0; i < star->of_v; i++)
         m->triangle[star->corner[i] >> 2].vertex[star->corner[i] & 3] = u;
 

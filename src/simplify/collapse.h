@@ -32,6 +32,7 @@ int bvxi_collapse_has_seams(const bvxi_collapse *collapse);
 bvx_status bvxi_collapse_crossings(bvxi_collapse *collapse, uint64_t *count);
 uint64_t bvxi_collapse_triangles(const bvxi_collapse *collapse);
 const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *collapse);
+const bvxi_closed *bvxi_collapse_closed(const bvxi_collapse *collapse);
 void bvxi_collapse_close(bvxi_collapse *collapse);
 
 #endif

@@ -85,6 +85,21 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
     return BVX_OK;
 }
 
+/* Cut and fill what is small beside the triangles of a level, and go on to it without. In the last one only where
+ * it is needed, so that no triangles are missing. */
+static bvx_status close_small(bvxi_collapse *c, uint64_t target, int last, double at)
+{
+    double const longest = 3 * sqrt(EDGE_SQUARE * c->area / (double)target) / c->scale;
+    uint64_t closed = 1;
+
+    while (closed != 0 && (!last || c->mesh.left > target)) {
+        BVXI_TRY(bvxi_collapse_close_small(c, longest, &closed));
+        if (closed != 0) BVXI_TRY(collapse_edges(c, target, last, at, at));
+        if (!last) break;
+    }
+    return BVX_OK;
+}
+
 /* Down to the target without crossings. What crosses is undone by name; other edges go in its place, looked at
  * one by one, unless all were refused before. */
 static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, double from, double to)
@@ -100,6 +115,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     met = c->mesh.left <= target;
     BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
+    if (c->options.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
@@ -107,14 +123,19 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
 {
     uint64_t const begun = c->mesh.left;
-    uint64_t next = begun / COLLAPSE_JUDGED;
+    /* What is small is closed before the target, so that other triangles need not make up for those that go. */
+    uint64_t const near = c->options.topology != BVX_TOPOLOGY_KEEP ? target + target / 4 : target;
+    uint64_t const last = near < begun ? near : begun;
+    uint64_t next = begun / COLLAPSE_JUDGED > last ? begun / COLLAPSE_JUDGED : last;
 
     /* Judged on the way, what crosses has little built on it. */
-    for (; next > target; next = c->mesh.left <= next ? next / COLLAPSE_JUDGED : 0) {
+    while (next > target) {
         double const at = from + (to - from) * (double)(begun - c->mesh.left) / (double)(begun - target);
         double const end = from + (to - from) * (double)(begun - next) / (double)(begun - target);
 
         BVXI_TRY(collapse_judged(c, next, 0, at, end > at ? end : at));
+        if (next == last || c->mesh.left > next) break;
+        next = next / COLLAPSE_JUDGED > last ? next / COLLAPSE_JUDGED : last;
     }
     if (c->mesh.left <= target) return BVX_OK;
     return collapse_judged(
@@ -590,6 +611,11 @@ void bvxi_collapse_close(bvxi_collapse *c)
 uint64_t bvxi_collapse_triangles(const bvxi_collapse *c)
 {
     return c->mesh.left;
+}
+
+const bvxi_closed *bvxi_collapse_closed(const bvxi_collapse *c)
+{
+    return &c->closed;
 }
 
 const bvxi_collapse_counts *bvxi_collapse_tried(const bvxi_collapse *c)

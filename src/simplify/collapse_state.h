@@ -37,6 +37,9 @@ typedef struct bvxi_attributes {
 #define COST_NOTHING   1e-20f /* the cost that rounding alone makes, in units of the mesh's size */
 #define COLLAPSE_NEVER 3e38f  /* the cost of an edge that must not collapse */
 
+/* Of mean edge's square to a triangle's area, where all sides are equal. */
+#define EDGE_SQUARE 2.309401076758503
+
 /* What undoes the collapse in which a vertex went. */
 typedef struct collapse_undo {
     double p[3]; /* of the vertex that stayed, as it was */
@@ -46,6 +49,14 @@ typedef struct collapse_undo {
     uint32_t before; /* the vertex that went into it last before this one, or BVXI_VERTEX_NONE */
     uint32_t order;  /* of collapses that touch each other: rises */
 } collapse_undo;
+
+/* Triangle i of the star is at corner[i], which is its corner at v for the first of them and at u for the
+ * others; link[i] and link[i + 1] are its other vertices, counter-clockwise around both. */
+typedef struct collapse_star {
+    int32_t of_v, count;
+    int32_t corner[2 * COLLAPSE_STAR];
+    uint32_t link[2 * COLLAPSE_STAR + 1];
+} collapse_star;
 
 struct bvxi_collapse {
     bvx_context *ctx;
@@ -88,6 +99,7 @@ struct bvxi_collapse {
     double low[3];
     uint64_t alive; /* vertices */
     uint32_t order; /* of the next collapse */
+    bvxi_closed closed;
     bvxi_collapse_counts counts;
 };
 
@@ -109,10 +121,23 @@ void bvxi_collapse_index(bvxi_collapse *c);
 void bvxi_collapse_find_least(bvxi_collapse *c);
 /* edge_costs.c: evaluate all edges between stale vertices, and the cheapest of each of them. */
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
+/* Triangles around a vertex after that of `start`, until one has vertex `other`; 0: too many. */
+int bvxi_star_gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
+                          collapse_star *star);
+/* Close the link; 0: the triangles cannot be those around one vertex. */
+int bvxi_star_close(collapse_star *star);
+/* Take a triangle out from between its two other edges, which become one; corner is opposite to the
+ * collapsing edge. Returns 1 unless it is a ghost. */
+int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);
+/* Cut handles and fill holes at most so long around, the smallest first, once a level has been judged; what was
+ * collapsed before can no more be undone. *done counts both. */
+bvx_status bvxi_collapse_close_small(bvxi_collapse *c, double longest, uint64_t *done);
 /* Undo the collapse in which v went, or one after it that builds on it; returns the vertex that is back. */
 uint32_t bvxi_collapse_undo(bvxi_collapse *c, uint32_t v);
+/* A vertex moves with its quadric. */
+void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3]);
 /* Undo all collapses from an order on. */
 void bvxi_collapse_undo_since(bvxi_collapse *c, uint32_t order);
 
@@ -134,6 +159,9 @@ void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offs
  * former in triangles that stay. */
 void bvxi_attributes_merge(bvxi_collapse *c, int32_t edge, const double offset[3], const double d[3],
                            const int32_t *corner, int32_t count);
+/* Corners get a row, which moves. */
+void bvxi_attributes_move(bvxi_collapse *c, uint32_t row, const double way[3], const int32_t *corner,
+                          int32_t count);
 /* Undo that, once the triangles are back; back: the way of the vertex that stayed. */
 void bvxi_attributes_restore(bvxi_collapse *c, int32_t edge, const double back[3]);
 /* 1: two rows of a vertex differ in texture coordinates of their own indices alone. */

@@ -135,6 +135,9 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
     r->least_angle = smallest_angle(&c->levels[i]);
+    r->handles_cut = c->closed.handles;
+    r->holes_filled = c->closed.holes;
+    r->longest_closed = c->closed.longest;
     r->refused = bvxi_collapse_tried(collapse)->refused;
 
     /* By error the level has been measured while it was looked for. */
@@ -156,6 +159,7 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 
     BVXI_TRY(bvxi_collapse_to(collapse, target, 0.0, 1.0));
     *met = bvxi_collapse_triangles(collapse) <= wanted;
+    c->closed = *bvxi_collapse_closed(collapse);
     return bvxi_collapse_give(collapse, &c->levels[i]);
 }
 
@@ -268,6 +272,7 @@ static bvx_status find_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
         *found = made;
         *met = part <= 1;
         c->last = d;
+        c->closed = *bvxi_collapse_closed(collapse);
         if (!*met) break;
 
         before = bvxi_collapse_triangles(collapse);

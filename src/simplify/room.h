@@ -20,9 +20,15 @@ typedef struct bvxi_collapse_options {
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
     double attribute_weight;
-    int32_t lock_border, vertices;
+    int32_t lock_border, vertices, topology;
     const uint8_t *locked;
 } bvxi_collapse_options;
+
+/* Handles that were cut and holes that were filled, and the way around the longest of them. */
+typedef struct bvxi_closed {
+    uint64_t handles, holes;
+    double longest;
+} bvxi_closed;
 
 /* What the levels of a chain are to be: options of bvx_mesh_simplify and bvx_build_levels, checked. */
 typedef struct bvxi_level_chain {
@@ -36,6 +42,7 @@ typedef struct bvxi_level_chain {
     bvxi_collapse_options collapse;
     uint64_t count;
     bvx_distance_report last; /* of the level made last, where errors are targets */
+    bvxi_closed closed;       /* in the level made last */
     bvx_mesh *levels;
     bvx_level_report *reports; /* or NULL */
     bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */

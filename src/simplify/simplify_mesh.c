@@ -22,7 +22,7 @@ static const bvxi_option simplify_rows[] = {
     BVXI_SWITCH(bvx_simplify_options, lock_border),
     BVXI_REAL(bvx_simplify_options, attribute_weight, 0.0, 1000.0),
     BVXI_CHOICE(bvx_simplify_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
-    BVXI_RESERVED(bvx_simplify_options, reserved0),
+    BVXI_CHOICE(bvx_simplify_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
     BVXI_RESERVED(bvx_simplify_options, reserved),
 };
 
@@ -65,6 +65,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     chain.collapse.lock_border = o.lock_border;
     chain.collapse.locked = o.locked;
     chain.collapse.vertices = o.vertices;
+    chain.collapse.topology = o.topology;
     chain.count = level_count;
     chain.levels = levels;
     chain.reports = o.reports;

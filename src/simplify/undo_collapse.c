@@ -47,7 +47,7 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
     m->left += !bvxi_corner_is_ghost(m, corner);
 }
 
-static void move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
+void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
 {
     bvxi_corner_vertex *const at = &c->mesh.at[u];
     bvxi_edge_planned plan = {.u = u};
@@ -99,7 +99,7 @@ static void undo_one(bvxi_collapse *c, uint32_t v)
         bvxi_attributes_restore(c, edge, back);
     }
     if ((c->kind[v] & VERTEX_PINCHED) != 0) c->kind[u] = c->kind[v] = VERTEX_LINE;
-    move_quadric(c, u, undo->p);
+    bvxi_collapse_move_quadric(c, u, undo->p);
     c->any[u] = bvxi_corner_next(edge);
     c->any[v] = bvxi_corner_previous(edge);
     c->last[u] = undo->before;

@@ -216,6 +216,11 @@ reports 'simplify says that triangles are there twice' '[(w["code"], w["values"]
 reports 'and which were turned' '[(w["code"], w["values"]) for w in r["warnings"]] == [("BVX_WARN_TURNED", [1])]' simplify turned.obj -o x.ply --triangles 4 --samples 0
 works 'simplify of colours' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --quiet
 holds 'simplify of colours: six numbers a vertex' test "$(awk '$1 == "v" && NF == 7' c_0.obj | wc -l)" -gt 1000
+awk '/^f/ && ++n == 500 { next } 1' knot.obj >holed.obj
+reports 'simplify --topology keep: a hole stays' 'r["meshes"][0]["holes_filled"] == 0 and not r["meshes"][0]["closed"]' \
+    simplify holed.obj -o x.ply --triangles 2000 --samples 0 --topology keep
+reports 'lod --topology simplify: it is filled' 'r["meshes"][0]["holes_filled"] == 1 and r["meshes"][0]["closed"] and r["meshes"][0]["longest_closed"] > 0' \
+    lod holed.obj -o x_%d.ply --triangles 2000 --samples 0 --topology simplify
 refuses 2 'simplify has no use for --carry' simplify coloured.obj -o c_0.obj --carry
 refuses 2 'neither colours nor texture coordinates' lod knot.obj -o x_%d.ply --solid --carry
 works 'simplify --keep-vertices' simplify coloured.obj -o c_0.obj --triangles 4000 --samples 0 --keep-vertices --quiet

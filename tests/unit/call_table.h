@@ -505,7 +505,7 @@ static bvx_status plan_levels(const world *w)
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[1]);
+    TAKE_RESERVED(o.reserved[0]);
     SPOIL(o);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }

@@ -15,7 +15,7 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, hinting, in_range, lib, names_of, options_of
 from ._stages import carried, grid_of, surface, voxelize
-from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Vertices
+from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Topology, Vertices
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 ERROR_KINDS = names_of("BVX_ERROR_")
 VERTICES = names_of("BVX_VERTICES_")
+TOPOLOGY = names_of("BVX_TOPOLOGY_")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 OF_SOLID = ("solid", "lattice", "sign", "sharp", "outer_hull", "shell", "least_part", "keep_largest", "least_cavity")
@@ -200,6 +201,7 @@ def simplify(
     lock_border: bool = False,
     locked: Any = None,
     vertices: Vertices = "placed",
+    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     dtype: Any = None,
@@ -243,6 +245,9 @@ def simplify(
         "placed" (the default): new ones, where they lie nearest to the mesh; `Closest` of the mesh gives each one's triangle and
         barycentric weights there. "kept": the mesh's own, all of them, of which ``faces`` are indices; what is stored by vertex stays
         as it is.
+    topology
+        "keep" (the default) or "simplify": handles are cut and holes filled that come to be less than three mean edges of the level
+        around, the smallest first; ``handles_cut``, ``holes_filled`` and ``longest_closed`` [world] of the report say what was done.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
     samples
@@ -277,7 +282,7 @@ def simplify(
     single = count is None and not _many(triangles) and not _many(error)
     targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
     _set_common(options, even, strict, error, samples, dtype)
-    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices)
+    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices, topology)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -300,12 +305,13 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any) -> Any:
+def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
     """What stays; returns the array that options point at."""
     if attribute_weight is not None:
         options.attribute_weight = float(attribute_weight)
     options.lock_border = int(bool(lock_border))
     options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
+    options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
     if locked is None:
         return None
     values = [bool(value) for value in locked]
@@ -386,6 +392,7 @@ def lod(
     lock_border: bool = False,
     locked: Any = None,
     vertices: Vertices = "placed",
+    topology: Topology = "keep",
     strict: bool = False,
     samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
@@ -451,7 +458,7 @@ def lod(
         solid: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
     even
         pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    attribute_weight, lock_border, locked, vertices
+    attribute_weight, lock_border, locked, vertices, topology
         as for `simplify`.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
@@ -502,7 +509,7 @@ def lod(
     of_collapse = {"error": error, "error_kind": error_kind, "count": count, "solid": solid or None, "lattice": lattice, "sign": sign,
                    "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
                    "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "attribute_weight": attribute_weight, "lock_border": lock_border or None,
-                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "strict": strict or None, "samples": samples}
+                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "topology": None if topology == "keep" else topology, "strict": strict or None, "samples": samples}
     of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
                  "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
     asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
@@ -525,7 +532,7 @@ def lod(
         options = options_of("levels_options")
         targets = _Targets(options, mesh, triangles, error, error_kind, count)
         _set_common(options, even, strict, error, samples, dtype)
-        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices)
+        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices, topology)
         options.solid = int(bool(solid))
         if lattice is not None:
             if resolution is not None:

@@ -12,7 +12,7 @@ from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
 from ._run import Progress, Run, ffi, hinting, in_range, lib, number_of, options_of, quiet
-from ._words import Array, ErrorKind, Vertices
+from ._words import Array, ErrorKind, Topology, Vertices
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -621,7 +621,7 @@ class Mesh:
     @hinting
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
                  error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,
-                 attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed",
+                 attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed", topology: Topology = "keep",
                  strict: bool = False,
                  samples: int | None = None, dtype: Any = None, threads: int | None = None,
                  memory_limit: int | None = None, progress: Progress = None) -> Any:
@@ -629,7 +629,7 @@ class Mesh:
 
         Parameters
         ----------
-        triangles, error, error_kind, count, even, attribute_weight, lock_border, locked, vertices, strict, samples, dtype
+        triangles, error, error_kind, count, even, attribute_weight, lock_border, locked, vertices, topology, strict, samples, dtype
             as for `bitvox.simplify`.
 
         Returns
@@ -643,7 +643,7 @@ class Mesh:
         True
         """
         return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, attribute_weight=attribute_weight,
-                        lock_border=lock_border, locked=locked, vertices=vertices, strict=strict, samples=samples, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
+                        lock_border=lock_border, locked=locked, vertices=vertices, topology=topology, strict=strict, samples=samples, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
 
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine.

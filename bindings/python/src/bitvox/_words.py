@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         lock_border: bool
         locked: Any
         vertices: Vertices
+        topology: Topology
         strict: bool
         samples: int | None
         dtype: Any
@@ -38,6 +39,7 @@ Mode = Literal["solid", "conservative", "thin", "sampled"]
 Operation = Literal["union", "intersection", "difference", "xor"]
 Method = Literal["collapse", "coverage", "edge-ratio"]
 Vertices = Literal["placed", "kept"]
+Topology = Literal["keep", "simplify"]
 ErrorKind = Literal["mean", "max"]
 Thin = Literal["shell", "keep", "drop"]
 ThinCheck = Literal["auto", "never", "always"]
