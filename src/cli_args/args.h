@@ -235,6 +235,16 @@ void cli_print_options(const cli_command *command);
 const char *cli_mistaken_for(const cli_run *run, const char *name);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL after the last. */
 const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user);
+/* A number as options of the library take it, where their 0 is a default. */
+static inline double cli_or_none(double value)
+{
+    return value != 0.0 ? value : BVX_NONE;
+}
+/* BVX_SHARP_... */
+static inline int32_t cli_sharp(const cli_options *o)
+{
+    return o->sharp ? BVX_SHARP_ALWAYS : o->no_sharp ? BVX_SHARP_NEVER : BVX_SHARP_AUTO;
+}
 /* 1 when --triangles or --error is given. */
 int cli_reduces(const cli_run *run);
 

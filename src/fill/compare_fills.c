@@ -10,12 +10,6 @@
 enum { FILL_RULES = 5, FILL_GRIDS = 7 };
 
 static const char fills_name[] = "bvx_compare_fills";
-static const bvx_compare_fills_options fills_defaults = {0};
-
-void bvx_compare_fills_options_init(bvx_compare_fills_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &fills_defaults, sizeof fills_defaults);
-}
 
 /* Scratch grids of the whole lattice, in one block. */
 typedef struct fills_work {
@@ -90,14 +84,16 @@ static bvx_status fill_all(bvx_context *ctx, fills_work *w)
     /* The union begins empty, the intersection full. */
     memset(w->any.words, 0, (size_t)w->words * 8);
     memset(w->all.words, 255, (size_t)w->words * 8);
-    for (int32_t rule = 0; rule < FILL_RULES; rule++) {
-        BVXI_TRY(BVXI_SHARE(ctx, 0.5 + 0.08 * rule, 0.58 + 0.08 * rule, fill_one(ctx, w, rule)));
-        BVXI_TRY(bvx_grid_count(ctx, &w->filled, &w->result.set[rule]));
+    for (int32_t i = 0; i < FILL_RULES; i++) {
+        int32_t const rule = BVX_FILL_PARITY + i;
+
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5 + 0.08 * i, 0.58 + 0.08 * i, fill_one(ctx, w, rule)));
+        BVXI_TRY(bvx_grid_count(ctx, &w->filled, &w->result.set[i]));
         /* A flood that leaked filled nothing: its grid would call everything disputed. */
         if (rule == BVX_FILL_FLOOD && w->result.flood_leaked) continue;
-        for (uint64_t i = 0; i < w->words; i++) {
-            w->any.words[i] |= w->filled.words[i];
-            w->all.words[i] &= w->filled.words[i];
+        for (uint64_t k = 0; k < w->words; k++) {
+            w->any.words[k] |= w->filled.words[k];
+            w->all.words[k] &= w->filled.words[k];
         }
     }
     /* Off the surface only: there rules may differ by a voxel without meaning anything. */
@@ -156,9 +152,8 @@ static bvx_status count_lost(bvx_context *ctx, fills_work *w)
 
 static bvx_status run_fills(bvx_context *ctx, const bvx_mesh_view *mesh, fills_work *w)
 {
-    bvx_surface_options o;
+    bvx_surface_options const o = {.struct_size = sizeof o};
 
-    bvx_surface_options_init(&o, sizeof o);
     /* Votes and surface are needed by more than one rule. */
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.1, 0.4,
@@ -227,7 +222,7 @@ static bvx_status run_compare_fills(bvx_context *context, const bvx_mesh_view *m
                                     const bvx_lattice *lattice, const bvx_compare_fills_options *options,
                                     bvx_fill_comparison *comparison)
 {
-    bvx_compare_fills_options o = fills_defaults;
+    bvx_compare_fills_options o;
     fills_work work;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;

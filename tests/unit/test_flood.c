@@ -274,7 +274,7 @@ static void test_refusals(void)
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t fill = BVX_FILL_FLOOD; fill <= BVX_FILL_REGIONS; fill++) {
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         o.fill = fill;
         o.window = part;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &l, &o, &g));
@@ -285,7 +285,7 @@ static void test_refusals(void)
         bvx_grid_free(ctx, &g);
     }
     for (int i = 0; i < 12; i++) {
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         switch (i) {
         case 0: o.close_gaps = 1; break;
         case 1:
@@ -298,16 +298,17 @@ static void test_refusals(void)
             break;
         case 3: o.add_shell = 2; break;
         case 4: o.check_edges = -1; break;
-        case 5: o.axis = 1; break;
+        case 5: o.up = BVX_UP_Y; break;
         case 6:
             o.fill = BVX_FILL_BELOW;
-            o.axis = 3;
+            o.up = 3;
             break;
         case 7:
             o.fill = BVX_FILL_BELOW;
+            o.has_base = 1;
             o.base = (double)NAN;
             break;
-        case 8: o.base = 1; break;
+        case 8: o.has_base = 1; break;
         case 9: o.second = &view; break;
         case 10:
             o.fill = BVX_FILL_BELOW;
@@ -333,10 +334,9 @@ static void test_threads_change_nothing(void)
         for (int i = 0; i < 4; i++) {
             bvx_context *const c = suite_context(threads[i], BVX_CPU_BEST);
             bvx_mesh_view const view = maker_view(&mesh);
-            bvx_voxelize_options o;
+            bvx_voxelize_options o = {.struct_size = sizeof o};
             bvx_grid g = {0};
             bvx_status now;
-            bvx_voxelize_options_init(&o, sizeof o);
             o.fill = trial % 2 ? BVX_FILL_FLOOD : BVX_FILL_REGIONS;
             o.close_gaps = trial % 2 ? trial % 7 : 0;
             o.report = i == 0 ? &r : &s;
@@ -368,9 +368,9 @@ static void test_comparison_by_brute_force(void)
                                          shapes[trial % SHAPES][2]);
         int32_t const *const n = l.dims;
         size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
-        bvx_compare_fills_options o;
+        bvx_compare_fills_options o = {.struct_size = sizeof o};
         bvx_fill_comparison c;
-        bvx_grid rule[5] = {{0}}, surface, differ = {0}, lost = {0};
+        bvx_grid rule[BVX_FILL_COUNT] = {{0}}, surface, differ = {0}, lost = {0};
         bvx_mesh_view view;
         uint8_t *open;
         int32_t *label;
@@ -380,7 +380,7 @@ static void test_comparison_by_brute_force(void)
         make_bodies(trial, &l);
         if (trial % 2) wall(0.3 * n[0], 0.8 * n[1], 1); /* an open sheet: lost in parts */
         view = maker_view(&mesh);
-        for (int32_t fill = 0; fill < 5; fill++) {
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) {
             bvx_solid_report r;
             bvx_status const status = fill_lattice(&l, fill, fill == BVX_FILL_FLOOD ? trial % 3 : 0,
                                                    &rule[fill], &r);
@@ -388,21 +388,20 @@ static void test_comparison_by_brute_force(void)
             else TEST_ASSERT_EQUAL_INT32(BVX_OK, status);
         }
         surface = surface_of(&l);
-        bvx_compare_fills_options_init(&o, sizeof o);
         o.close_gaps = trial % 3;
         o.disagreeing = &differ;
         o.lost = &lost;
         TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_compare_fills(ctx, &view, &l, &o, &c),
                                         bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_INT32(flooded != BVX_OK, c.flood_leaked);
-        for (int32_t fill = 0; fill < 5; fill++)
-            if (rule[fill].words != NULL) TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill]);
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++)
+            if (rule[fill].words != NULL) TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill - BVX_FILL_PARITY]);
         TEST_ASSERT_EQUAL_UINT64(set_voxels(&surface), c.surface_voxels);
         for (int32_t z = 0; z < n[2]; z++)
             for (int32_t y = 0; y < n[1]; y++)
                 for (int32_t x = 0; x < n[0]; x++) {
                     int any = 0, all = 1, near = 0, want;
-                    for (int32_t fill = 0; fill < 5; fill++) {
+                    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) {
                         if (rule[fill].words == NULL) continue;
                         any |= bvx_grid_get(&rule[fill], x, y, z);
                         all &= bvx_grid_get(&rule[fill], x, y, z);
@@ -429,7 +428,7 @@ static void test_comparison_by_brute_force(void)
         lost_all += lost_voxels;
         free(label);
         free(open);
-        for (int32_t fill = 0; fill < 5; fill++) bvx_grid_free(ctx, &rule[fill]);
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) bvx_grid_free(ctx, &rule[fill]);
         bvx_grid_free(ctx, &surface);
         bvx_grid_free(ctx, &differ);
         bvx_grid_free(ctx, &lost);

@@ -13,7 +13,7 @@ from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
+from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of, or_none
 from ._stages import collapsed, level_target, surface
 from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting, Touching
 
@@ -529,14 +529,14 @@ def from_sections(
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
-        options.depth = in_range("subdivide", subdivide, 0, 8)
+        options.depth = or_none(in_range("subdivide", subdivide, 0, 8))
     if label is None and len(given.labels) > 1:
         raise ArgumentError(f"there are several bodies; give label= one of {', '.join(map(repr, given.labels))}")
     if label is not None:
         label, numbers = str(label), given._numbers()
         if label not in numbers:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, given.labels))}")
-        options.label = numbers[label]
+        options.label = numbers[label] or lib.BVX_LABEL_ZERO
     options.position_type = position_type(dtype)
     report = ffi.new("bvx_sections_report *")
     options.report = report
@@ -664,7 +664,7 @@ def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] |
     if positions is not None:
         held = ffi.new("double[]", [float(x) for x in positions] or [0.0])
         options.positions, options.position_count = held, len(positions)
-    options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1)
+    options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1) or lib.BVX_LABEL_ZERO
     made = new_sections()
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     with Rise(progress, *((30,) if isinstance(mesh, Grid) else ()), 70) as limits["progress"]:
