@@ -608,7 +608,7 @@ enum {
 };
 
 /** What is up for BVX_FILL_BELOW: towards the high end of this axis. */
-#define BVX_UP_LIST(X)   \
+#define BVX_UP_LIST(X)  \
     X(BVX_UP_Z, 0, "z") \
     X(BVX_UP_X, 1, "x") \
     X(BVX_UP_Y, 2, "y")
@@ -616,7 +616,7 @@ enum { BVX_UP_LIST(BVX_LIST_ENUM) };
 
 /** When walls that the voxels lose are searched: AUTO in a whole lattice with a report, as far as the memory
  *  limit allows; ALWAYS is not for below. */
-#define BVX_CHECK_LIST(X)           \
+#define BVX_CHECK_LIST(X)          \
     X(BVX_CHECK_AUTO, 0, "auto")   \
     X(BVX_CHECK_NEVER, 1, "never") \
     X(BVX_CHECK_ALWAYS, 2, "always")
@@ -681,8 +681,8 @@ typedef struct bvx_voxelize_options {
                       [Default: 0] */
     const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist
                                       [Default: NULL] */
-    int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
-    int32_t has_base;   /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
+    int32_t check_thin;          /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
+    int32_t has_base;            /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
                              [Default: 0] */
 } bvx_voxelize_options;
 
@@ -967,7 +967,7 @@ typedef struct bvx_simplify_options {
     int32_t error_kind;    /**< of target_errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
     int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
                                 BVX_POSITION_AUTO] */
-    double even; /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
+    double even;           /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
                                    [Default: 1e-9] */
     uint64_t measure_samples; /**< points a side for each report's distances; 0: not measured, though
                                    target_errors measure with 20000 [Limit: 0..2^31-1] [Default: 0] */
@@ -1054,7 +1054,7 @@ enum {
 };
 
 /** Sharp edges and corners: AUTO on meshes like machine parts of up to 500,000 triangles (docs/rules.md). */
-#define BVX_SHARP_LIST(X)           \
+#define BVX_SHARP_LIST(X)          \
     X(BVX_SHARP_AUTO, 0, "auto")   \
     X(BVX_SHARP_NEVER, 1, "never") \
     X(BVX_SHARP_ALWAYS, 2, "always")
@@ -1137,7 +1137,7 @@ typedef struct bvx_repair_options {
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t measure; /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
                           [Default: 0] */
-    double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
+    double shell;    /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     uint64_t least_part;       /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
     uint64_t least_cavity;     /**< cavities of fewer voxels are filled [Limit: any] [Default: 0] */
@@ -1370,11 +1370,11 @@ typedef struct bvx_lod_options {
     uint64_t source_triangles;        /**< of the solid's mesh, for exceeds_source [Limit: any]
                                            [Default: 0, unknown] */
     int32_t face_rule;                /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+    int32_t position_type;            /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
                                 [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1]
+    int32_t local_frame;              /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1]
                                 [Default: 0] */
-    int32_t first_level;   /**< index of levels[0] in messages, if a chain is made one level a call
+    int32_t first_level;              /**< index of levels[0] in messages, if a chain is made one level a call
                                 [Limit: >= 0] [Default: 0] */
     double collapse; /**< target_triangles only: make up to this many times the target, then collapse edges
                           [Limit: 0, or 1..64] [Default: 0, no collapse] */
@@ -2323,10 +2323,10 @@ typedef struct bvx_sections_options {
                           twice the contours' mean segment, 16 to 512 cells along the longer side] */
     int32_t layers;  /**< cells from section to section [Limit: 1..64] [Default: 1] */
     int32_t caps;    /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
-    int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
-    int32_t depth;         /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t label;         /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
-    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
+    int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
+    int32_t depth;     /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
+    int32_t label;     /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
+    int32_t position_type;       /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
                                 contours' points are doubles and are kept [Limit: 0..2]
                                 [Default: BVX_POSITION_AUTO] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
@@ -2453,7 +2453,7 @@ typedef struct bvx_octree_level {
 
 typedef struct bvx_refine_options {
     size_t struct_size;
-    int32_t levels; /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25]
+    int32_t levels;      /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25]
                          [Default: 6] */
     int32_t start_level; /**< levels up to this come from one grid, later ones from their parents' triangles;
                               affects time and memory only [Limit: BVX_NONE, or 0..levels]
@@ -2932,10 +2932,10 @@ typedef struct bvx_render_options {
     uint8_t colour[4];     /**< of the surface: red, green, blue, and any number that makes black not all zero
                                 [Limit: any] [Default: 200, 196, 188] */
     uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth;    /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
-    int32_t samples;   /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe; /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t cut; /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
+    int32_t smooth;     /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
+    int32_t samples;    /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+    int32_t wireframe;  /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
+    int32_t cut;        /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
     double cut_low[3];  /**< what lies below, on low sides in cut [Units: world] [Limit: any] [Default: 0] */
     double cut_high[3]; /**< what lies above, on the high sides; grids by whole voxels [Units: world]
                              [Limit: any] [Default: 0] */

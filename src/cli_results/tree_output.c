@@ -71,9 +71,9 @@ static int write_expanded(cli_run *run, cli_tree *t)
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     cli_stage_begin(run, "surface");
-    CLI_TRY(cli_stage_check(run,
-                            bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
-                            run->options->output));
+    CLI_TRY(cli_stage_check(
+        run, bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
+        run->options->output));
     /* An empty mesh is a file that few readers take. */
     return t->surface.triangle_count != 0
                ? CLI_DONE

@@ -260,8 +260,8 @@ enum {
 /* 0 stands for the standard, and BVX_NONE for 0 where that is allowed. */
 #define BVXI_OR(type, field, kind, standard, low, high) \
     BVXI_OPTION(type, field, BVXI_IS_##kind, low, high, standard)
-#define BVXI_OPTIONS(rows)                   rows, sizeof(rows) / sizeof((rows)[0])
-#define BVXI_FINITE                          1.7976931348623157e308 /* the largest double */
+#define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
+#define BVXI_FINITE        1.7976931348623157e308 /* the largest double */
 
 /* Put the standards in, then refuse the first field that its row does not allow, by its name. */
 bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *options, const bvxi_option *rows,

@@ -268,7 +268,8 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     const bvx_lattice *const l = &solid->lattice;
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
                       solid->size[2] == l->dims[2];
-    int const look = o->check_thin == BVX_CHECK_ALWAYS || (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
+    int const look = o->check_thin == BVX_CHECK_ALWAYS ||
+                     (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
     bvx_status status;
     loss_sums sums;
     uint64_t voxels, mark;

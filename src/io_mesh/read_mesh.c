@@ -120,4 +120,3 @@ bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t 
     return BVXI_CALL(context,
                      run_read_mesh(context, "bvx_read_mesh_with", bytes, size, format, options, mesh));
 }
-

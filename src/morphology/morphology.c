@@ -187,7 +187,8 @@ static bvx_status take_morph_options(bvx_context *ctx, const char *function, con
     morph->neighbourhood = o.neighbourhood == BVX_BALL ? 0 : o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;
-    return o.neighbourhood == BVX_BALL ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph) : BVX_OK;
+    return o.neighbourhood == BVX_BALL ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph)
+                                       : BVX_OK;
 }
 
 static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,

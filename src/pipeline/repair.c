@@ -69,9 +69,8 @@ static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
 static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *triangles)
 {
     /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
-    bvx_extract_options const o = {.struct_size = sizeof o,
-                                   .face_rule = job->options->face_rule,
-                                   .position_type = BVX_F64};
+    bvx_extract_options const o = {
+        .struct_size = sizeof o, .face_rule = job->options->face_rule, .position_type = BVX_F64};
     uint64_t vertices;
 
     BVXI_TRY(bvxi_repair_lattice(job, resolution));

@@ -63,7 +63,8 @@ static const bvxi_option picture_rows[] = {
 static void put_picture_defaults(bvx_render_options *o)
 {
     static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
-    static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255}, none[4] = {0};
+    static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255},
+                         none[4] = {0};
 
     if (memcmp(o->colour, none, sizeof none) == 0) memcpy(o->colour, colour, sizeof colour);
     if (memcmp(o->background, none, sizeof none) == 0) memcpy(o->background, background, sizeof background);

@@ -127,8 +127,8 @@ static const bvxi_option points_rows[] = {
     BVXI_RESERVED(bvx_points_options, reserved),
 };
 
-static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice,
-                                       bvx_points_options *o, bvx_window *window)
+static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice, bvx_points_options *o,
+                                       bvx_window *window)
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
 

@@ -128,8 +128,9 @@ static void fuzz_morph_window(bvx_context *ctx, fuzz_input *in, const bvx_grid *
     bvx_grid whole = {0}, part = {0}, made = {0}, cut = {0};
 
     for (int a = 0; a < 3; a++) {
-        int32_t const once = o->neighbourhood != BVX_BALL ? o->steps
-                                                   : (int32_t)ceil(o->radius / grid->lattice.spacing[a]);
+        int32_t const once = o->neighbourhood != BVX_BALL
+                                 ? o->steps
+                                 : (int32_t)ceil(o->radius / grid->lattice.spacing[a]);
         int32_t const halo = call < 2 ? once : 2 * once;
         int32_t const at = fuzz_range(in, 0, grid->size[a] - 1);
         int32_t const size = fuzz_range(in, 1, grid->size[a] - at);

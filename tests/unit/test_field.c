@@ -405,7 +405,7 @@ static void test_options_out_of_range(void)
     REFUSED(o.window.size[0] = 3, BVX_ERR_RANGE, "window");
     REFUSED((o.window.low[2] = 10, o.window.size[0] = o.window.size[1] = o.window.size[2] = 3), BVX_ERR_RANGE,
             "window");
-    REFUSED(o.struct_size = 1, BVX_ERR_ARGUMENT, "size 1");
+    REFUSED(o.struct_size = 1, BVX_ERR_ARGUMENT, "struct_size of the options is 1");
 #undef REFUSED
     o = good;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(NULL, &view, &l, &o, &f));

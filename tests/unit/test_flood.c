@@ -395,7 +395,8 @@ static void test_comparison_by_brute_force(void)
                                         bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_INT32(flooded != BVX_OK, c.flood_leaked);
         for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++)
-            if (rule[fill].words != NULL) TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill - BVX_FILL_PARITY]);
+            if (rule[fill].words != NULL)
+                TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill - BVX_FILL_PARITY]);
         TEST_ASSERT_EQUAL_UINT64(set_voxels(&surface), c.surface_voxels);
         for (int32_t z = 0; z < n[2]; z++)
             for (int32_t y = 0; y < n[1]; y++)
@@ -428,7 +429,8 @@ static void test_comparison_by_brute_force(void)
         lost_all += lost_voxels;
         free(label);
         free(open);
-        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) bvx_grid_free(ctx, &rule[fill]);
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++)
+            bvx_grid_free(ctx, &rule[fill]);
         bvx_grid_free(ctx, &surface);
         bvx_grid_free(ctx, &differ);
         bvx_grid_free(ctx, &lost);

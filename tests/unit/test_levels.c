@@ -42,7 +42,7 @@ static void check_levels(const char *name, const uint64_t *targets, uint64_t cou
     }
 }
 
-/* All defaults, of a mesh with a hole: as with options that were filled by their _init function. */
+/* All defaults, of a mesh with a hole: as with options that are all zero. */
 static void test_no_options_are_the_defaults(void)
 {
     bvx_levels_options o = {.struct_size = sizeof o};

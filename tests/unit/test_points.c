@@ -295,7 +295,7 @@ static void test_points_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, &fit, NULL), "lattice is NULL");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &fit, &l));
     for (int which = 0; which < 6; which++) {
-        static const char *const words[6] = {"minimum is -1",  "body is 2", "close_gaps is -1",
+        static const char *const words[6] = {"minimum is -1", "body is 2", "close_gaps is -1",
                                              "requires body", "reserved",  "whole lattice"};
         o = (bvx_points_options){.struct_size = sizeof o};
         if (which == 0) o.minimum = -1;

@@ -682,7 +682,8 @@ static void test_bad_options(void)
     o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
     o.sharp = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
     o.resolution = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
-    o.measure = 1, o.measure_samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
+    o.measure = 1, o.measure_samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"),
+    o = defaults(16);
     o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
     o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),

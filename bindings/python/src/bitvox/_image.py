@@ -196,9 +196,9 @@ def render(
         for name, value in of_views.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for views, not for slices")
-    options.direction = (3, -4, 2) if from_ is None else arrays.triple("from_", from_)
+    options.direction = (3, -4, 2) if from_ is None else arrays.direction("from_", from_)
     if up is not None:
-        options.up = arrays.triple("up", up)
+        options.up = arrays.direction("up", up)
     if show is not None:
         options.show = tuple(float(x) for x in show)
     options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)

@@ -77,7 +77,7 @@ class Sections:
 
     def __init__(self, loops: Iterable[Any], normal: Sequence[float] = (0.0, 0.0, 1.0), *, tolerance: float = 1e-6) -> None:
         np = arrays.numpy("Sections")
-        direction = np.array(arrays.triple("normal", normal))
+        direction = np.array(arrays.direction("normal", normal))
         length = float(np.sqrt(direction @ direction))
         if not length > 0.0 or not np.isfinite(length):
             raise ArgumentError("normal has no direction")
@@ -657,7 +657,7 @@ def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] |
         raise ArgumentError("axis and normal contradict each other; give one of them")
     if axis not in (None, "x", "y", "z"):
         raise ArgumentError(f"axis is {axis!r}; it must be x, y or z")
-    options.normal = [float(a == (axis or "z")) for a in "xyz"] if normal is None else arrays.triple("normal", normal)
+    options.normal = [float(a == (axis or "z")) for a in "xyz"] if normal is None else arrays.direction("normal", normal)
     if spacing is not None:
         options.spacing = float(spacing)
     held = None
