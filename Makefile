@@ -1,8 +1,8 @@
 # Makefile of bitvox; `make help` lists the targets.
 #
-# Needs a C compiler, GNU make and a POSIX shell. Threads and zlib (for the program alone) are used where a test compile
-# finds them; THREADS=0 and ZLIB=0 leave them out. Objects live in a folder named after a hash of the compiler and its
-# flags, so other flags never mix with them: make CC=clang CFLAGS='-O0 -g' is always right, and so is going back.
+# Needs a C compiler, GNU make and a POSIX shell. OpenMP, or else POSIX threads, and zlib (for the program alone) are used
+# where a test compile finds them; THREADS=posix takes no OpenMP, THREADS=0 and ZLIB=0 leave them out. Objects live in a
+# folder named after a hash of the compiler and its flags, so other flags never mix with them: make CC=clang CFLAGS='-O0 -g' is always right, and so is going back.
 
 CFLAGS ?= -O3
 BUILD ?= build
@@ -22,13 +22,13 @@ DEMO ?= fixtures/knot.ply
 .SECONDARY:
 .DELETE_ON_ERROR:
 .PHONY: all help demo site wheels windows-wheel format format-check house python js js-page test-python test-js test test-quick test-other test-machines test-windows deps deps-proof deps-js deps-windows san san-memory san-threads abi golden matrix bare coverage mcdc fuzz analyze bench packaging deb install uninstall amalgamation clean force \
-        print-folder golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
+        print-folder print-needed golden-program library program test-programs sanitizer-probe fault-programs fuzz-programs bench-programs row-products
 
 all: library program
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
-	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD THREADS=0 ZLIB=0 WERROR=1 V=1 (show commands)"
+	@echo "  variables: CC CFLAGS CPPFLAGS LDFLAGS BUILD THREADS=posix|0 ZLIB=0 WERROR=1 V=1 (show commands)"
 	@echo "             PREFIX LIBDIR DESTDIR (install)"
 
 clean: ## remove everything that was built
@@ -58,14 +58,15 @@ ifneq ($(loose),)
 $(error $(loose) would change results; bitvox keeps its promises only without it)
 endif
 
-# POSIX threads, and OpenMP's where there are none.
+# OpenMP, and POSIX threads where there is none or THREADS=posix wants them.
 workers :=
 ifneq ($(THREADS),0)
-ifeq ($(call compiles,-pthread,'$(sharp)include <pthread.h>' '$(sharp)if !defined(_REENTRANT) || defined(_WIN32)' '$(sharp)error none' \
+ifeq ($(if $(filter posix,$(THREADS)),,$(call compiles,-fopenmp,'$(sharp)include <omp.h>' \
+    'int main(void) { return omp_get_max_threads() < 1; }')),yes)
+workers := -fopenmp
+else ifeq ($(call compiles,-pthread,'$(sharp)include <pthread.h>' '$(sharp)if !defined(_REENTRANT) || defined(_WIN32)' '$(sharp)error none' \
     '$(sharp)endif' 'int main(void) { return pthread_join(pthread_self()$(comma) 0) == 0; }'),yes)
 workers := -pthread
-else ifeq ($(call compiles,-fopenmp,'$(sharp)include <omp.h>' 'int main(void) { return omp_get_max_threads() < 1; }'),yes)
-workers := -fopenmp
 endif
 endif
 
@@ -86,6 +87,9 @@ exact := -ffp-contract=off $(call accepts,-mno-fma) $(call accepts,-fexcess-prec
 strict := -std=c99 -pedantic -Wall -Wextra -Wshadow -Wconversion $(call accepts,-Wno-enum-float-conversion)
 base := $(CPPFLAGS) $(CFLAGS) $(strict) $(exact) -fPIC -fvisibility=hidden -MMD -MP -Iinclude -Isrc
 libs := $(workers) -lm
+# What others link with the archive: GNU's library by its name, which other compilers find too.
+needed := $(if $(call compiles,$(filter -fopenmp,$(workers)),'$(sharp)if !defined(_OPENMP) || defined(__clang__)' '$(sharp)error by flag' \
+    '$(sharp)endif' 'int main(void) { return 0; }'),-lgomp -pthread,$(workers)) -lm
 
 # Before 1.0 a minor version may change the interface, so it is part of the soname.
 number = $(shell sed -n 's/^.define BVX_VERSION_$(1) //p' include/bitvox.h)
@@ -144,7 +148,7 @@ $(folder)/bitvox$(SUFFIX): $(cli_objects) $(archive)
 # CORE_FLAGS is for the core alone: counts of coverage without those of the tests' slow oracles.
 $(folder)/src/%: errors = -Werror
 $(folder)/src/%: flags = $(CORE_FLAGS)
-$(folder)/src/core/threads.o $(folder)/src/core/processors.o: flags = $(workers) $(CORE_FLAGS)
+$(call built,.o,$(addprefix src/core/,openmp.c threads.c processors.c)): flags = $(workers) $(CORE_FLAGS)
 # The program's own code waits for files and the library: not worth a slow build.
 $(cli_objects): flags = $(if $(zlib),-DBVX_HAVE_ZLIB) $(threads) $(brisk)
 
@@ -159,6 +163,7 @@ unity_defines := -DUNITY_INCLUDE_DOUBLE -DUNITY_SUPPORT_64
 brisk := $(if $(filter -O3,$(CFLAGS)),-O1)
 $(folder)/tests/%: flags = -Itests $(brisk)
 $(folder)/tests/unit/%: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk)
+$(folder)/tests/unit/test_threads.o: flags = -Itests -isystem $(UNITY_DIR) $(unity_defines) $(brisk) $(workers)
 $(folder)/tests/fuzz/%: flags = -Itests -DBVX_FUZZ_MAIN $(brisk)
 $(folder)/tests/bench/%: flags = -Itests
 $(folder)/tests/fault/%: test_libs = -lcmocka
@@ -199,6 +204,9 @@ $(folder)/tests/%: $(folder)/tests/%.o $(archive)
 print-folder:
 	@echo $(folder)
 
+print-needed:
+	@echo $(needed)
+
 # ---- Packaging ----
 
 # Static linking needs what the library was built with. A list of CMake has semicolons.
@@ -206,12 +214,12 @@ empty :=
 in_prefix = $(if $(filter $(PREFIX)/%,$(1)),$${prefix}$(1:$(PREFIX)%=%),$(1))
 found_by := $(BUILD)/bitvox.pc $(BUILD)/bitvoxConfig.cmake $(BUILD)/bitvoxConfigVersion.cmake
 $(found_by): $(BUILD)/%: src/%.in include/bitvox.h force
-	@sed -e 's|@BITVOX_LIBS@|$(subst $(empty) ,;,$(strip $(libs)))|' -e 's|@CMAKE_INSTALL_FULL_INCLUDEDIR@|$(PREFIX)/include|' \
+	@sed -e 's|@BITVOX_LIBS@|$(subst $(empty) ,;,$(strip $(needed)))|' -e 's|@CMAKE_INSTALL_FULL_INCLUDEDIR@|$(PREFIX)/include|' \
 	    -e 's|@PROJECT_VERSION@|$(version)|' -e 's|@PROJECT_VERSION_MAJOR@|$(call number,MAJOR)|' \
 	    -e 's|@PROJECT_VERSION_MINOR@|$(call number,MINOR)|' -e 's|@CMAKE_SIZEOF_VOID_P@||' \
 	    -e 's|@CMAKE_INSTALL_PREFIX@|$(PREFIX)|' -e 's|@PC_LIBDIR@|$(call in_prefix,$(LIBDIR))|' \
 	    -e 's|@PC_INCLUDEDIR@|$${prefix}/include|' -e 's|@PC_CFLAGS@||' -e 's|@PC_LIBS@||' \
-	    -e 's|@PC_PRIVATE@|$(strip $(libs))|' $< >$@.made
+	    -e 's|@PC_PRIVATE@|$(strip $(needed))|' $< >$@.made
 	@cmp -s $@.made $@ || cp $@.made $@; rm -f $@.made
 
 # What the program says about itself.

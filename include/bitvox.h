@@ -150,9 +150,6 @@ BVX_API const char *bvx_status_text(bvx_status status);
     X(BVX_REASON_VERSION, 31, "the header and the library are of different major versions")
 enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 32 };
 
-/** The fixed text of a reason; "unknown reason" for any other number. Never NULL. */
-BVX_API const char *bvx_reason_text(int32_t reason);
-
 /** The library's version, made like BVX_VERSION. */
 BVX_API int32_t bvx_version(void);
 
@@ -202,8 +199,8 @@ typedef struct bvx_context_options {
  *  By default there are as many workers as the process may use processors: by affinity, and by the quota of
  *  its control group; OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. A number in threads is
  *  taken as it is. A build without threads has one worker. Threads are started only for work that is worth
- *  it, leave a busy machine to others, and end with the context: docs/limits.md. Results do not depend on
- *  them.
+ *  it and leave a busy machine to others. Those of OpenMP stay with the calling thread, POSIX threads end with
+ *  the context: docs/limits.md. Results do not depend on them.
  *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones) or a field is set that
  *  this library does not know, BVX_ERR_UNSUPPORTED when this build or thread has arithmetic that would change
  *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the
@@ -218,14 +215,12 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
 }
 
 /** Why no context is made of these options, in one line, for people: which field, and what it must be; the
- *  versions; bvx_arithmetic_fault; an arena that is too small. NULL when one is made, where the allocator has
- *  the memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is allocated or changed.
+ *  versions; arithmetic that would change results (products contracted by the compiler, results wider than
+ *  their type, rounding that is not to nearest); an arena that is too small. NULL when one is made, where the
+ *  allocator has the memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is
+ *  allocated or changed.
  *  options  NULL means all defaults */
 BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
-
-/** Why bvx_context_create returns BVX_ERR_UNSUPPORTED: products contracted by the compiler, results wider
- *  than their type, or rounding that is not to nearest. NULL when nothing is wrong. */
-BVX_API const char *bvx_arithmetic_fault(void);
 
 /** Free a context; NULL is allowed. Results that it allocated stay valid until they are freed through another
  *  context with the same allocator. A context in an arena must be destroyed too, before that memory is used
@@ -259,9 +254,8 @@ BVX_API uint64_t bvx_memory_used(const bvx_context *context);
 BVX_API uint64_t bvx_memory_peak(const bvx_context *context);
 BVX_API void bvx_memory_reset_peak(bvx_context *context);
 
-/** The number of workers, and the code path that was chosen (BVX_CPU_PORTABLE or BVX_CPU_AVX2). */
+/** The number of workers. */
 BVX_API int32_t bvx_context_threads(const bvx_context *context);
-BVX_API int32_t bvx_context_cpu(const bvx_context *context);
 
 /* ---- Meshes -------------------------------------------------------------------------------------------- */
 
@@ -708,37 +702,6 @@ BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view 
                                       const bvx_lattice *lattice, const bvx_voxelize_options *options,
                                       bvx_grid *solid);
 
-/** Where the rules for solids differ, and what a solid loses. */
-typedef struct bvx_fill_comparison {
-    uint64_t set[5];         /**< voxels that each rule sets, PARITY, NONZERO, VOTE, FLOOD, REGIONS */
-    uint64_t surface_voxels; /**< voxels of the conservative surface */
-    uint64_t disagreeing;    /**< voxels off the surface that some rules set and others do not */
-    uint64_t lost_voxels; /**< voxels of the surface with no voxel of the vote's solid among their 3 x 3 x 3
-                               neighbours: a wall thinner than a voxel was lost there */
-    uint64_t lost_places; /**< connected parts of these, through faces */
-    int32_t flood_leaked; /**< 1: the flood reached every centre off the surface although there is an inside;
-                               disagreeing leaves it out */
-    int32_t reserved;
-    uint64_t reserved2[4];
-} bvx_fill_comparison;
-
-typedef struct bvx_compare_fills_options {
-    size_t struct_size;
-    int32_t close_gaps; /**< as for bvx_voxelize_solid [Limit: 0..65535] [Default: 0] */
-    int32_t reserved;
-    bvx_grid *disagreeing; /**< receives the voxels counted there when not NULL [Default: NULL] */
-    bvx_grid *lost;        /**< receives those counted in lost_voxels when not NULL [Default: NULL] */
-} bvx_compare_fills_options;
-
-/** Fill a mesh by the rules parity, nonzero, vote, flood and regions, and report where they differ. On a
- *  clean closed mesh they differ only in cavities. Whole lattices only.
- *  Returns what bvx_voxelize_solid returns, but accepts a flood that finds nothing.
- *  [Memory: seven grids beside what flood needs]
- *  [Cost: that of vote, nonzero, regions and flood together] */
-BVX_API bvx_status bvx_compare_fills(bvx_context *context, const bvx_mesh_view *mesh,
-                                     const bvx_lattice *lattice, const bvx_compare_fills_options *options,
-                                     bvx_fill_comparison *comparison);
-
 /* ---- Surface voxels ------------------------------------------------------------------------------------ */
 
 /** Which voxels are the surface.
@@ -1159,8 +1122,8 @@ typedef struct bvx_repair_options {
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
  *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
  *  smooth lids, overlapping parts become one, sheets become shells, and walls too thin for the lattice are
- *  kept (thin). Details smaller than a voxel are lost, and rods thinner than one come out thicker. The steps,
- *  and what counts as a sheet: docs/rules.md.
+ *  kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller than a voxel are lost,
+ *  and rods thinner than one come out thicker. The steps, and what counts as a sheet: docs/rules.md.
  *  mesh      triangles without area do no harm; vertices must be finite, used or not
  *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
  *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts
@@ -1632,12 +1595,6 @@ BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *gri
  *  Returns BVX_ERR_CAPACITY, and as bvx_grid_downsample. */
 BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                      uint32_t *counts, uint64_t capacity, uint64_t *count);
-
-/** The smallest window that holds all set voxels, as bvx_grid_crop takes it; all zero (which elsewhere means
- *  the whole lattice) when none is set.
- *  [Memory: 24 bytes for each of up to 256 parts]
- *  [Cost: O(words)] */
-BVX_API bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window);
 
 /** The same lattice through another window, which may reach beyond the grid's own, where all is empty.
  *  window  NULL or all zero: the whole lattice

@@ -48,7 +48,7 @@ version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bi
     cat <<END
 /* bitvox.c - the bitvox library $version${parts:+ ($parts)} in one file, put together from its sources; include bitvox.h to use it.
  *
- *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-pthread for threads)
+ *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-fopenmp or -pthread for threads)
  *
  * On 32-bit x86 add -msse2 -mfpmath=sse. Never compile it with -ffast-math.
  * Define BVX_FREESTANDING where there is no C heap: contexts then bring their own memory.

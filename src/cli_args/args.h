@@ -45,6 +45,7 @@ struct cli_command {
     const char *does;         /* one line */
     const char *details;      /* lines for its help */
     const char *example;      /* command lines that work in the project's folder, one a line */
+    const char *most;         /* what its short help shows besides -o and --help, NULL: all of few */
     const cli_argument *rows; /* the options that it takes, in the order of its help */
     size_t own;               /* bytes of those that are its own: run->own */
     void (*start)(void *own); /* what they are where nothing is given; NULL: zero */
@@ -229,8 +230,8 @@ int cli_takes(const cli_run *run, const char *name);
 int cli_given(const cli_run *run, const char *name);
 /* The same of a name of so many bytes: the name, or NULL. */
 const char *cli_given_name(const cli_run *run, const char *name, size_t length);
-/* The options of a command, for its help. */
-void cli_print_options(const cli_command *command);
+/* The options of a command, for its help: those that most runs need, or all in groups. */
+void cli_print_options(const cli_command *command, int all);
 /* Another option of the command whose name differs by one letter, or NULL. */
 const char *cli_mistaken_for(const cli_run *run, const char *name);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL after the last. */

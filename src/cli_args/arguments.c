@@ -157,13 +157,13 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
                          new_name(bit, name));
     /* A right option at the wrong command is not a misspelling. */
     if (is_taken_by_any(run, word, length))
-        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help'", run->command->name, name,
+        return cli_usage(run, "%s has no use for %s; see 'bitvox %s --help-all'", run->command->name, name,
                          run->command->name);
     nearest = strcmp(name, "--output") == 0 ? "-o" : cli_nearest(name, next_option, run);
     if (nearest != NULL)
         return cli_usage(run, "%s is not an option of %s; did you mean %s?", name, run->command->name,
                          nearest);
-    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help'", name, run->command->name,
+    return cli_usage(run, "%s is not an option of %s; see 'bitvox %s --help-all'", name, run->command->name,
                      run->command->name);
 }
 
@@ -231,6 +231,7 @@ int cli_parse(cli_run *run, int count, char **word)
         if (strcmp(word[i], "--json") == 0) o->general.json = 1;
         if (cli_takes(run, "--output-dir") && strncmp(word[i], "--output-dir", 12) == 0) o->output_dir = "";
         if (strcmp(word[i], "--help") == 0 || strcmp(word[i], "-h") == 0) o->general.help = 1;
+        if (strcmp(word[i], "--help-all") == 0) o->general.help = 2;
     }
     if (o->general.help) return CLI_DONE;
     /* "-" alone is standard input, and after "--" every word is a file. */
@@ -250,23 +251,76 @@ int cli_parse(cli_run *run, int count, char **word)
     return status;
 }
 
-void cli_print_options(const cli_command *command)
+/* ---- help ---- */
+
+/* 1 when a list of words has this one. */
+static int has_word(const char *words, const char *word)
+{
+    size_t const n = strlen(word);
+
+    for (const char *p = strstr(words, word); p != NULL; p = strstr(p + n, word))
+        if ((p == words || p[-1] == ' ') && (p[n] == ' ' || p[n] == 0)) return 1;
+    return 0;
+}
+
+/* The groups of the long help. NULL: what is in no other, which is mostly a command's own. */
+static const char *const groups[][2] = {
+    {"files", "-o --output-dir --format --normals --output-origin --quantize --up --input-up"},
+    {"the command's own", NULL},
+    {"lattice, and what of a mesh is inside",
+     "--resolution --spacing --origin --window --padding --fill --close-gaps --sign --add-shell"},
+    {"surface of a solid",
+     "--sharp --no-sharp --interpolation --shell --outer-hull --least-part --least-cavity --keep-largest "
+     "--carry"},
+    {"fewer triangles", "--triangles --error --error-kind --count --strict --even --attributes --lock-border "
+                        "--keep-vertices --samples"},
+    {"the papers' samples of a solid", "--method --levels --threshold --edge-samples --collapse"},
+    {"volumes, .raw files and octrees", "--level --range --label --all-labels --below --shape --sample-type "
+                                        "--big-endian --skip --voxel-size --states --expand"},
+    {"every command", "--threads --memory-limit --json --progress --quiet --help --help-all"}};
+
+enum { GROUPS = sizeof groups / sizeof groups[0], OWN_GROUP = 1 };
+
+static int group_of(const cli_argument *a)
+{
+    /* A command's own --up is no file's. */
+    for (int i = a->own; i < GROUPS; i++)
+        if (groups[i][1] != NULL && has_word(groups[i][1], a->name)) return i;
+    return OWN_GROUP;
+}
+
+static void print_option(const cli_argument *a)
+{
+    char left[40];
+
+    /* A column for names and values, one for what they do. */
+    snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
+    printf("  %-24s", left);
+    /* Further lines stand under the first one. */
+    for (const char *p = a->help; *p != 0; p++) {
+        putchar(*p);
+        if (*p == '\n') printf("%26s", "");
+    }
+    putchar('\n');
+}
+
+void cli_print_options(const cli_command *command, int all)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];
     int const rows = cli_list_rows(command, row);
 
-    for (int k = 0; k < rows; k++) {
-        const cli_argument *const a = row[k];
-        char left[40];
+    for (int i = 0; i < (all ? GROUPS : 1); i++) {
+        int titled = !all;
 
-        /* A column for names and values, one for what they do. */
-        snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
-        printf("  %-24s", left);
-        /* Further lines stand under the first one. */
-        for (const char *p = a->help; *p != 0; p++) {
-            putchar(*p);
-            if (*p == '\n') printf("%26s", "");
+        for (int k = 0; k < rows; k++) {
+            const char *const name = row[k]->name;
+
+            if (all ? group_of(row[k]) != i
+                    : command->most != NULL && !has_word("-o --help --help-all", name) &&
+                          !has_word(command->most, name))
+                continue;
+            if (!titled++) printf("\n%s:\n", groups[i][0]);
+            print_option(row[k]);
         }
-        putchar('\n');
     }
 }

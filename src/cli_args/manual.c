@@ -150,7 +150,7 @@ void cli_print_manual(const cli_command *const *commands)
         "With --json one JSON object goes to standard output, also after a failure: status (done, failed, "
         "interrupted), command, lattice, set, stages, meshes, warnings, peak_bytes, and error with code and "
         "message; info adds "
-        "grid, voxelize solid or surface and, with --compare-fills, fills, refine and octrees add octree, "
+        "grid, voxelize solid or surface, refine and octrees add octree, "
         "fill adds fill, compare adds difference or "
         "distance, render adds pictures, and difference with --compare.");
     put_section("FILES");

@@ -245,7 +245,8 @@ const cli_argument cli_takes_common[] = {
            "auto: a bar on a terminal; bar; json: lines of JSON on standard error;\n"
            "none [auto]"),
     FLAG("--quiet", SHARED(general.quiet), "no text, no bar, no warnings"),
-    FLAG("--help", SHARED(general.help), "this text"),
+    FLAG("--help", SHARED(general.help), "what most runs need"),
+    FLAG("--help-all", SHARED(general.help), "every option, in groups"),
     {0}};
 
 const cli_argument cli_takes_all[] = {

@@ -538,6 +538,8 @@ const cli_command cli_boolean = {
         "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 12\n"
         "bitvox boolean difference blocks.ply fixtures/knot.ply -o mould.ply --resolution 128 --sharp\n"
         "bitvox boolean union fixtures/knot.ply blocks.ply -o both.bvx",
+    .most = "--resolution --spacing --fill --resample --triangles --error --sharp --thin "
+            "--keep-largest --threads --memory-limit --json",
     .rows = boolean_rows,
     .start = start_boolean,
     .own = sizeof(boolean_options),

@@ -351,6 +351,8 @@ const cli_command cli_components = {
         "where OUT is a mesh (" CLI_MESHES_WRITTEN ") the surface half way between set and empty voxels.",
     .example = "bitvox voxelize fixtures/knot.ply -o knot.bvx --resolution 64\n"
                "bitvox components knot.bvx -o part.bvx --keep-largest 1 --fill-cavities --labels parts.npy",
+    .most = "--seed --keep-largest --at-least --fill-cavities --labels --connectivity --triangles "
+            "--error --format --threads --memory-limit --json",
     .rows = components_rows,
     .own = sizeof(components_options),
     .job = {.size = sizeof(components_job),

@@ -158,5 +158,7 @@ const cli_command cli_convert = {
         "there.",
     .example = "bitvox convert fixtures/knot.ply -o knot.glb\n"
                "bitvox convert fixtures/knot.ply fixtures/terrain.ply --output-dir packed --format ply",
+    .most = "--output-dir --window --level --range --label --shape --sample-type --voxel-size "
+            "--normals --up --format --json",
     .rows = convert_rows,
     .job = {.size = sizeof(convert_job), .make = make_convert, .tell = tell_convert, .free = free_convert}};

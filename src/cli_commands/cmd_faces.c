@@ -117,6 +117,8 @@ const cli_command cli_faces = {
         "ones.\n"
         "With --merge there are far fewer triangles, which cover the same but whose edges do not pair up.",
     .example = "bitvox faces fixtures/knot.ply -o blocks.ply --resolution 48 --merge",
+    .most = "--resolution --spacing --fill --level --range --label --merge --keep-largest "
+            "--format --threads --memory-limit --json",
     .rows = faces_rows,
     .start = start_faces,
     .own = sizeof(bvx_faces_options),

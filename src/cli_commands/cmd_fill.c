@@ -272,6 +272,8 @@ const cli_command cli_fill = {
         "(" CLI_MESHES_WRITTEN ") it is the surface half way between set and empty voxels.",
     .example = "bitvox voxelize fixtures/knot.ply -o shell.bvx --mode thin --resolution 64\n"
                "bitvox fill shell.bvx -o inner.bvx --mesh fixtures/knot.ply",
+    .most = "--add-shell --seed --mesh --connectivity --triangles --error --format --threads "
+            "--memory-limit --json --quiet",
     .rows = fill_rows,
     .own = sizeof(fill_options),
     .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .free = free_fill}};

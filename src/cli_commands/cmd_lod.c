@@ -423,6 +423,8 @@ const cli_command cli_lod = {
                "bitvox lod fixtures/knot.ply -o knot_%d.ply --levels 64,32,16\n"
                "bitvox lod fixtures/knot.ply fixtures/terrain.ply --output-dir levels --count 2\n"
                "bitvox lod fixtures/waves.nhdr -o waves_%d.ply --level 120 --levels 24,12",
+    .most = "--output-dir --resolution --triangles --error --count --strict --solid --method "
+            "--level --threads --memory-limit --json",
     .rows = lod_rows,
     .start = start_lod,
     .own = sizeof(cli_lod_options),

@@ -555,6 +555,8 @@ const cli_command cli_morph = {
         "bitvox morph close fixtures/knot.ply -o closed.bvx --resolution 96 --radius 0.1\n"
         "bitvox morph hollow fixtures/knot.ply -o shell.bvx --resolution 96 --thickness 0.15 --drain 0.15\n"
         "bitvox morph distance fixtures/knot.ply -o distance.vti --resolution 64 --side signed",
+    .most = "--resolution --spacing --fill --triangles --neighbourhood --steps --radius "
+            "--thickness --drain --threads --memory-limit --json",
     .rows = morph_rows,
     .start = start_morph,
     .own = sizeof(morph_options),

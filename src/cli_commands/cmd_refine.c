@@ -229,6 +229,8 @@ const cli_command cli_refine = {
     .example = "bitvox refine fixtures/knot.ply -o knot.vtu --base 8 --halvings 4\n"
                "bitvox refine fixtures/knot.ply -o knot.bvx --resolution 300\n"
                "bitvox refine fixtures/knot.ply -o boxes.ply --halvings 4 --leaves --cut z=0",
+    .most = "--resolution --base --halvings --outer-levels --adaptive --states --leaves --expand "
+            "--window --threads --memory-limit --json",
     .rows = refine_rows,
     .start = start_refine,
     .own = sizeof(refine_options),

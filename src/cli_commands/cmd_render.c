@@ -383,6 +383,8 @@ const cli_command cli_render = {
         "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes around.",
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
                "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
+    .most = "--size --from --up --level --fill --voxels --smooth --wireframe --cut --slices "
+            "--compare --turntable",
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),

@@ -494,6 +494,8 @@ const cli_command cli_repair = {
         "than\n"
         "voxels are kept. With --triangles or --error the result's edges then collapse.",
     .example = "bitvox repair fixtures/knot.ply -o closed.ply --resolution 128 --triangles 8000 --measure",
+    .most = "--output-dir --resolution --triangles --error --sign --sharp --shell --keep-largest "
+            "--if-needed --threads --memory-limit --json",
     .rows = repair_rows,
     .start = start_repair,
     .own = sizeof(bvx_repair_options),

@@ -206,7 +206,7 @@ static const cli_rule sections_rules[] = {
 /* What only the file says: how its planes lie. */
 static const cli_rule planes_rules[] = {
     {.when = ANY_DIRECTION,
-     .given = "--grid --layers --blend --nesting --crossings --subdivide --mend --join",
+     .given = "--grid --layers --blend --nesting --crossings --subdivide --join",
      .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
@@ -263,10 +263,8 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
                         cli_input_name(o->input[0]));
     if ((reason == BVX_REASON_LOOPS_MEET || reason == BVX_REASON_LOOP_FLAT) && !own->body.mend)
         return cli_fail_advised(run, status, cli_input_name(o->input[0]),
-                                job->sections.normals != NULL
-                                    ? "; --mend is for parallel planes alone: mend the contours before"
-                                : reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
-                                                                  : "; --mend leaves such loops out");
+                                reason == BVX_REASON_LOOPS_MEET ? "; --mend splits loops there"
+                                                                : "; --mend leaves such loops out");
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     return check_body(run, job, path);
 }
@@ -808,6 +806,8 @@ const cli_command cli_sections = {
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",
+    .most = "--grid --spacing --layers --blend --caps --close-gap --join --mend --crossings "
+            "--triangles --threads --json",
     .rows = sections_rows,
     .start = start_sections,
     .own = sizeof(sections_options),

@@ -133,6 +133,8 @@ const cli_command cli_simplify = {
         "%d in the name becomes 0, 1, 2 ..., or one .glb holds all.\n",
     .example = "bitvox simplify fixtures/knot.ply -o small.ply --triangles 4000\n"
                "bitvox simplify fixtures/knot.ply -o knot_%d.obj --error 0.02%,0.1%",
+    .most = "--output-dir --triangles --error --error-kind --count --strict --attributes "
+            "--lock-border --keep-vertices --threads --memory-limit --json",
     .rows = simplify_rows,
     .job = {.size = sizeof(cli_collapse_run),
             .make = make_simplify,

@@ -60,7 +60,6 @@ static const cli_argument voxelize_rows[] = {
     CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, BVX_CHECK_AUTO,
            "look for walls too thin for the voxels, for a warning with their position.\n"
            "auto: in whole lattices; always; never [auto]"),
-    FLAG("--compare-fills", OWN(compare_fills), "a table of what each rule would set, and where they differ"),
     NUMBER("--base", "H", OWN(solid.base),
            "with --fill below: the height that columns stand on [the lattice's\n"
            "low end]"),
@@ -88,10 +87,9 @@ typedef struct voxel_job {
     int boxed;   /* the lattice is fitted to the box, not to the mesh */
     bvx_window window;
     bvx_grid grid;
-    bvx_field field;           /* of --mode field */
-    bvx_fill_comparison fills; /* of --compare-fills */
-    int cloud;                 /* 1: mesh holds points only */
-    cli_voxels voxels;         /* the output, where it is no field */
+    bvx_field field;   /* of --mode field */
+    int cloud;         /* 1: mesh holds points only */
+    cli_voxels voxels; /* the output, where it is no field */
 } voxel_job;
 
 /* ---- what is requested ---- */
@@ -113,9 +111,8 @@ static uint32_t facts_of_mode(const cli_run *run)
 
 static const cli_rule cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
-     .given =
-         "--mode --fill --add-shell --check-edges --check-thin --compare-fills --half-width --sign --vectors "
-         "--value-type --sharp --no-sharp",
+     .given = "--mode --fill --add-shell --check-edges --check-thin --half-width --sign --vectors "
+              "--value-type --sharp --no-sharp",
      .message = "%o is for meshes; %i is a cloud of points"},
     {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
     {.when = CLI_OF_CLOUD, .given = "--close-gaps", .lacking = "--body", .message = "%o needs --body"},
@@ -129,16 +126,12 @@ static const cli_rule fill_rules[] = {
     {.unless = CLI_FILLS_BELOW, .given = "--base --second --up", .message = "%o needs --fill below"},
     {.unless = CLI_FILLS_FLOOD,
      .given = "--close-gaps",
-     .lacking = "--compare-fills --body",
-     .message = "%o needs --fill flood, --compare-fills, or --body for clouds"},
+     .lacking = "--body",
+     .message = "%o needs --fill flood, or --body for clouds"},
     {.also = cli_fill_rules},
     {.when = CLI_FILLS_BELOW | LOOKS_FOR_THIN,
      .given = "--check-thin",
      .message = "%o has no use with --fill below: it is for bodies"},
-    {.when = CLI_FILLS_BELOW,
-     .given = "--compare-fills",
-     .message = "%o has no use with --fill below: the other rules are for closed shapes"},
-    {.given = "--compare-fills", .beside = "--window", .message = "%o needs the whole lattice, no %b"},
     {0}};
 
 /* The word is the mode's name. */
@@ -146,9 +139,8 @@ static const cli_rule mesh_rules[] = {
     {.also = cli_to_voxels_rules},
     {.also = cli_lattice_rules},
     {.unless = SETS_SOLID,
-     .given =
-         "--fill --close-gaps --add-shell --check-edges --check-thin --compare-fills --base --second --up "
-         "--sharp --no-sharp",
+     .given = "--fill --close-gaps --add-shell --check-edges --check-thin --base --second --up "
+              "--sharp --no-sharp",
      .message = "%o is for solids; --mode %w has no use for it"},
     {.unless = SETS_FIELD,
      .given = "--half-width --sign --vectors --value-type",
@@ -369,52 +361,6 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
             run->options->close_gaps);
 }
 
-/* ---- --compare-fills ---- */
-
-static int compare_fills(cli_run *run, voxel_job *job)
-{
-    bvx_compare_fills_options o = {.struct_size = sizeof o};
-    bvx_status status;
-
-    /* Only the flood among them knows gaps. */
-    o.close_gaps = run->options->close_gaps;
-    cli_stage_begin(run, "compare fills");
-    status = bvx_compare_fills(run->context, &job->view, &run->report.lattice, &o, &job->fills);
-    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
-}
-
-static void tell_fill_table(cli_text *t, const bvx_fill_comparison *c)
-{
-    cli_text_add(t, "  rules       %12s\n", "voxels");
-    /* All rules that fill closed shapes, whichever of them made the result. */
-    for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
-        cli_text_add(t, "    %-9s %12" PRIu64 "%s\n", cli_fill_names[i], c->set[i - BVX_FILL_PARITY],
-                     i == BVX_FILL_FLOOD && c->flood_leaked ? "  (the flood came in: not compared)" : "");
-    cli_text_add(t, "  they differ on %" PRIu64 " voxels beside the %" PRIu64 " of the surface\n",
-                 c->disagreeing, c->surface_voxels);
-    if (c->lost_voxels == 0) cli_text_add(t, "  no walls are lost\n");
-    else
-        cli_text_add(t,
-                     "  walls thinner than a voxel are lost in %" PRIu64 " places, %" PRIu64
-                     " voxels of the surface\n",
-                     c->lost_places, c->lost_voxels);
-}
-
-static void report_fill_table(cli_text *t, const bvx_fill_comparison *c)
-{
-    cli_text_add(t, ", \"fills\": {\"set\": {");
-    for (int32_t i = BVX_FILL_PARITY; i <= BVX_FILL_REGIONS; i++)
-        cli_text_add(t, "%s\"%s\": %" PRIu64, i == BVX_FILL_PARITY ? "" : ", ", cli_fill_names[i],
-                     c->set[i - BVX_FILL_PARITY]);
-    cli_text_add(t, "}");
-    cli_json_count(t, "surface_voxels", c->surface_voxels);
-    cli_json_count(t, "disagreeing", c->disagreeing);
-    cli_json_count(t, "lost_voxels", c->lost_voxels);
-    cli_json_count(t, "lost_places", c->lost_places);
-    cli_json_truth(t, "flood_leaked", c->flood_leaked);
-    cli_text_add(t, "}");
-}
-
 /* ---- --mode field ---- */
 
 static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside, cli_made *made)
@@ -498,11 +444,6 @@ static void tell_voxels(const cli_run *run, const voxel_job *job, const voxel_re
     if (job->cloud) tell_cloud(run, &reports->cloud, made);
     else if (solid) cli_tell_solid(run, &job->grid, &reports->solid, made);
     else tell_surface(run, &reports->surface, made);
-    /* The table stands after the rule that was taken. */
-    if (solid && own->compare_fills) {
-        tell_fill_table(&made->text, &job->fills);
-        report_fill_table(&made->members, &job->fills);
-    }
 
     if (made->set == 0 && !job->cloud)
         cli_advise(made, "the result is empty: %s",
@@ -528,7 +469,6 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     cli_stage_end(run);
     /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
-    if (status == BVX_OK && own->compare_fills) result = compare_fills(run, job);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     if (made->field != NULL || result != CLI_DONE) return result;
 
@@ -605,7 +545,7 @@ const cli_command cli_voxelize = {
         "--mode field writes the distances from the centres to the mesh: .npy, .nrrd or .vti, f32 or f64.\n"
         "Where OUT is a mesh it is the voxels' closed surface: of a solid with its vertices on the mesh, of\n"
         "other modes half way between set and empty voxels.\n"
-        "Which voxels are inside a mesh with holes is a matter of the rule: --fill, --compare-fills.\n"
+        "Which voxels are inside a mesh with holes is a matter of the rule: --fill.\n"
         "Of a volume (.nrrd .nhdr .npy .vti .raw) --level, --range or --label choose the voxels. Where OUT "
         "is a\n"
         "mesh (" CLI_MESHES_WRITTEN
@@ -621,6 +561,8 @@ const cli_command cli_voxelize = {
                "bitvox voxelize fixtures/waves.nhdr -o waves.ply --level 120 --triangles 2000\n"
                "bitvox voxelize fixtures/labels.npy -o part_%d.stl --all-labels\n"
                "bitvox voxelize fixtures/ball.xyz -o ball.bvx --spacing 0.1 --body --close-gaps 1",
+    .most = "--output-dir --resolution --spacing --mode --fill --level --range --label "
+            "--keep-largest --threads --memory-limit --json",
     .rows = voxelize_rows,
     .start = start_voxelize,
     .own = sizeof(cli_voxelize_options),

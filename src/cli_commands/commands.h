@@ -63,7 +63,7 @@ typedef struct cli_voxelize_options {
     bvx_points_options cloud;
     bvx_field_options field;
     int32_t mode; /* CLI_MODE_... */
-    int32_t compare_fills, all_labels;
+    int32_t all_labels;
     const char *second; /* the other terrain's file */
 } cli_voxelize_options;
 

@@ -37,18 +37,22 @@ static void print_overview(FILE *to)
                 "usage: bitvox COMMAND IN -o OUT [options]\n\n");
     for (int i = 0; i < CLI_COMMANDS; i++)
         fprintf(to, "  %-11s %s\n", cli_commands[i]->name, cli_commands[i]->does);
-    fprintf(to, "\nbitvox COMMAND --help lists a command's options; bitvox --version prints the version;\n"
+    fprintf(to, "\nbitvox COMMAND --help lists what most runs need, --help-all every option;\n"
+                "bitvox --version prints the version;\n"
                 "bitvox help --man is the manual page, bitvox help --bash-completion a script for bash.\n"
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
 }
 
-static void print_help(const cli_command *c)
+/* Two examples are enough where not all is requested. */
+static void print_help(const cli_command *c, int all)
 {
-    printf("usage: bitvox %s %s\n\n%s\n\noptions:\n", c->name, c->usage, c->details);
-    cli_print_options(c);
+    int left = all ? CLI_MAX_OPTIONS : 2;
+
+    printf("usage: bitvox %s %s\n\n%s\n%s", c->name, c->usage, c->details, all ? "" : "\noptions:\n");
+    cli_print_options(c, all);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
     /* One command line a line, moved in so that it can be copied. */
-    for (const char *p = c->example; *p != 0;) {
+    for (const char *p = c->example; *p != 0 && left-- > 0;) {
         size_t const n = strcspn(p, "\n");
         printf("  %.*s\n", (int)n, p);
         p += n + (p[n] != 0);
@@ -68,7 +72,7 @@ static int help(cli_run *run, int count, char **word)
     if (count == 0) print_overview(stdout);
     else if (strcmp(word[0], "--man") == 0) cli_print_manual(cli_commands);
     else if (strcmp(word[0], "--bash-completion") == 0) cli_print_completion(cli_commands);
-    else if (find_command(word[0]) != NULL) print_help(find_command(word[0]));
+    else if (find_command(word[0]) != NULL) print_help(find_command(word[0]), 0);
     else return refuse_command(run, word[0]);
     return cli_end_of_output(run);
 }
@@ -95,7 +99,7 @@ static int run_command(cli_run *run, int count, char **word)
 
     /* Help wins over everything else on the line, errors included. */
     if (status == CLI_DONE && run->general->help) {
-        print_help(run->command);
+        print_help(run->command, run->general->help == 2);
         return cli_end_of_output(run);
     }
     if (status == CLI_DONE) status = cli_check_line(run);

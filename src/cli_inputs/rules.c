@@ -19,7 +19,7 @@ const cli_rule cli_lattice_rules[] = {
 const cli_rule cli_fill_rules[] = {
     {.unless = CLI_FILLS_FLOOD,
      .given = "--close-gaps",
-     .lacking = "--compare-fills --body",
+     .lacking = "--body",
      .message = "%o needs --fill flood"},
     {.when = CLI_FILLS_BELOW, .given = "--add-shell", .message = "%o has no use with --fill below"},
     {.when = CLI_FILLS_FLOOD, .given = "--window", .message = "--fill flood needs the whole lattice, no %o"},

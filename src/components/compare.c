@@ -70,17 +70,14 @@ static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int
 }
 
 /* set_a and set_b hold what only one has until both is added in the end. */
-static void compare_piece(void *user, int32_t index, int32_t worker)
+static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const compare_work *const w = user;
     const bvx_grid *const a = w->grid[0], *const b = w->grid[1];
     uint64_t const ny = (uint64_t)a->size[1];
     compare_sums s;
-    uint64_t begin, end;
 
-    (void)worker;
     clear_compare_sums(a->size, &s);
-    bvxi_piece(bvxi_grid_rows(a), w->pieces, index, &begin, &end);
 
     /* A row belongs to one piece, so the sums of pieces add up to those of the grids. */
     for (uint64_t r = begin; r < end; r++) {
@@ -114,7 +111,8 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
     uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
-    BVXI_TRY(bvxi_parallel(ctx, "compare", 0.0, 0.5, w->pieces, compare_piece, w));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "compare", 0.0, 0.5, w->pieces, bvxi_grid_rows(w->grid[0]), compare_piece, w));
     add_compare_sums(w, all);
     bvxi_drop(ctx, w->sums);
     return BVX_OK;

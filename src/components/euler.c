@@ -98,8 +98,6 @@ static bvx_status count_cavities(bvx_context *ctx, const bvx_grid *grid, int32_t
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of cavities", &sides.at_side));
     bvxi_spaces_each(&spaces, mark_cavity_side, &sides);
     for (uint64_t i = 0; i < spaces.count; i++) *count += !sides.at_side[i];
-    bvxi_drop(ctx, sides.at_side);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 
@@ -117,8 +115,10 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
     BVXI_TRY(bvx_grid_count(context, grid, &t.voxels));
     BVXI_TRY(count_topology_parts(context, grid, connectivity, &t.components));
     /* Body and cavities have opposite connectivities, or the Euler number would not hold. */
-    BVXI_TRY(count_cavities(context, grid, connectivity == BVXI_CONNECT_6 ? BVXI_CONNECT_26 : BVXI_CONNECT_6,
-                            &t.cavities));
+    BVXI_TRY(
+        BVXI_SCOPE(context, count_cavities(context, grid,
+                                           connectivity == BVXI_CONNECT_6 ? BVXI_CONNECT_26 : BVXI_CONNECT_6,
+                                           &t.cavities)));
     t.euler = euler_number(grid, connectivity == BVXI_CONNECT_26);
     /* Euler's formula in three dimensions: parts less tunnels plus cavities. */
     t.tunnels = (int64_t)(t.components + t.cavities) - t.euler;

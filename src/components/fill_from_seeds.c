@@ -28,17 +28,23 @@ static void fill_space_run(void *user, uint32_t space, int32_t begin, int32_t en
     if (w->wanted[space]) bvxi_set_run(bvxi_grid_row(w->filled, y, z), begin, end);
 }
 
+bvx_status bvxi_seed_check(bvx_context *ctx, const char *function, const bvx_grid *grid, const int32_t *seed,
+                           uint64_t index)
+{
+    for (int a = 0; a < 3; a++)
+        if (seed[a] < 0 || seed[a] >= grid->size[a])
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
+                                 "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
+                                 function, index, (int64_t)seed[0], (int64_t)seed[1], (int64_t)seed[2],
+                                 (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
+    return BVX_OK;
+}
+
 static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int32_t *seeds, uint64_t count)
 {
     for (uint64_t i = 0; i < count; i++) {
         const int32_t *const s = seeds + 3 * i;
-        for (int a = 0; a < 3; a++)
-            if (s[a] < 0 || s[a] >= walls->size[a])
-                return bvxi_fail_for(
-                    ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                    "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels",
-                    grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)walls->size[0],
-                    (int64_t)walls->size[1], (int64_t)walls->size[2]);
+        BVXI_TRY(bvxi_seed_check(ctx, grid_fill_name, walls, s, i));
         /* A seed inside a wall stands in no space. */
         if (bvx_grid_get(walls, s[0], s[1], s[2]))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
@@ -63,8 +69,6 @@ static bvx_status fill_from_seeds(bvx_context *ctx, const bvx_grid *walls, const
     bvxi_spaces_each(&spaces, look_for_seed, &work);
     /* Filling comes after all looking, as a space may have its seed in its last run. */
     bvxi_spaces_each(&spaces, fill_space_run, &work);
-    bvxi_drop(ctx, work.wanted);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 

@@ -31,14 +31,6 @@ typedef struct keep_work {
     uint8_t *marks, *at_side;
 } keep_work;
 
-static void close_keep_work(keep_work *w)
-{
-    bvxi_drop(w->ctx, w->at_side);
-    bvxi_drop(w->ctx, w->marks);
-    bvxi_drop(w->ctx, w->voxels);
-    bvxi_spaces_free(&w->spaces);
-}
-
 static bvx_status open_keep_work(bvx_context *ctx, const char *function, const bvx_grid *grid, int32_t empty,
                                  int32_t connectivity, keep_work *w)
 {
@@ -143,16 +135,8 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, bvx
     BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
     /* Seeds are checked before a voxel is looked at. */
-    for (uint64_t i = 0; i < o->seed_count; i++) {
-        const int32_t *const s = o->seeds + 3 * i;
-        for (int32_t a = 0; a < 3; a++)
-            if (s[a] < 0 || s[a] >= grid->size[a])
-                return bvxi_fail_for(
-                    ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
-                    "%s: seed %i at (%d, %d, %d) is outside the window of %d x %d x %d voxels", keep_name, i,
-                    (int64_t)s[0], (int64_t)s[1], (int64_t)s[2], (int64_t)grid->size[0],
-                    (int64_t)grid->size[1], (int64_t)grid->size[2]);
-    }
+    for (uint64_t i = 0; i < o->seed_count; i++)
+        BVXI_TRY(bvxi_seed_check(ctx, keep_name, grid, o->seeds + 3 * i, i));
     return BVX_OK;
 }
 
@@ -175,8 +159,6 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     /* The result may be the grid itself; then only what goes is changed. */
     if (made->words != grid->words) memcpy(made->words, grid->words, (size_t)bytes);
     bvxi_spaces_flip(&w.spaces, w.marks, made->words);
-    bvxi_drop(ctx, seeds.words);
-    close_keep_work(&w);
     return BVX_OK;
 }
 
@@ -223,7 +205,6 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
     if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
     /* Flipping empty voxels sets them. */
     bvxi_spaces_flip(&w.spaces, w.marks, words);
-    close_keep_work(&w);
     *filled = set;
     return BVX_OK;
 }

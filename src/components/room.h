@@ -94,4 +94,8 @@ static inline int bvxi_spaces_at_side(const bvx_grid *grid, int32_t begin, int32
            z == grid->size[2] - 1;
 }
 
+/* Refuses a seed outside the grid's window; index names it. */
+bvx_status bvxi_seed_check(bvx_context *context, const char *function, const bvx_grid *grid,
+                           const int32_t *seed, uint64_t index);
+
 #endif

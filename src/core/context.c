@@ -50,7 +50,7 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
         return fault_of(BVX_ERR_VERSION,
                         "the header that was compiled and this library are of different versions");
     /* A build that would give other results is refused before anything is taken. */
-    if (bvx_arithmetic_fault() != NULL) return fault_of(BVX_ERR_UNSUPPORTED, bvx_arithmetic_fault());
+    if (bvxi_arithmetic_fault() != NULL) return fault_of(BVX_ERR_UNSUPPORTED, bvxi_arithmetic_fault());
     if (options == NULL) return fault_of(BVX_OK, NULL);
 
     memcpy(&given_size, options, sizeof given_size);
@@ -199,9 +199,4 @@ void bvx_context_destroy(bvx_context *context)
 int32_t bvx_context_threads(const bvx_context *context)
 {
     return context == NULL ? 0 : context->threads;
-}
-
-int32_t bvx_context_cpu(const bvx_context *context)
-{
-    return context == NULL ? BVX_CPU_PORTABLE : context->cpu;
 }

@@ -75,7 +75,11 @@ void bvxi_drop(bvx_context *ctx, void *block);
  * Both return the status. */
 uint64_t bvxi_scratch_begin(const bvx_context *ctx);
 bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status);
-/* The same after a failure only: for what opens something whose scratch stays until it is closed. */
+/* Scratch that `work` takes goes at its end, whatever its status, which is returned. */
+#define BVXI_SCOPE(ctx, work) (bvxi_scope_begin(ctx), bvxi_scope_end(ctx, (work)))
+void bvxi_scope_begin(bvx_context *ctx);
+bvx_status bvxi_scope_end(bvx_context *ctx, bvx_status status);
+/* bvxi_scratch_end after a failure only: for what opens something whose scratch stays until it is closed. */
 bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status);
 
 /* Scratch since a mark lives on when marks end, the public call's too: what callers hold by a handle. It goes
@@ -125,6 +129,10 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
 typedef void bvxi_range_fn(void *user, uint64_t begin, uint64_t end);
 bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
                     void *user);
+/* The same for bodies with a result of their own for each of `pieces` ranges; a share [from, to] of the progress. */
+typedef void bvxi_piece_fn(void *user, int32_t piece, uint64_t begin, uint64_t end);
+bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
+                           uint64_t count, bvxi_piece_fn *body, void *user);
 /* bvxi_parallel without reports, for what is short beside the time between two of them. */
 void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
 /* 0: none */
@@ -135,9 +143,8 @@ int32_t bvxi_cpu(const bvx_context *ctx);
 
 /* ---- parallel.c ---- */
 
-/* The work of a public function, with one rise of progress around it;
- * inside another public function it is a part of that. The end of the outermost one frees the scratch that a
- * failure has left, so bodies that only return after one leak nothing. */
+/* The work of a public function, with one rise of progress around it; inside another public function it is a
+ * part of that. Its end frees the scratch that it took, so bodies free only what others should have before. */
 #define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
 void bvxi_call_begin(bvx_context *ctx, const char *function);
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);

@@ -31,7 +31,7 @@ static const char *fast_math_fault(void)
     return NULL;
 }
 
-const char *bvx_arithmetic_fault(void)
+const char *bvxi_arithmetic_fault(void)
 {
     volatile double const one = 1.0, minus = -1.0, half = 1.0 / 9007199254740992.0; /* half a step above 1 */
     volatile double const above = 1.0 + 1.0 / 1073741824.0, below = 1.0 - 1.0 / 1073741824.0;

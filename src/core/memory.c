@@ -317,6 +317,19 @@ bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status)
     return status;
 }
 
+/* Scopes deeper than the stack end with the last one that it holds. */
+void bvxi_scope_begin(bvx_context *ctx)
+{
+    if (ctx->scopes < BVXI_SCOPES) ctx->scope[ctx->scopes] = ctx->serial;
+    ctx->scopes++;
+}
+
+bvx_status bvxi_scope_end(bvx_context *ctx, bvx_status status)
+{
+    if (--ctx->scopes >= BVXI_SCOPES) return status;
+    return bvxi_scratch_end(ctx, ctx->scope[ctx->scopes], status);
+}
+
 bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status)
 {
     return status == BVX_OK ? status : bvxi_scratch_end(ctx, mark, status);

@@ -31,9 +31,10 @@ static double place_in(const bvxi_share *s, double fraction)
 
 void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
-    if (ctx == NULL || ctx->calls++ != 0) return;
+    if (ctx == NULL) return;
+    bvxi_scope_begin(ctx);
+    if (ctx->calls++ != 0) return;
 
-    ctx->mark = bvxi_scratch_begin(ctx);
     ctx->stage = ctx->function = function;
     /* Without a callback nobody looks at shares. */
     if (ctx->progress == NULL) return;
@@ -44,10 +45,9 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
-    if (ctx == NULL || --ctx->calls != 0) return status;
-
-    /* What fails leaves its scratch where it is. */
-    (void)bvxi_scratch_end(ctx, ctx->mark, status);
+    if (ctx == NULL) return status;
+    (void)bvxi_scope_end(ctx, status);
+    if (--ctx->calls != 0) return status;
 
     /* The results are there and stay: what the callback answers is not heard. */
     if (status == BVX_OK && ctx->progress != NULL) (void)ctx->progress(ctx->progress_user, ctx->stage, 1.0);
@@ -188,6 +188,7 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
 
 typedef struct split_range {
     bvxi_range_fn *body;
+    bvxi_piece_fn *own; /* in place of body */
     void *user;
     uint64_t count;
     int32_t pieces;
@@ -200,15 +201,24 @@ static void run_range(void *user, int32_t index, int32_t worker)
 
     (void)worker;
     bvxi_piece(r->count, r->pieces, index, &begin, &end);
-    r->body(r->user, begin, end);
+    if (r->own != NULL) r->own(r->user, index, begin, end);
+    else r->body(r->user, begin, end);
 }
 
 bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
                     void *user)
 {
-    split_range r = {body, user, count, bvxi_piece_count(count, grain)};
+    split_range r = {body, NULL, user, count, bvxi_piece_count(count, grain)};
 
     return bvxi_parallel(ctx, stage, 0.0, 1.0, r.pieces, run_range, &r);
+}
+
+bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
+                           uint64_t count, bvxi_piece_fn *body, void *user)
+{
+    split_range r = {NULL, body, user, count, pieces};
+
+    return bvxi_parallel(ctx, stage, from, to, pieces, run_range, &r);
 }
 
 int32_t bvxi_threads(const bvx_context *ctx)

@@ -5,16 +5,35 @@
  * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of
  * version 1 has cpu.cfs_quota_us (-1: all) and cpu.cfs_period_us. Every group above it limits it too. Inside
  * a container the path that /proc tells may be that outside; then the mounted folder itself is the
- * container's. Nothing is kept between calls. */
+ * container's. Nothing is kept between calls.
+ *
+ * And when: helpers must cost next to nothing where there is nothing for them to gain, in small calls and on
+ * processors that others keep busy. Three rules see to that; none can show in a result, as what a task
+ * computes depends on its index only.
+ *
+ *   - The calling thread begins alone. Helpers are started once a context's steps have taken COLD_TIME, and
+ *     are woken for a step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate
+ *     has to be right.
+ *   - There are no more helpers than processors without work, where the system reports (Linux).
+ *   - A helper that loses its processor makes the caller wait. The caller then works alone for a multiple of
+ *     that time, a longer one each time it happens again. */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
-#define _GNU_SOURCE /* what -std=c99 hides: affinity */
+#define _GNU_SOURCE /* what -std=c99 hides: affinity, clocks */
 #endif
 
 #include "core/context.h"
 
-#if defined(_REENTRANT) && (defined(__unix__) || defined(__APPLE__)) && !defined(BVX_FREESTANDING)
+#if (defined(_REENTRANT) || defined(_OPENMP)) && !defined(BVX_FREESTANDING)
+#define HAVE_HELPERS 1
+#endif
+#if defined(HAVE_HELPERS) && defined(_OPENMP)
+#include <omp.h>
+#endif
+
+#if defined(HAVE_HELPERS) && (defined(__unix__) || defined(__APPLE__))
 #include <fcntl.h>
 #include <stdlib.h>
+#include <time.h>
 #include <unistd.h>
 #if defined(__linux__)
 #include <sched.h>
@@ -232,11 +251,25 @@ int32_t bvxi_processors(void)
     return n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;
 }
 
-#else
+static int64_t clock_time(clockid_t clock)
+{
+    struct timespec t;
 
-#if defined(_OPENMP)
-#include <omp.h>
-#endif
+    clock_gettime(clock, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+int64_t bvxi_now(void)
+{
+    return clock_time(CLOCK_MONOTONIC);
+}
+
+int64_t bvxi_processor_time(void)
+{
+    return clock_time(CLOCK_THREAD_CPUTIME_ID);
+}
+
+#else
 
 int32_t bvxi_processor_quota(const char *groups, const char *mounted)
 {
@@ -254,15 +287,109 @@ int32_t bvxi_running_threads(void)
     return 0;
 }
 
+/* Without a thread's own clock none is seen to lose its processor. */
+int64_t bvxi_processor_time(void)
+{
+    return bvxi_now();
+}
+
+#if defined(HAVE_HELPERS) && defined(_OPENMP)
+int64_t bvxi_now(void)
+{
+    return (int64_t)(omp_get_wtime() * 1e9);
+}
+
 int32_t bvxi_processors(void)
 {
-#if defined(_OPENMP)
     int const n = omp_get_max_threads();
 
     return n < 1 ? 1 : n > BVXI_MAX_THREADS ? BVXI_MAX_THREADS : n;
+}
 #else
-    return 1;
-#endif
+int64_t bvxi_now(void)
+{
+    return 0;
 }
 
+int32_t bvxi_processors(void)
+{
+    return 1;
+}
 #endif
+
+#endif
+
+/* ---- When helpers are worth their wake ---- */
+
+/* Nanoseconds. A wake costs some 5000, a start and a look at the system's load ten times that. */
+enum { COLD_TIME = 200000, SMALL_TIME = 20000, LOOK_TIME = 3000000, NOTICED_WAIT = 200000 };
+
+enum { FEW_TASKS = 8, REST_LEAST = 8, REST_MOST = 64 };
+
+void bvxi_worth_begin(bvxi_worth *w, int32_t threads)
+{
+    *w = (bvxi_worth){.most = threads - 1, .rest = REST_LEAST};
+}
+
+/* How many helpers there are processors for: all where that is not known. */
+static int32_t count_idle(bvxi_worth *w)
+{
+    int32_t const running = bvxi_running_threads();
+    int32_t idle;
+
+    /* Not known here: all may be called. */
+    if (running == 0) return w->most;
+    if (w->online == 0) w->online = bvxi_online_processors();
+    idle = w->online - running;
+    return idle < 0 ? 0 : idle < w->most ? idle : w->most;
+}
+
+/* 1 when there is a processor for a helper, as far as can be told. */
+static int has_processors(bvxi_worth *w, int64_t now)
+{
+    if (now < w->rest_until && w->eager < 2) return 0;
+    /* Seldom, as a look takes longer than a small step. */
+    if (now >= w->look_at && !w->eager) {
+        w->idle = count_idle(w);
+        w->look_at = now + LOOK_TIME;
+    }
+    return w->idle > 0;
+}
+
+int32_t bvxi_begin_alone(bvxi_worth *w, int32_t count, bvx_task_fn *task, void *user)
+{
+    int64_t const start = bvxi_now();
+    int64_t const cold = COLD_TIME - w->alone;
+    /* few tasks may be long ones */
+    int64_t const large = cold > 0 ? cold : count <= FEW_TASKS ? 0 : SMALL_TIME;
+    int64_t const least = w->eager ? 0 : large;
+    int64_t now = start;
+    int32_t i = 0;
+
+    /* Task by task, until it is worth a wake and a processor is free. */
+    while (i < count && (now - start < least || !has_processors(w, now))) {
+        task(user, i++, 0);
+        now = bvxi_now();
+    }
+    if (cold > 0) w->alone += now - start;
+    return i;
+}
+
+void bvxi_worth_waited(bvxi_worth *w, int64_t start, int64_t lost)
+{
+    int64_t const waited = bvxi_now() - start;
+
+    /* A wait that was long because helpers had no processor: alone for a while, longer each time. */
+    if (waited >= NOTICED_WAIT && lost >= waited / 2) {
+        w->rest_until = start + waited + waited * w->rest;
+        if (w->rest < REST_MOST) w->rest *= 2;
+    } else if (w->rest > REST_LEAST) w->rest /= 2;
+}
+
+void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
+{
+    bvxi_worth *const w = (bvxi_worth *)(void *)pool; /* what a pool begins with */
+
+    w->eager = how;
+    w->idle = w->most;
+}

@@ -1,47 +1,30 @@
-/* threads.c - the one file that knows threads: the helpers of a context, and the parallel-for that they
- * serve. How many there may be says processors.c.
+/* threads.c - the helpers of a context as POSIX threads, and the parallel-for that they serve: what builds
+ * without OpenMP (openmp.c) take. When helpers are worth their wake says processors.c.
  *
- * Helpers must cost next to nothing where there is nothing for them to gain: in small calls, and on
- * processors that others keep busy. Four rules see to that; none of them can show in a result, as what a task
- * computes depends on its index only.
- *
- *   - The calling thread begins only. Helpers are started once a context's steps have taken COLD_TIME, and
- *     are woken for a step that has taken SMALL_TIME and is not done: clocks measure the work, no estimate
- *     has to be right.
- *   - There are no more helpers than processors without work, where the system reports (Linux). The caller
- *     wakes one; each that comes wakes two more while tasks are left.
+ *   - The caller wakes one; each that comes wakes two more while tasks are left.
  *   - Tasks are claimed from a counter, and a step ends when all tasks did. A helper that got no processor
  *     meanwhile holds no task, so nobody waits for it. Who waits looks again and again for SPIN_TIME, then
  *     sleeps.
- *   - A helper that loses its processor inside a task makes the caller wait. The caller then works alone for
- *     a multiple of that time, a longer one each time it happens again.
  *
- * POSIX threads where the compiler was told to use them (-pthread defines _REENTRANT), else OpenMP where that
- * is on, else none. A forked child has no helpers: it works alone in contexts of its parent. */
+ * They are there where the compiler was told to use them (-pthread defines _REENTRANT), else none. A forked
+ * child has no helpers: it works alone in contexts of its parent. */
 #if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE /* what -std=c99 hides: clocks */
 #endif
 
 #include "core/context.h"
 
-#if defined(_REENTRANT) && (defined(__unix__) || defined(__APPLE__)) && !defined(BVX_FREESTANDING)
+#if defined(_REENTRANT) && !defined(_OPENMP) && (defined(__unix__) || defined(__APPLE__)) && \
+    !defined(BVX_FREESTANDING)
 #include <pthread.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
 
-/* Nanoseconds. A wake costs some 5000, a start and a look at the system's load ten times that. */
-enum {
-    COLD_TIME = 200000,
-    SMALL_TIME = 20000,
-    LOOK_TIME = 3000000,
-    SPIN_TIME = 100000,
-    NOTICED_WAIT = 200000
-};
-
-enum { FEW_TASKS = 8, REST_LEAST = 8, REST_MOST = 64, HELPER_STACK = 1 << 20 };
+enum { SPIN_TIME = 100000 /* [Units: ns] */, HELPER_STACK = 1 << 20 };
 
 struct bvxi_pool {
+    bvxi_worth worth;
     pthread_mutex_t lock;       /* of all below but next */
     pthread_cond_t work, ended; /* helpers sleep on the first, the caller on the second */
     pid_t owner;                /* the process that the helpers are in */
@@ -56,24 +39,10 @@ struct bvxi_pool {
     int64_t lost;        /* time that helpers were inside this step without a processor [Units: ns] */
 
     int32_t most, started, asleep, quit; /* helpers: wanted, running, of those waiting for work */
-    /* processors of the machine; helpers that there are some for; those of this step */
-    int32_t online, idle, called;
-    int64_t alone; /* time of steps before the first helper [Units: ns] */
-    /* next look for idle processors; no helpers before [Units: ns of the clock] */
-    int64_t look_at, rest_until;
-    int32_t rest;  /* how many times a wait the next rest lasts */
-    int32_t eager; /* for tests, as bvxi_pool_be_eager */
+    int32_t called;                      /* helpers of this step */
 
     pthread_t helper[]; /* [Size: most] */
 };
-
-static int64_t clock_time(clockid_t clock)
-{
-    struct timespec t;
-
-    clock_gettime(clock, &t);
-    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
-}
 
 /* Numbers that a thread reads while another, which may have the lock, changes them. The lock orders what
  * tasks read and write, so these need no order of their own. */
@@ -96,10 +65,10 @@ static int32_t claim_task(bvxi_pool *pool)
 /* Until the number is what is wanted, for SPIN_TIME at most. */
 static void watch(const int32_t *number, int32_t wanted)
 {
-    int64_t const until = clock_time(CLOCK_MONOTONIC) + SPIN_TIME;
+    int64_t const until = bvxi_now() + SPIN_TIME;
 
     /* Many looks for each look at the clock. */
-    while (look_at(number) != wanted && clock_time(CLOCK_MONOTONIC) < until)
+    while (look_at(number) != wanted && bvxi_now() < until)
         for (int i = 0; i < 16 && look_at(number) != wanted; i++) {
 #if defined(__x86_64__) || defined(__i386__)
             __builtin_ia32_pause();
@@ -148,7 +117,7 @@ static void call_helper(bvxi_pool *pool)
     sigset_t all, before;
 
     /* All that there are processors for, or no tasks left. */
-    if (pool->called == pool->idle || look_at(&pool->next) >= pool->count) return;
+    if (pool->called == pool->worth.idle || look_at(&pool->next) >= pool->count) return;
     if (pool->called++ < pool->watching) return; /* it comes by itself */
     if (pool->asleep > 0) {
         pthread_cond_signal(&pool->work);
@@ -181,11 +150,11 @@ static void work_on_step(bvxi_pool *pool)
     pthread_mutex_unlock(&pool->lock);
 
     /* Time that passed without a processor shows whether others need it. */
-    time = clock_time(CLOCK_MONOTONIC);
-    processor_time = clock_time(CLOCK_THREAD_CPUTIME_ID);
+    time = bvxi_now();
+    processor_time = bvxi_processor_time();
     take_tasks(pool, worker);
-    processor_time = clock_time(CLOCK_THREAD_CPUTIME_ID) - processor_time;
-    time = clock_time(CLOCK_MONOTONIC) - time;
+    processor_time = bvxi_processor_time() - processor_time;
+    time = bvxi_now() - time;
 
     pthread_mutex_lock(&pool->lock);
     /* Measured, as a helper without a processor makes all wait. */
@@ -207,7 +176,7 @@ static void watch_for_step(bvxi_pool *pool)
 
 static int may_enter(const bvxi_pool *pool)
 {
-    return pool->open && pool->inside < pool->idle && pool->entered + 1 < pool->count &&
+    return pool->open && pool->inside < pool->worth.idle && pool->entered + 1 < pool->count &&
            look_at(&pool->next) < pool->count;
 }
 
@@ -240,7 +209,7 @@ int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
 {
     memset(pool, 0, sizeof *pool);
     pool->most = threads - 1;
-    pool->rest = REST_LEAST;
+    bvxi_worth_begin(&pool->worth, threads);
     pool->owner = getpid();
     if (pthread_mutex_init(&pool->lock, NULL) != 0) return 0;
     if (pthread_cond_init(&pool->work, NULL) != 0) goto no_work;
@@ -270,83 +239,25 @@ void bvxi_pool_end(bvxi_pool *pool)
     pthread_mutex_destroy(&pool->lock);
 }
 
-/* How many helpers there are processors for: all where that is not known. */
-static int32_t count_idle(bvxi_pool *pool)
-{
-    int32_t const running = bvxi_running_threads();
-    int32_t idle;
-
-    /* Not known here: all may be called. */
-    if (running == 0) return pool->most;
-    if (pool->online == 0) pool->online = bvxi_online_processors();
-    idle = pool->online - running;
-    return idle < 0 ? 0 : idle < pool->most ? idle : pool->most;
-}
-
-/* 1 when there is a processor for a helper, as far as can be told. */
-static int has_processors(bvxi_pool *pool, int64_t now)
-{
-    if (now < pool->rest_until && pool->eager < 2) return 0;
-    /* Seldom, as a look takes longer than a small step. */
-    if (now >= pool->look_at && !pool->eager) {
-        pool->idle = count_idle(pool);
-        pool->look_at = now + LOOK_TIME;
-    }
-    return pool->idle > 0;
-}
-
-/* Runs tasks on the calling thread until helpers are worth their wake; returns the first task that is
- * left. */
-static int32_t begin_alone(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
-{
-    int64_t const start = clock_time(CLOCK_MONOTONIC);
-    int64_t const cold = COLD_TIME - pool->alone;
-    /* few tasks may be long ones */
-    int64_t const large = cold > 0 ? cold : count <= FEW_TASKS ? 0 : SMALL_TIME;
-    int64_t const least = pool->eager ? 0 : large;
-    int64_t now = start;
-    int32_t i = 0;
-
-    /* Task by task, until it is worth a wake and a processor is free. */
-    while (i < count && (now - start < least || !has_processors(pool, now))) {
-        task(user, i++, 0);
-        now = clock_time(CLOCK_MONOTONIC);
-    }
-    if (cold > 0) pool->alone += now - start;
-    return i;
-}
-
-void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
-{
-    pool->eager = how;
-    pool->idle = pool->most;
-}
-
-/* With the lock held: the last helpers leave; those that had no processor
- * to do so make the next steps the caller's own. */
+/* With the lock held: the last helpers leave. */
 static void wait_for_helpers(bvxi_pool *pool)
 {
-    int64_t start, waited;
+    int64_t start;
 
     if (pool->inside == 0) return;
-    start = clock_time(CLOCK_MONOTONIC);
+    start = bvxi_now();
     pthread_mutex_unlock(&pool->lock);
     watch(&pool->inside, 0);
     pthread_mutex_lock(&pool->lock);
     /* Asleep only after watching was in vain. */
     while (pool->inside > 0) pthread_cond_wait(&pool->ended, &pool->lock);
 
-    waited = clock_time(CLOCK_MONOTONIC) - start;
-    /* A wait that was long because helpers had no processor: alone for a while, longer each time. */
-    if (waited >= NOTICED_WAIT && pool->lost >= waited / 2) {
-        pool->rest_until = start + waited + waited * pool->rest;
-        if (pool->rest < REST_MOST) pool->rest *= 2;
-    } else if (pool->rest > REST_LEAST) pool->rest /= 2;
+    bvxi_worth_waited(&pool->worth, start, pool->lost);
 }
 
 void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
 {
-    int32_t const first = begin_alone(pool, count, task, user);
+    int32_t const first = bvxi_begin_alone(&pool->worth, count, task, user);
 
     /* a lone task is the caller's, and so is all in a forked child */
     if (count - first < 2 || pool->owner != getpid()) {
@@ -378,43 +289,7 @@ void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user
     pthread_mutex_unlock(&pool->lock);
 }
 
-#elif defined(_OPENMP)
-#include <omp.h>
-
-struct bvxi_pool {
-    int32_t threads;
-};
-
-size_t bvxi_pool_size(int32_t threads)
-{
-    return threads < 2 ? 0 : sizeof(bvxi_pool);
-}
-
-int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
-{
-    pool->threads = threads;
-    return 1;
-}
-
-void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
-{
-    (void)pool, (void)how;
-}
-
-void bvxi_pool_end(bvxi_pool *pool)
-{
-    (void)pool;
-}
-
-void bvxi_pool_run(bvxi_pool *pool, int32_t count, bvx_task_fn *task, void *user)
-{
-    int const workers = pool->threads < count ? pool->threads : count;
-
-#pragma omp parallel for schedule(dynamic, 1) num_threads(workers)
-    for (int32_t i = 0; i < count; i++) task(user, i, omp_get_thread_num());
-}
-
-#else
+#elif !defined(_OPENMP) || defined(BVX_FREESTANDING)
 
 size_t bvxi_pool_size(int32_t threads)
 {
@@ -426,11 +301,6 @@ int bvxi_pool_begin(bvxi_pool *pool, int32_t threads)
 {
     (void)pool, (void)threads;
     return 0;
-}
-
-void bvxi_pool_be_eager(bvxi_pool *pool, int32_t how)
-{
-    (void)pool, (void)how;
 }
 
 void bvxi_pool_end(bvxi_pool *pool)

@@ -93,8 +93,6 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
     /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
     bvxi_spaces_each(&spaces, look_around_space_run, &s);
     bvxi_spaces_each(&spaces, settle_space_run, &s);
-    bvxi_drop(ctx, s.sides);
-    bvxi_spaces_free(&spaces);
     *mixed = s.mixed;
     return BVX_OK;
 }
@@ -159,14 +157,12 @@ static int changed_beside(const carry_front *f, uint64_t row)
            (z > 0 && f->changed[row - ny]) || (z + 1 < nz && f->changed[row + ny]);
 }
 
-static void look_for_fronts(void *user, int32_t piece, int32_t worker)
+static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
-    uint64_t row, end, reached = 0;
+    uint64_t reached = 0;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
         f->change[row] = 0;
         if (!changed_beside(f, row)) continue;
@@ -219,7 +215,8 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
     while (reached != 0) {
         uint8_t *const was = f->changed;
         /* All looks before all moves: a step sees the state before it only. */
-        BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, look_for_fronts, f));
+        BVXI_TRY(
+            bvxi_for_pieces(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), look_for_fronts, f));
         BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, move_fronts, f));
         f->changed = f->change;
         f->change = was;
@@ -248,8 +245,6 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     f.changed = changed;
     f.change = changed + rows;
     BVXI_TRY(run_fronts(ctx, stage, at, &f));
-    bvxi_drop(ctx, changed);
-    bvxi_drop(ctx, come);
     return BVX_OK;
 }
 
@@ -259,9 +254,11 @@ bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *insi
     uint64_t *open = NULL, mixed = 0;
 
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bytes, "the spaces of both sides", &open));
-    BVXI_TRY(settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed));
+    BVXI_TRY(BVXI_SCOPE(call.ctx, settle_spaces(call.ctx, call.function, band, inside->words, open, &mixed)));
     /* Nearly always all spaces are of one side, and no front is needed. */
-    if (mixed != 0) BVXI_TRY(meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words));
+    if (mixed != 0)
+        BVXI_TRY(
+            BVXI_SCOPE(call.ctx, meet_in_spaces(call.ctx, call.stage, call.from, band, open, inside->words)));
     bvxi_drop(call.ctx, open);
     return BVX_OK;
 }

@@ -348,7 +348,6 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
     propagate_job job = {0};
     double low[3], high[3];
-    bvx_status status;
 
     /* All is checked before scratch is taken. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
@@ -359,8 +358,5 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     job.values = values;
     job.each = vectors ? 3 : 1;
     place_centres(low, high, &job);
-    status = propagate_steps(ctx, voxels, &job);
-    bvxi_drop(ctx, job.points);
-    bvxi_drop(ctx, job.source);
-    return status;
+    return propagate_steps(ctx, voxels, &job);
 }

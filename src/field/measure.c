@@ -323,12 +323,6 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
     status = measure_steps(context, lattice, &job);
-    if (!job.o.features) {
-        bvxi_drop(context, job.features);
-        bvxi_drop(context, job.triangles);
-    }
-    /* The tree and the features have served; only the field is left. */
-    bvxi_nearest_close(context, job.nearest);
     if (status != BVX_OK) {
         bvx_field_free(context, &job.field);
         return status;

@@ -30,14 +30,11 @@ static int32_t base_index(const bvx_lattice *lattice, int32_t axis, double heigh
     return bvxi_centres_below(bvxi_round_half_up(v), lattice->fraction_bits);
 }
 
-static void fill_below_piece(void *user, int32_t index, int32_t worker)
+static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     below_job *const job = user;
     const bvx_grid *const g = job->grid;
-    uint64_t columns = 0, cut = 0, fill = 0, begin, end;
-
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
+    uint64_t columns = 0, cut = 0, fill = 0;
 
     /* Each row by itself: what is filled follows from its own crossings. */
     for (uint64_t r = begin; r < end; r++) {
@@ -83,7 +80,8 @@ static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_repor
     uint64_t const rows = bvxi_grid_rows(job->grid);
 
     job->pieces = bvxi_piece_count(rows, BELOW_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.8, 0.9, job->pieces, fill_below_piece, job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.8, 0.9, job->pieces, bvxi_grid_rows(job->grid), fill_below_piece,
+                             job));
     /* Sums of whole numbers: the order of pieces does not show. */
     for (int32_t i = 0; i < job->pieces; i++) {
         report->columns += job->columns[i];
@@ -134,7 +132,5 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     below.second = second;
     below.base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN;
     BVXI_TRY(fill_turned(ctx, job->function, &below, axis, &turned, solid, report));
-    bvxi_drop(ctx, second);
-    bvxi_drop(ctx, first);
     return BVX_OK;
 }

@@ -182,20 +182,18 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     bvxi_welded const welded = welded_choice(w);
     uint32_t *pairs = NULL;
     uint8_t *crosses = NULL;
-    bvx_status status = bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs);
 
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses);
-    if (status == BVX_OK)
-        status = bvxi_mesh_crossings(ctx, w->job.function, &welded, &pair_count, pairs, pair_count);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, pair_count * 8, "the crossing triangles", &pairs));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->patches.triangles, "the parts that cross", &crosses));
+    BVXI_TRY(bvxi_mesh_crossings(ctx, w->job.function, &welded, &pair_count, pairs, pair_count));
 
     /* A part that crosses itself only is one surface: turning it would not change what nonzero makes of
      * it. */
-    for (uint64_t i = 0; i < pair_count && status == BVX_OK; i++) {
+    for (uint64_t i = 0; i < pair_count; i++) {
         uint32_t const a = w->patches.part[pairs[2 * i]], b = w->patches.part[pairs[2 * i + 1]];
         if (a != b) crosses[a] = crosses[b] = 1;
     }
-    for (uint64_t t = 0; t < w->patches.triangles && status == BVX_OK; t++) {
+    for (uint64_t t = 0; t < w->patches.triangles; t++) {
         uint32_t const part = w->patches.part[t];
         /* Inside out and crossing another: those are turned. */
         w->patches.turn[t] = crosses[part] && volume[part] < 0;
@@ -203,7 +201,7 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     }
     bvxi_drop(ctx, crosses);
     bvxi_drop(ctx, pairs);
-    return status == BVX_OK ? turn_triangles(ctx, w) : status;
+    return turn_triangles(ctx, w);
 }
 
 #define AUTO_DEPTHS 0.3 /* of the choice: rows have been looked at */

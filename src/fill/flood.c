@@ -210,9 +210,6 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
     /* Two walks: a space is known to be outside only after the last of its runs was seen. */
     bvxi_spaces_each(&spaces, reach_run, work);
     bvxi_spaces_each(&spaces, flood_run, work);
-    bvxi_drop(ctx, work->reached);
-    work->reached = NULL;
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 
@@ -221,7 +218,7 @@ static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi
 {
     uint64_t before = 0, after = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, flood_spaces(ctx, function, work)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
     if (walls->close_gaps > 0) {
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
         BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, walls->surface, walls->close_gaps)));
@@ -229,7 +226,7 @@ static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
-        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, flood_spaces(ctx, function, work)));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
     }
     *closed = after - before;
     return BVX_OK;

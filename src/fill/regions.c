@@ -72,7 +72,5 @@ bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *
     report->regions = spaces.count;
     for (uint64_t r = 0; r < spaces.count; r++)
         report->mixed_regions += work.sides[r] != REGION_SURE_IN && work.sides[r] != REGION_SURE_OUT;
-    bvxi_drop(ctx, work.sides);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }

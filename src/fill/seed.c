@@ -331,8 +331,6 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
     if (seeds != NULL && work.count > capacity)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: there are %u pockets, the array given holds %u",
                          pockets_name, work.count, capacity);
-    bvxi_drop(ctx, work.outside);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 

@@ -80,15 +80,12 @@ static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end,
     }
 }
 
-static void sum_losses_piece(void *user, int32_t piece, int32_t worker)
+static void sum_losses_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     loss_job *const job = user;
     const bvx_mesh_view *const m = job->mesh;
     loss_sums s = {0, {0, 0, 0}, {0, 0, 0}};
-    uint64_t begin, end;
-    (void)worker;
 
-    bvxi_piece(m->triangle_count, job->pieces, piece, &begin, &end);
     /* The usual layout has its own loop. */
     if (!job->flat && bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
         sum_packed_losses(job, begin, end, &s);
@@ -116,7 +113,8 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
     job.pieces = bvxi_piece_count(mesh->triangle_count, LOSS_GRAIN);
     bvxi_view_triangle(mesh, 0, c);
     bvxi_view_position(mesh, c[0], job.from);
-    BVXI_TRY(bvxi_parallel(ctx, "sums", 0.0, 0.1, job.pieces, sum_losses_piece, &job));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "sums", 0.0, 0.1, job.pieces, job.mesh->triangle_count, sum_losses_piece, &job));
     /* In the order of pieces, so that sums do not depend on threads. */
     memset(all, 0, sizeof *all);
     for (int32_t i = 0; i < job.pieces; i++) {

@@ -61,27 +61,23 @@ typedef struct list_job {
     uint64_t first[BVXI_MOST_PIECES]; /* by piece of the words: how many are set, then where they go */
 } list_job;
 
-static void count_listed(void *user, int32_t piece, int32_t worker)
+static void count_listed(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     list_job *const job = user;
     const uint64_t *const words = job->walls->places.words;
-    uint64_t count = 0, begin, end;
+    uint64_t count = 0;
 
-    (void)worker;
-    bvxi_piece(job->walls->bytes / 8, job->pieces, piece, &begin, &end);
     for (uint64_t i = begin; i < end; i++) count += bvxi_popcount(words[i]);
     job->first[piece] = count;
 }
 
 /* In the order of the grid, so the list has one order. */
-static void list_wall_piece(void *user, int32_t piece, int32_t worker)
+static void list_wall_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const list_job *const job = user;
     const uint64_t *const words = job->walls->places.words;
-    uint64_t n = job->first[piece], begin, end;
+    uint64_t n = job->first[piece];
 
-    (void)worker;
-    bvxi_piece(job->walls->bytes / 8, job->pieces, piece, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         for (uint64_t bits = words[i]; bits != 0; bits &= bits - 1)
             job->walls->at[n++] = i * 64 + (uint64_t)bvxi_lowest(bits);
@@ -95,7 +91,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
 
     bvxi_walls_drop(t);
     /* Counted first, so that both arrays have their size. */
-    BVXI_TRY(bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, count_listed, &job));
+    BVXI_TRY(bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, count_listed, &job));
     for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t const n = job.first[i];
         job.first[i] = count;
@@ -107,7 +103,7 @@ bvx_status bvxi_walls_list(bvxi_walls *t)
     t->count = count;
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, count * sizeof *t->point, "the walls at thin places", &t->point));
-    return bvxi_parallel(t->ctx, "thin", 0.1, 0.1, job.pieces, list_wall_piece, &job);
+    return bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, list_wall_piece, &job);
 }
 
 /* ---- Where the lattice loses the surface ---- */

@@ -157,7 +157,8 @@ static bvx_status vote_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     turns.solid = job;
     turns.crossed = lists;
     turns.rule = vote_rows;
-    return bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, from), bvxi_solid_progress(job, to), &unused);
+    return BVXI_SCOPE(ctx, bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, from),
+                                          bvxi_solid_progress(job, to), &unused));
 }
 
 /* Block by block, from the rows' crossings with the sheet. */

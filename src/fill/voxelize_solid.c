@@ -99,9 +99,9 @@ static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_vo
     bvxi_solid_job second;
     bvx_status status;
     /* One surface: down to the base. */
-    if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
+    if (o->second == NULL) return BVXI_SCOPE(ctx, bvxi_below(ctx, job, NULL, o, solid, report));
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
-    status = bvxi_below(ctx, job, &second, o, solid, report);
+    status = BVXI_SCOPE(ctx, bvxi_below(ctx, job, &second, o, solid, report));
     bvxi_solid_close(ctx, &second);
     return status;
 }
@@ -140,9 +140,10 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
     if (more) {
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85,
                             bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
-        BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0,
-                            flood ? flood_or_fail(ctx, &walls, solid, report)
-                                  : bvxi_regions(ctx, solid_name, &shell, sure, solid, report)));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.85, 1.0,
+                       flood ? flood_or_fail(ctx, &walls, solid, report)
+                             : BVXI_SCOPE(ctx, bvxi_regions(ctx, solid_name, &shell, sure, solid, report))));
         bvxi_shell_close(ctx, &shell);
     }
     bvxi_drop(ctx, sure);

@@ -299,15 +299,13 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
     bvxi_walls *const t = job->walls;
     bvx_context *const ctx = t->ctx;
     uint64_t const count = t->near.triangle_count;
-    bvx_status status;
 
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, count * 12, "the triangles at thin places in order", &job->sorted));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places",
-                            &job->numbers);
-    if (status == BVX_OK) status = sort_triangles_nearby(job, low, high);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the order of triangles at thin places", &job->keys));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the numbers of triangles at thin places", &job->numbers));
+    BVXI_TRY(sort_triangles_nearby(job, low, high));
     bvxi_drop(ctx, job->numbers);
     bvxi_drop(ctx, job->keys);
 
@@ -316,7 +314,7 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
     t->corner = job->sorted;
     t->corner_bytes = count * 12;
     view_triangles(t->mesh, t->corner, count, &t->near);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- the search ---- */
@@ -337,24 +335,19 @@ static bvx_status choose_triangles(near_job *job)
 {
     bvxi_walls *const t = job->walls;
     bvx_context *const ctx = t->ctx;
-    bvx_status status;
 
     t->corner_bytes = t->mesh->triangle_count * 12;
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places",
-                            &t->against);
-    if (status == BVX_OK)
-        status = bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks",
-                            &t->block_of);
-    if (status == BVX_OK) status = take_triangles_nearby(job);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places", &t->against));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of));
+    BVXI_TRY(take_triangles_nearby(job));
 
     /* Both tables served the choice only. */
     bvxi_drop(ctx, t->block_of);
     t->block_of = NULL;
     bvxi_drop(ctx, t->blocks);
     t->blocks = NULL;
-    return status;
+    return BVX_OK;
 }
 
 /* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it),

@@ -12,12 +12,6 @@ typedef struct content_box {
     int32_t low[3], high[3]; /* low above high when nothing is set */
 } content_box;
 
-typedef struct content_job {
-    const bvx_grid *grid;
-    content_box *box; /* [Size: pieces] */
-    int32_t pieces;
-} content_job;
-
 /* The row's words are walked from both ends up to the first one that holds a bit. */
 static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t z, content_box *box)
 {
@@ -35,69 +29,18 @@ static void widen_content(const uint64_t *row, int32_t words, int32_t y, int32_t
     }
 }
 
-static void content_piece(void *user, int32_t index, int32_t worker)
+void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
 {
-    const content_job *const job = user;
-    const bvx_grid *const g = job->grid;
     content_box box = {{INT32_MAX, INT32_MAX, INT32_MAX}, {-1, -1, -1}};
-    uint64_t begin, end;
 
-    (void)worker;
-
-    /* Rows are joined in a box of the piece's own; boxes are joined afterwards, in any order. */
-    bvxi_piece(bvxi_grid_rows(g), job->pieces, index, &begin, &end);
-    for (uint64_t r = begin; r < end; r++)
-        widen_content(g->words + (size_t)r * (size_t)g->words_per_row, g->words_per_row,
-                      (int32_t)(r % (uint64_t)g->size[1]), (int32_t)(r / (uint64_t)g->size[1]), &box);
-    job->box[index] = box;
-}
-
-static void join_content(const content_job *job, bvx_window *window)
-{
-    content_box all = job->box[0];
-
-    /* Low is the largest number and high -1 in boxes without content, so they change nothing. */
-    for (int32_t p = 1; p < job->pieces; p++)
-        for (int32_t a = 0; a < 3; a++) {
-            all.low[a] = job->box[p].low[a] < all.low[a] ? job->box[p].low[a] : all.low[a];
-            all.high[a] = job->box[p].high[a] > all.high[a] ? job->box[p].high[a] : all.high[a];
-        }
-    for (int32_t a = 0; a < 3 && all.high[0] >= 0; a++) {
-        window->low[a] = job->grid->low[a] + all.low[a];
-        window->size[a] = all.high[a] - all.low[a] + 1;
-    }
-}
-
-static int32_t crop_pieces(const bvx_grid *grid)
-{
-    int32_t const pieces = bvxi_piece_count(bvxi_grid_words(grid), CROP_GRAIN);
-    return (uint64_t)pieces > bvxi_grid_rows(grid) ? (int32_t)bvxi_grid_rows(grid) : pieces;
-}
-
-static bvx_status run_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
-{
-    static const char *const function = "bvx_grid_content";
-    content_job job;
-    uint64_t bytes;
-
-    if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (window == NULL) return bvxi_fail_null(context, function, "window");
-    /* An empty grid leaves the window all zero, also after a failure. */
+    for (int32_t z = 0; z < grid->size[2]; z++)
+        for (int32_t y = 0; y < grid->size[1]; y++)
+            widen_content(bvxi_grid_row(grid, y, z), grid->words_per_row, y, z, &box);
     memset(window, 0, sizeof *window);
-    BVXI_TRY(bvxi_grid_check(context, function, grid));
-    job.grid = grid;
-    job.pieces = crop_pieces(grid);
-    bytes = (uint64_t)job.pieces * sizeof *job.box;
-    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the parts' boxes", &job.box));
-    BVXI_TRY(bvxi_parallel(context, "content", 0.0, 1.0, job.pieces, content_piece, &job));
-    join_content(&job, window);
-    bvxi_drop(context, job.box);
-    return BVX_OK;
-}
-
-bvx_status bvx_grid_content(bvx_context *context, const bvx_grid *grid, bvx_window *window)
-{
-    return BVXI_CALL(context, run_grid_content(context, grid, window));
+    for (int32_t a = 0; a < 3 && box.high[0] >= 0; a++) {
+        window->low[a] = grid->low[a] + box.low[a];
+        window->size[a] = box.high[a] - box.low[a] + 1;
+    }
 }
 
 /* ---- another window, another lattice ---- */

@@ -32,6 +32,9 @@ bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_gri
  * library's, so after a failure they go back to it. */
 bvx_status bvxi_grid_made(bvx_context *ctx, bvx_status status, int mine, bvx_grid *result);
 
+/* The smallest window that holds all set voxels of a valid grid; all zero when none is set. */
+void bvxi_grid_content(const bvx_grid *grid, bvx_window *window);
+
 static inline uint64_t bvxi_grid_rows(const bvx_grid *grid)
 {
     return (uint64_t)grid->size[1] * (uint64_t)grid->size[2];

@@ -29,15 +29,13 @@ static uint64_t file_place(const file_job *job, uint64_t thing)
     return place;
 }
 
-static void make_file_piece(void *user, int32_t index, int32_t worker)
+static void make_file_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     file_job *const job = user;
-    uint64_t begin, end, first = 0;
+    uint64_t first = 0;
     uint8_t *start, *at;
 
-    (void)worker;
     /* The room before a piece suits the longest text, so no worker waits to know how much the others made. */
-    bvxi_piece(job->things, job->pieces, index, &begin, &end);
     start = at = job->bytes + file_place(job, begin);
     /* A piece may reach over several parts: each writes its share of it, at the end of the share before. */
     for (int32_t i = 0; i < job->parts; i++) {
@@ -80,7 +78,7 @@ bvx_status bvxi_make_file(bvx_context *ctx, const char *what, double from, uint6
     job.pieces = bvxi_piece_count(most, FILE_PIECE_BYTES);
     BVXI_TRY(bvxi_make_buffer(ctx, head + most, what, file));
     job.bytes = file->bytes + head;
-    status = bvxi_parallel(ctx, "write", from, 1.0, job.pieces, make_file_piece, &job);
+    status = bvxi_for_pieces(ctx, "write", from, 1.0, job.pieces, job.things, make_file_piece, &job);
     if (status != BVX_OK) {
         bvx_buffer_free(ctx, file);
         return status;

@@ -388,8 +388,5 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
     BVXI_TRY(read_table_lines(&r));
-    bvxi_drop(f->ctx, r.loop_hash);
-    bvxi_drop(f->ctx, r.section_hash);
-    bvxi_key_tree_close(f->ctx, &r.sections);
     return BVX_OK;
 }

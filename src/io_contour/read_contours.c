@@ -1,7 +1,7 @@
 /* read_contours.c - contour stacks from the bytes of a file: bvx_read_sections. */
 #include "io_contour/contour_text.h"
 #include "io/formats.h"
-#include "section/section.h"
+#include "contours/section.h"
 
 static const bvxi_option read_sections_rows[] = {
     BVXI_REAL(bvx_read_sections_options, close_gap, 0.0, BVXI_FINITE),
@@ -36,7 +36,8 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     f.begin = f.p = bytes != NULL ? (const char *)bytes : "";
     f.end = f.begin + (size_t)size;
     f.sections.owned = 1;
-    status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f) : bvxi_read_contour_table(&f, o.close_gap);
+    status = format == BVX_FORMAT_CSL ? bvxi_read_csl(&f)
+                                      : BVXI_SCOPE(context, bvxi_read_contour_table(&f, o.close_gap));
     if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
     if (status == BVX_OK && o.flipped != NULL) *o.flipped = f.flipped;
 

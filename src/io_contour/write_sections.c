@@ -4,7 +4,7 @@
  * to the same ones. */
 #include "io/bytes.h"
 #include "io/formats.h"
-#include "section/section.h"
+#include "contours/section.h"
 
 #include <math.h>
 

@@ -84,6 +84,10 @@ static inline const uint8_t *bvxi_bvx_magic(void)
     return magic;
 }
 
+/* Refuses a head that is not of a file of this kind, of another version or damaged. */
+enum { BVXI_BVX_GRID, BVXI_BVX_TREE };
+bvx_status bvxi_bvx_check_start(bvx_context *context, int kind, const uint8_t *head, uint64_t size);
+
 /* The seed of the slices' checksums. */
 static inline uint64_t bvxi_bvx_frame(const uint8_t *head)
 {

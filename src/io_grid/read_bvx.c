@@ -39,17 +39,28 @@ static int32_t bvx_load_side(const uint8_t *p)
     return v <= INT32_MAX ? (int32_t)v : -1;
 }
 
-static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
+/* What files of grids and of octrees differ in. */
+static const struct {
+    const uint8_t *(*magic)(void);
+    const char *other, *start, *name;
+    uint32_t reserved; /* bytes from here to the checksum */
+} bvx_kinds[] = {
+    {bvxi_bvx_magic, "BVX: byte 3: the file holds a grid, no octree: bvx_read_grid reads it",
+     "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)", "file",
+     BVXI_BVX_AT_RESERVED},
+    {bvxi_tree_magic, "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it",
+     "BVX: byte 0: the file does not begin as .bvx files of octrees do (89 42 56 4f 0d 0a 1a 0a)", "octree",
+     BVXI_TREE_AT_RESERVED}};
+
+bvx_status bvxi_bvx_check_start(bvx_context *ctx, int kind, const uint8_t *head, uint64_t size)
 {
-    const uint8_t *const magic = bvxi_bvx_magic();
+    const uint8_t *const magic = bvx_kinds[kind].magic();
 
     /* First what kind of file it is, then its version, and only then its bytes. */
-    if (bvxi_is_tree_file(head, size))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: byte 3: the file holds an octree, no grid: bvx_read_octree reads it");
+    if (size >= 4 && memcmp(head, bvx_kinds[!kind].magic(), 4) == 0)
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s", bvx_kinds[!kind].other);
     if (size < 8 || memcmp(head, magic, 4) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: byte 0: the file does not begin as .bvx files do (89 42 56 58 0d 0a 1a 0a)");
+        return bvxi_fail(ctx, BVX_ERR_FORMAT, "%s", bvx_kinds[kind].start);
     if (memcmp(head, magic, 8) != 0)
         return bvxi_fail(ctx, BVX_ERR_FORMAT,
                          "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
@@ -57,7 +68,7 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
     if (bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0) > BVXI_BVX_VERSION)
         return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED,
-                         "BVX: the file is of version %u, this library reads version %u",
+                         "BVX: the %s is of version %u, this library reads version %u", bvx_kinds[kind].name,
                          (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_VERSION, 0), (uint64_t)BVXI_BVX_VERSION);
     if (size < BVXI_BVX_HEAD)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
@@ -76,10 +87,9 @@ static bvx_status bvx_check_start(bvx_context *ctx, const uint8_t *head, uint64_
                          (uint64_t)bvxi_load_u32(head + BVXI_BVX_AT_HEAD_SIZE, 0), (uint64_t)BVXI_BVX_VERSION,
                          (uint64_t)BVXI_BVX_HEAD);
     /* Reserved bytes may get a meaning in a later version, which this one would misread. */
-    for (uint32_t i = 0; i < 16; i++)
-        if (head[BVXI_BVX_AT_RESERVED + i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0",
-                             (uint64_t)BVXI_BVX_AT_RESERVED + i);
+    for (uint32_t i = bvx_kinds[kind].reserved; i < BVXI_BVX_AT_CHECK; i++)
+        if (head[i] != 0)
+            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)i);
     return BVX_OK;
 }
 
@@ -91,7 +101,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     bvx_window *const w = &job->window;
     bvx_status status;
 
-    BVXI_TRY(bvx_check_start(ctx, head, (uint64_t)(job->source->end - head)));
+    BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_GRID, head, (uint64_t)(job->source->end - head)));
 
     /* The head's fields of x and y stand side by side; those
      * of z stand apart, as slices are not bound to them. */
@@ -237,13 +247,10 @@ static int32_t bvx_check_slice(const bvx_unpacking *job, const uint8_t *p)
     return BVX_SLICE_GOOD;
 }
 
-static void bvx_check_piece(void *user, int32_t piece, int32_t worker)
+static void bvx_check_piece(void *user, int32_t piece, uint64_t k, uint64_t end)
 {
     bvx_unpacking *const job = user;
-    uint64_t k, end;
 
-    (void)worker;
-    bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     /* A piece stops at its first wrong slice; the first of all pieces is the one reported. */
     for (; k < end && job->wrong[piece].why == BVX_SLICE_GOOD; k++) {
         job->wrong[piece].why = bvx_check_slice(job, job->source->begin + job->place[k]);
@@ -259,7 +266,8 @@ static bvx_status bvx_check_slices(bvx_unpacking *job)
         "the runs do not add up to the slice", "bits are set past the end of a row"};
 
     /* Pieces are looked at in the order of the file, so that the message does not depend on the workers. */
-    BVXI_TRY(bvxi_parallel(job->source->ctx, "read", 0.0, 0.5, job->pieces, bvx_check_piece, job));
+    BVXI_TRY(bvxi_for_pieces(job->source->ctx, "read", 0.0, 0.5, job->pieces, (uint64_t)job->count,
+                             bvx_check_piece, job));
     for (int32_t i = 0; i < job->pieces; i++)
         if (job->wrong[i].why != BVX_SLICE_GOOD)
             return bvxi_fail(job->source->ctx, BVX_ERR_FORMAT, "BVX: byte %u: slice z %d: %s",

@@ -2,6 +2,7 @@
  *
  * Guarantee: all checks are done on the file's bytes before a tree is allocated, so a damaged file costs
  * nothing and can make no tree that later calls stumble over. */
+#include "io_grid/bvx_file.h"
 #include "io_grid/tree_file.h"
 #include "io/formats.h"
 
@@ -46,50 +47,6 @@ static int32_t load_tree_number(const uint8_t *p)
     return v <= INT32_MAX ? (int32_t)v : -1;
 }
 
-static bvx_status check_tree_start(bvx_context *ctx, const uint8_t *head, uint64_t size)
-{
-    /* A grid's file has nearly the same magic: its reader is named. */
-    static const uint8_t grid[4] = {0x89, 'B', 'V', 'X'};
-    const uint8_t *const magic = bvxi_tree_magic();
-
-    if (size >= 4 && memcmp(head, grid, 4) == 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: byte 3: the file holds a grid, no octree: bvx_read_grid reads it");
-    if (size < 8 || memcmp(head, magic, 4) != 0)
-        return bvxi_fail(
-            ctx, BVX_ERR_FORMAT,
-            "BVX: byte 0: the file does not begin as .bvx files of octrees do (89 42 56 4f 0d 0a 1a 0a)");
-    if (memcmp(head, magic, 8) != 0)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT,
-                         "BVX: bytes 4 to 7 are not 0d 0a 1a 0a: a transfer took the file for text");
-    if (size < BVXI_TREE_AT_VERSION + 4)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head", size);
-    if (bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0) > BVXI_TREE_VERSION)
-        return bvxi_fail(
-            ctx, BVX_ERR_UNSUPPORTED, "BVX: the octree is of version %u, this library reads version %u",
-            (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0), (uint64_t)BVXI_TREE_VERSION);
-    if (size < BVXI_TREE_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: the file ends in its head of %u bytes", size,
-                         (uint64_t)BVXI_TREE_HEAD);
-
-    /* From here on the head is as it was written; what is wrong now is the writer's. */
-    if (bvxi_load_u64(head + BVXI_TREE_AT_CHECK, 0) != bvx_hash(head, BVXI_TREE_AT_CHECK, 0))
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: bytes 0 to %u: the head is damaged, its checksum differs",
-                         (uint64_t)BVXI_TREE_HEAD - 1);
-    if (bvxi_load_u32(head + BVXI_TREE_AT_VERSION, 0) != BVXI_TREE_VERSION)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: there is no version 0",
-                         (uint64_t)BVXI_TREE_AT_VERSION);
-    if (bvxi_load_u32(head + BVXI_TREE_AT_HEAD_SIZE, 0) != BVXI_TREE_HEAD)
-        return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a head of %u bytes; version %u has %u",
-                         (uint64_t)BVXI_TREE_AT_HEAD_SIZE,
-                         (uint64_t)bvxi_load_u32(head + BVXI_TREE_AT_HEAD_SIZE, 0),
-                         (uint64_t)BVXI_TREE_VERSION, (uint64_t)BVXI_TREE_HEAD);
-    for (uint32_t i = BVXI_TREE_AT_RESERVED; i < BVXI_TREE_AT_CHECK; i++)
-        if (head[i] != 0)
-            return bvxi_fail(ctx, BVX_ERR_FORMAT, "BVX: byte %u: a reserved byte is not 0", (uint64_t)i);
-    return BVX_OK;
-}
-
 static bvx_status take_tree_head(tree_reading *job)
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
@@ -98,7 +55,7 @@ static bvx_status take_tree_head(tree_reading *job)
     uint64_t voxels = 1;
     bvx_status status;
 
-    BVXI_TRY(check_tree_start(ctx, head, (uint64_t)(job->end - head)));
+    BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_TREE, head, (uint64_t)(job->end - head)));
 
     /* The number of levels bounds the base: its finest lattice must stay within the longest side. */
     job->levels = load_tree_number(head + BVXI_TREE_AT_LEVELS);
@@ -373,12 +330,12 @@ static void put_tree_head(const bvx_octree *tree, uint8_t *head)
     }
     bvxi_store_u32(head + BVXI_TREE_AT_FRACTION, (uint32_t)tree->lattice.fraction_bits);
     bvxi_store_u32(head + BVXI_TREE_AT_LEVELS, (uint32_t)tree->levels);
-    bvxi_tree_store(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
+    bvxi_bvx_store(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
 }
 
 static uint8_t *put_tree_words(uint8_t *p, const uint64_t *words, uint64_t count)
 {
-    for (uint64_t i = 0; i < count; i++, p += 8) bvxi_tree_store(p, words[i]);
+    for (uint64_t i = 0; i < count; i++, p += 8) bvxi_bvx_store(p, words[i]);
     return p;
 }
 
@@ -399,11 +356,11 @@ static void put_tree_level(void *user, int32_t level, int32_t worker)
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
 
     /* Split is written only where it is neither nothing nor the same as touched. */
-    bvxi_tree_store(begin + 16, o->words);
+    bvxi_bvx_store(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);
     p = put_tree_words(p, o->outside, o->words);
     if (bvxi_tree_split_kind(o) == BVXI_SPLIT_SOME) p = put_tree_words(p, o->split, o->words);
-    bvxi_tree_store(begin, bvx_hash(begin + 8, (size_t)(p - begin) - 8, job->frame));
+    bvxi_bvx_store(begin, bvx_hash(begin + 8, (size_t)(p - begin) - 8, job->frame));
 }
 
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file)

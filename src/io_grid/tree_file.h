@@ -60,17 +60,6 @@ static inline const uint8_t *bvxi_tree_magic(void)
     return magic;
 }
 
-static inline int bvxi_is_tree_file(const uint8_t *bytes, uint64_t size)
-{
-    return size >= 4 && memcmp(bytes, bvxi_tree_magic(), 4) == 0;
-}
-
-static inline void bvxi_tree_store(uint8_t *p, uint64_t v)
-{
-    bvxi_store_u32(p, (uint32_t)(v & 0xffffffffu));
-    bvxi_store_u32(p + 4, (uint32_t)(v >> 32));
-}
-
 /* The seed of the levels' checksums. */
 static inline uint64_t bvxi_tree_frame(const uint8_t *head)
 {

@@ -307,7 +307,5 @@ bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, columns, "the columns' runs", &job.layers));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, turned, "layers along y", &job.turned));
     BVXI_TRY(binvox_pack(ctx, &job, corner, scale, file));
-    bvxi_drop(ctx, job.turned);
-    bvxi_drop(ctx, job.layers);
     return BVX_OK;
 }

@@ -197,9 +197,6 @@ static bvx_status write_vtu(bvx_context *ctx, const bvx_octree *tree, int32_t st
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 64, "the leaves' corners", &v.place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, v.count * 32, "the leaves' corners", &v.corner));
     BVXI_TRY(write_vtu_file(&v, file));
-    bvxi_drop(ctx, v.corner);
-    bvxi_drop(ctx, v.place);
-    bvxi_drop(ctx, v.leaf);
     return BVX_OK;
 }
 

@@ -229,8 +229,5 @@ bvx_status bvxi_gltf_scene_of(const bvxi_gltf *f, bvxi_gltf_scene *scene)
         gltf_multiply(&scene->world[parent], &local, &scene->world[node]);
         scene->drawn[node] = scene->drawn[parent];
     }
-    bvxi_drop(f->source->ctx, n.depth);
-    bvxi_drop(f->source->ctx, n.order);
-    bvxi_drop(f->source->ctx, n.parent);
     return BVX_OK;
 }

@@ -59,7 +59,6 @@ void bvxi_written_normal(const bvx_mesh *mesh, const double *sum, uint64_t verte
 /* The meshes with turned axes, BVX_TURN_...: scratch, which bvxi_drop_turned frees; NULL when nothing turns. */
 bvx_status bvxi_turn_meshes(bvx_context *ctx, const bvx_mesh *meshes, uint64_t count, int32_t turn,
                             bvx_mesh **turned);
-void bvxi_drop_turned(bvx_context *ctx, bvx_mesh *turned, uint64_t count);
 
 bvx_status bvxi_write_stl(bvx_context *ctx, const bvx_mesh *mesh, bvx_buffer *file);
 bvx_status bvxi_write_obj(bvx_context *ctx, const bvxi_written *what, bvx_buffer *file);

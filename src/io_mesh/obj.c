@@ -480,7 +480,6 @@ static bvx_status obj_read(obj_file *f)
 
 bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 {
-    bvx_context *const ctx = source->ctx;
     obj_file f = {0};
 
     f.source = source;
@@ -492,11 +491,7 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
                          bvxi_find_byte(source->begin, source->end, '\r') != source->end
                      ? '\r'
                      : '\n';
-    BVXI_TRY(obj_read(&f));
-    bvxi_drop(ctx, f.fans);
-    bvxi_drop(ctx, f.colours);
-    bvxi_drop(ctx, f.pieces);
-    return BVX_OK;
+    return obj_read(&f);
 }
 
 /* ---- Written ---- */

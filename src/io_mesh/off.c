@@ -468,9 +468,7 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
     BVXI_TRY(off_take_keyword(&f));
     BVXI_TRY(off_take_counts(&f));
     BVXI_TRY(off_take_vertices(&f));
-    BVXI_TRY(off_take_faces(&f));
-    bvxi_drop(source->ctx, f.fans);
-    return BVX_OK;
+    return off_take_faces(&f);
 }
 
 /* ---- Written ---- */

@@ -144,11 +144,7 @@ static bvx_status read_ply_file(bvxi_source *source, int32_t points, bvx_mesh *m
     f.vertex_count = header.vertex->count;
     f.uvs_at_corners = header.uvs == 2;
     if (header.encoding == PLY_ASCII) BVXI_TRY(bvxi_ply_cut_lines(&f));
-    BVXI_TRY(points ? ply_take_points(&f) : ply_take_data(&f));
-    bvxi_drop(source->ctx, f.fans);
-    bvxi_drop(source->ctx, f.pieces);
-    bvxi_ply_header_free(source->ctx, &header);
-    return BVX_OK;
+    return points ? ply_take_points(&f) : ply_take_data(&f);
 }
 
 bvx_status bvxi_read_ply(bvxi_source *source, bvx_mesh *mesh)

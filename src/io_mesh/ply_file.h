@@ -63,7 +63,6 @@ typedef struct ply_header {
 /* Read the header and hold it against the size of the file: counts that the bytes after it cannot hold are
  * refused. The header's arrays are freed by bvxi_ply_header_free, also after a failure. */
 bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header);
-void bvxi_ply_header_free(bvx_context *ctx, ply_header *header);
 
 /* Bytes of a value in a binary file. */
 static inline size_t ply_type_size(int32_t type)

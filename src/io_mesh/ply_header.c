@@ -384,11 +384,3 @@ bvx_status bvxi_ply_header_read(bvxi_source *source, ply_header *header)
     BVXI_TRY(ply_check_sizes(source, h));
     return ply_check_meaning(source, h);
 }
-
-void bvxi_ply_header_free(bvx_context *ctx, ply_header *header)
-{
-    bvxi_drop(ctx, header->properties);
-    bvxi_drop(ctx, header->elements);
-    header->properties = NULL;
-    header->elements = NULL;
-}

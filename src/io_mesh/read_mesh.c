@@ -85,7 +85,7 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
     source.takes_any = options.drop_nonfinite;
-    status = read_mesh_as(&source, format, &options, &report.lost, &made);
+    status = BVXI_SCOPE(context, read_mesh_as(&source, format, &options, &report.lost, &made));
 
     /* Vertices with odd coordinates are kept by the readers
      * only so that their triangles can be dropped here. */

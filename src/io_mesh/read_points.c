@@ -137,7 +137,7 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;
-    status = read_points_as(&source, format, &made);
+    status = BVXI_SCOPE(context, read_points_as(&source, format, &made));
     if (status != BVX_OK) {
         bvx_mesh_free(context, &made);
         return status;

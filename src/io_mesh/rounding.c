@@ -6,6 +6,7 @@
  * how far it moves a coordinate, beside the mean length of edges, and how many triangles lose their area or are
  * turned over. */
 #include "io_mesh/mesh_formats.h"
+#include "mesh/facet.h"
 #include "mesh/view.h"
 
 #define ROUNDING_SHARE 16.0 /* of a mean edge that a coordinate may move by: triangles turn by some degrees */
@@ -64,24 +65,13 @@ bvx_status bvxi_find_frame(bvx_context *ctx, const bvx_mesh *levels, uint64_t le
 
 /* ---- measure ---- */
 
-/* Normal of a triangle, its length twice the area. */
-static void rounding_normal(const double c[3][3], double n[3])
-{
-    double u[3], v[3];
-    for (int a = 0; a < 3; a++) {
-        u[a] = c[1][a] - c[0][a];
-        v[a] = c[2][a] - c[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-}
-
 /* 1 when a triangle with an area has none after rounding, or looks the other way. */
 static int rounding_spoils(const double exact[3][3], const double rounded[3][3])
 {
     double n[3], r[3];
-    rounding_normal(exact, n);
+    bvxi_facet_cross(exact, n);
     if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) return 0;
-    rounding_normal(rounded, r);
+    bvxi_facet_cross(rounded, r);
     return !(n[0] * r[0] + n[1] * r[1] + n[2] * r[2] > 0.0);
 }
 

@@ -267,15 +267,6 @@ static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-static void soup_free(stl_soup *soup)
-{
-    bvx_context *const ctx = soup->source->ctx;
-    bvxi_drop(ctx, soup->table);
-    bvxi_key_tree_close(ctx, &soup->tree);
-    bvxi_drop(ctx, soup->positions);
-    bvxi_free(ctx, soup->triangles, soup->triangle_room * 12);
-}
-
 /* ---- Files ---- */
 
 /* STL, to meshes and from them. */
@@ -518,7 +509,7 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
         return bvxi_fail_for(source->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "STL: the file has %u triangles, the limit is below 2^31", count);
     status = stl_read(&soup, source, binary, count, mesh);
-    soup_free(&soup);
+    bvxi_free(source->ctx, soup.triangles, soup.triangle_room * 12);
     return status;
 }
 

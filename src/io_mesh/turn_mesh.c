@@ -84,12 +84,3 @@ bvx_status bvxi_turn_meshes(bvx_context *ctx, const bvx_mesh *meshes, uint64_t c
     for (uint64_t i = 0; i < count; i++) BVXI_TRY(turn_mesh(ctx, &meshes[i], turn, &(*turned)[i]));
     return BVX_OK;
 }
-
-void bvxi_drop_turned(bvx_context *ctx, bvx_mesh *turned, uint64_t count)
-{
-    for (uint64_t i = count; turned != NULL && i-- > 0;) {
-        bvxi_drop(ctx, turned[i].normals);
-        bvxi_drop(ctx, turned[i].positions);
-    }
-    bvxi_drop(ctx, turned);
-}

@@ -49,8 +49,6 @@ static bvx_status sort_corners(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seam
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, corner, corners));
     seams->count = find_first_corners(keys, corner, corners, seams->triangles);
-    bvxi_drop(ctx, corner);
-    bvxi_drop(ctx, keys);
     return BVX_OK;
 }
 
@@ -76,21 +74,13 @@ bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *
 {
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles with seams",
                         &seams->triangles));
-    BVXI_TRY(sort_corners(ctx, mesh, seams));
+    BVXI_TRY(BVXI_SCOPE(ctx, sort_corners(ctx, mesh, seams)));
 
     /* Both lists have one entry a pair, which is known only after the sort. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the vertices at seams", &seams->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, seams->count * 4, "the texture coordinates at seams", &seams->uv));
     number_vertices_by_use(mesh, seams);
     return BVX_OK;
-}
-
-void bvxi_free_seams(bvx_context *ctx, bvxi_seams *seams)
-{
-    bvxi_drop(ctx, seams->uv);
-    bvxi_drop(ctx, seams->vertex);
-    bvxi_drop(ctx, seams->triangles);
-    memset(seams, 0, sizeof *seams);
 }
 
 /* ---- A mesh to binary glTF 2.0, or several levels of detail to one such file ---- */
@@ -436,15 +426,5 @@ bvx_status bvxi_write_glb(bvx_context *ctx, const bvx_mesh *levels, uint64_t lev
         glb.end = bvxi_glb_padded(glb.end) + glb.assets->images[i].size;
         BVXI_TRY(bvxi_glb_check_size(ctx, glb.end, level_count));
     }
-    BVXI_TRY(glb_make_file(ctx, &glb, file));
-
-    /* Freed in the reverse order of making; what was not made is NULL. */
-    for (uint64_t l = level_count; l-- > 0;) {
-        bvxi_drop(ctx, glb.level[l].normal);
-        bvxi_drop(ctx, glb.level[l].order);
-        bvxi_drop(ctx, glb.level[l].group);
-        bvxi_free_seams(ctx, &glb.level[l].seams);
-    }
-    bvxi_drop(ctx, glb.level);
-    return BVX_OK;
+    return glb_make_file(ctx, &glb, file);
 }

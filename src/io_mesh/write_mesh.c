@@ -181,7 +181,6 @@ static bvx_status write_checked(bvx_context *ctx, const char *function, const bv
     BVXI_TRY(bvxi_turn_meshes(ctx, meshes, count, o->turn, &turned));
     BVXI_TRY(BVXI_SHARE(ctx, 0.4, 1.0,
                         write_format(ctx, turned != NULL ? turned : meshes, count, o, format, &made)));
-    bvxi_drop_turned(ctx, turned, count);
     *file = made;
     return BVX_OK;
 }
@@ -357,7 +356,6 @@ static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels
                             check_written_file(context, level_name(function, l, level_count, name),
                                                &levels[l], format, &frame, &reports[l])));
     }
-    bvxi_drop_turned(context, turned, level_count);
     return BVX_OK;
 }
 

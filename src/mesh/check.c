@@ -53,17 +53,14 @@ typedef struct collector {
 } collector;
 
 /* Corners go to the triangle's own place at first. */
-static void collect_task(void *user, int32_t task, int32_t worker)
+static void collect_task(void *user, int32_t task, uint64_t from, uint64_t to)
 {
     collector *const w = user;
     const checker *const c = w->c;
     double least[3], most[3];
-    uint64_t from, to;
 
-    (void)worker;
     memcpy(least, w->high, sizeof least);
     memcpy(most, w->low, sizeof most);
-    bvxi_piece((uint64_t)w->count, w->tasks, task, &from, &to);
     for (uint64_t i = from; i < to; i++) {
         uint32_t *const corner = c->corners + 3 * (w->begin + i);
         double p[3][3], n[3];
@@ -140,7 +137,7 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
 
         w.count = (int32_t)(all - w.begin < CHECK_ROUND ? all - w.begin : CHECK_ROUND);
         w.tasks = bvxi_piece_count((uint64_t)w.count, CHECK_GRAIN);
-        BVXI_TRY(bvxi_parallel(ctx, "check", at, at, w.tasks, collect_task, &w));
+        BVXI_TRY(bvxi_for_pieces(ctx, "check", at, at, w.tasks, (uint64_t)w.count, collect_task, &w));
         add_round(&w, &area, &volume);
     }
     bvxi_drop(ctx, w.terms);

@@ -248,8 +248,6 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
     in.border_count = w->border_count;
     in.chance = w->chance;
     BVXI_TRY(bvxi_patch_sides_turn(ctx, &in));
-    bvxi_drop(ctx, number);
-    bvxi_drop(ctx, w->border);
     return BVX_OK;
 }
 
@@ -281,7 +279,7 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     /* Sums need all links, and turning needs all sums. */
     sum_patches(w);
     choose_turned(w);
-    BVXI_TRY(turn_whole_patches(ctx, w));
+    BVXI_TRY(BVXI_SCOPE(ctx, turn_whole_patches(ctx, w)));
     for (uint64_t t = 0; t < w->out->triangles; t++) w->out->turned += w->out->turn[t];
     /* What is torn has been decided: the marks are of open parts from here on. */
     memset(w->torn, 0, (size_t)w->out->triangles);

@@ -245,14 +245,12 @@ static uint64_t first_entry(const topology *c, uint64_t vertex)
     return vertex == 0 ? 0 : c->bucket_end[vertex - 1];
 }
 
-static void check_range_of_edges(void *user, int32_t range, int32_t worker)
+static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint64_t to)
 {
     topology *const c = user;
     topology_counts counts = {0};
-    uint64_t from, to, begin;
+    uint64_t begin;
 
-    (void)worker;
-    bvxi_piece(c->vertex_count, c->ranges, range, &from, &to);
     begin = first_entry(c, from);
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
@@ -280,7 +278,7 @@ static bvx_status check_edges(topology *c)
     if (c->ranges > TOPOLOGY_RANGES) c->ranges = TOPOLOGY_RANGES;
     /* Every triangle is a piece at first, and each join takes one away. */
     for (uint64_t t = 0; t < c->triangle_count && !c->edges_alone; t++) c->parent[t] = (uint32_t)t;
-    BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.4, 0.7, c->ranges, check_range_of_edges, c));
+    BVXI_TRY(bvxi_for_pieces(c->ctx, "check", 0.4, 0.7, c->ranges, c->vertex_count, check_range_of_edges, c));
 
     r->components = c->edges_alone ? 0 : c->triangle_count;
     r->oriented = 1;
@@ -427,9 +425,6 @@ static bvx_status search_broken_fans(topology *c)
         topology_bit_set(c->walked, h);
         walk_whole_fan(c, (uint32_t)h);
     }
-    bvxi_drop(c->ctx, c->walked);
-    bvxi_drop(c->ctx, c->seen);
-    bvxi_drop(c->ctx, c->broken);
     return BVX_OK;
 }
 
@@ -442,7 +437,7 @@ static bvx_status check_vertices(topology *c)
     if (r->nonmanifold_edges != 0) {
         join_ranges(c);
         for (uint64_t v = 0; v < c->vertex_count; v++) r->vertices += c->corner_of[v] != TOPOLOGY_NONE;
-        return search_broken_fans(c);
+        return BVXI_SCOPE(c->ctx, search_broken_fans(c));
     }
     BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
     for (int32_t i = 0; i < c->ranges; i++) {

@@ -80,7 +80,6 @@ typedef struct bvxi_row_ends {
 } bvxi_row_ends;
 
 bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_row_ends *ends);
-void bvxi_row_ends_free(bvx_context *ctx, bvxi_row_ends *ends);
 
 /* Word k of a slice joined with itself one voxel on and back; around comes
  * in at the ends of rows. w[-1] and w[1] are looked at. */

@@ -75,7 +75,8 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     bvxi_transform t = {0};
     ball_job job;
 
-    if (bvxi_ball_is_small(morph)) return bvxi_morph_runs(ctx, morph, operation, from, to, source, target);
+    if (bvxi_ball_is_small(morph))
+        return BVXI_SCOPE(ctx, bvxi_morph_runs(ctx, morph, operation, from, to, source, target));
 
     /* A limit below what stands for no target, so that voxels without any stay out. */
     job.to = *target;

@@ -264,8 +264,5 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch));
     measure_runs(morph, &job);
     BVXI_TRY(run_steps(ctx, morph->stage, from, to, &job));
-    bvxi_drop(ctx, job.scratch);
-    bvxi_drop(ctx, job.half);
-    bvxi_row_ends_free(ctx, &job.ends);
     return BVX_OK;
 }

@@ -21,12 +21,6 @@ bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_ro
     return BVX_OK;
 }
 
-void bvxi_row_ends_free(bvx_context *ctx, bvxi_row_ends *ends)
-{
-    bvxi_drop(ctx, ends->before);
-    ends->before = ends->behind = NULL;
-}
-
 /* ---- Dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep ---- */
 
 /* Source: Serra. Image Analysis and Mathematical Morphology. 1982.
@@ -342,8 +336,5 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, outside_bytes, "slices beyond the window", &job.outside));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "slices for the steps", &job.scratch));
     BVXI_TRY(run_sweeps(ctx, morph, source, first, second, &job));
-    bvxi_drop(ctx, job.scratch);
-    bvxi_drop(ctx, job.outside);
-    bvxi_row_ends_free(ctx, &job.ends);
     return BVX_OK;
 }

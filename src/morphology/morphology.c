@@ -104,7 +104,7 @@ static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const b
     if (morph->neighbourhood != 0) {
         /* The last sweep's box follows from their number. */
         *last = bvxi_step_sweeps(morph, source) % 2 == 1 ? first : second;
-        return bvxi_morph_steps(ctx, morph, source, first, second);
+        return BVXI_SCOPE(ctx, bvxi_morph_steps(ctx, morph, source, first, second));
     }
     *last = morph->operations == 2 ? second : first;
     BVXI_TRY(bvxi_morph_ball(ctx, morph, morph->operation[0], 0.0, 1.0 / morph->operations, source, first));

@@ -283,8 +283,6 @@ static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order));
     BVXI_TRY(find_closest_batches(ctx, q));
-    bvxi_drop(ctx, q->order);
-    bvxi_drop(ctx, q->keys);
     return BVX_OK;
 }
 

@@ -233,13 +233,11 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
 }
 
 /* Task, first run. */
-static void count_crossings_piece(void *user, int32_t index, int32_t worker)
+static void count_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
-    uint64_t begin, end, count = 0;
-    (void)worker;
+    uint64_t count = 0;
 
-    bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const found = crossings_of_four(job, i, NULL);
 
@@ -252,15 +250,12 @@ static void count_crossings_piece(void *user, int32_t index, int32_t worker)
 }
 
 /* Task, second run. */
-static void write_crossings_piece(void *user, int32_t index, int32_t worker)
+static void write_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
     uint64_t *to = job->keys + job->counts[index];
-    uint64_t begin, end;
-    (void)worker;
 
     /* Each piece writes from the place that the counts have given it. */
-    bvxi_piece(job->tree.level_nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         if (job->marks[i]) to += crossings_of_four(job, i, to);
 }
@@ -275,7 +270,8 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
     (void)bvxi_place_counts(job->counts, (uint64_t)job->pieces);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *job->keys, "the crossings' keys", &job->keys));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the crossings' numbers", &numbers));
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.9, 1.0, job->pieces, write_crossings_piece, job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "crossings", 0.9, 1.0, job->pieces, job->tree.level_nodes[0],
+                             write_crossings_piece, job));
 
     /* The order of the search shows in nothing: pairs are listed by their indices. */
     BVXI_TRY(bvxi_radix_sort(ctx, job->keys, numbers, count));
@@ -285,8 +281,6 @@ static bvx_status write_crossings(bvx_context *ctx, crossings_job *job, uint64_t
         pairs[2 * i + 1] = (uint32_t)(job->keys[i] & UINT32_MAX);
     }
 
-    bvxi_drop(ctx, numbers);
-    bvxi_drop(ctx, job->keys);
     return BVX_OK;
 }
 
@@ -304,7 +298,8 @@ static bvx_status search_crossings(bvx_context *ctx, crossings_job *job, uint64_
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.35,
                         bvxi_for(ctx, "crossings", fours, CROSSINGS_GRAIN, crossings_corners, job)));
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", 0.35, 0.9, job->pieces, count_crossings_piece, job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "crossings", 0.35, 0.9, job->pieces, job->tree.level_nodes[0],
+                             count_crossings_piece, job));
 
     /* In the order of pieces, though a sum of whole numbers has no order. */
     for (int32_t i = 0; i < job->pieces; i++) sum += job->counts[i];
@@ -330,7 +325,7 @@ static bvx_status give_crossings(bvx_context *ctx, const char *function, crossin
                              "%s: there are %u pairs, the limit of a list is %u", function, found,
                              (uint64_t)UINT32_MAX);
 
-    if (pairs != NULL && found != 0) BVXI_TRY(write_crossings(ctx, job, found, pairs));
+    if (pairs != NULL && found != 0) BVXI_TRY(BVXI_SCOPE(ctx, write_crossings(ctx, job, found, pairs)));
     *count = found;
     return BVX_OK;
 }

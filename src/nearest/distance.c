@@ -119,15 +119,12 @@ static void take_distance_sample(const distance_work *w, uint64_t i, bvxi_closes
     }
 }
 
-static void measure_distance_block(void *user, int32_t index, int32_t worker)
+static void measure_distance_block(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const distance_work *const w = user;
     distance_sums s = {0.0, 0.0, 0.0, 0};
     bvxi_closest nearest = {{0.0, 0.0, 0.0}, 0.0, 0, 0};
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->samples, w->blocks, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) take_distance_sample(w, i, &nearest, &s);
     w->sums[index] = s;
 }
@@ -169,11 +166,10 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     add_curve_areas(ctx, from, areas);
     w.area_before = areas;
     w.sums = sums;
-    BVXI_TRY(bvxi_parallel(ctx, "distance", progress, progress + 0.4, blocks, measure_distance_block, &w));
+    BVXI_TRY(bvxi_for_pieces(ctx, "distance", progress, progress + 0.4, blocks, w.samples,
+                             measure_distance_block, &w));
     add_distance_blocks(&w, way);
 
-    bvxi_drop(ctx, sums);
-    bvxi_drop(ctx, areas);
     return BVX_OK;
 }
 
@@ -268,8 +264,8 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
                                            b->high, pair->scale, &tree_b));
 
     /* Two keys from one seed: places on a and on b have nothing to do with each other. */
-    BVXI_TRY(measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab));
-    BVXI_TRY(measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba));
+    BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab)));
+    BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba)));
     make_distance_report(&ab, &ba, samples, seed, report);
     bvxi_closest_free(ctx, &tree_b);
     return BVX_OK;

@@ -202,25 +202,20 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
         b->boxes[leaf].point[a] = n->leaves[leaf].frame[0].f[BVXI_NEAR_FOOT + a] - b->boxes[leaf].low[a];
 }
 
-static void count_near_leaves(void *user, int32_t index, int32_t worker)
+static void count_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     near_builder *const b = user;
-    uint64_t begin, end, leaves = 0;
-    (void)worker;
+    uint64_t leaves = 0;
 
     /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
-    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
     for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
     b->first[index + 1] = leaves;
 }
 
-static void fill_near_leaves(void *user, int32_t index, int32_t worker)
+static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const near_builder *const b = user;
-    uint64_t begin, end, leaf = b->first[index];
-
-    (void)worker;
-    bvxi_piece(b->n->triangle_count, b->pieces, index, &begin, &end);
+    uint64_t leaf = b->first[index];
 
     /* The same cuts as were counted. */
     while (begin < end) {
@@ -237,7 +232,8 @@ static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double f
     double const middle = from + (to - from) * 0.125;
 
     b->pieces = bvxi_piece_count(n->triangle_count, NEAR_LEAF_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, stage, from, middle, b->pieces, count_near_leaves, b));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, stage, from, middle, b->pieces, b->n->triangle_count, count_near_leaves, b));
 
     /* How many leaves a piece makes shows only after it was cut, so all are counted before any is written. */
     for (int32_t i = 0; i < b->pieces; i++) b->first[i + 1] += b->first[i];
@@ -246,7 +242,7 @@ static bvx_status make_near_leaves(bvx_context *ctx, const char *stage, double f
                         &n->leaves));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n->leaf_count * sizeof *b->boxes, "the search tree's boxes",
                         &b->boxes));
-    return bvxi_parallel(ctx, stage, middle, to, b->pieces, fill_near_leaves, b);
+    return bvxi_for_pieces(ctx, stage, middle, to, b->pieces, b->n->triangle_count, fill_near_leaves, b);
 }
 
 /* ---- Nodes ---- */

@@ -234,22 +234,20 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
     bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
     int const keep = job->options->thin == BVX_THIN_KEEP;
     bvxi_walls walls;
-    bvx_status status;
 
     /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
     walls.beside = walls.parts = keep;
-    status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls));
-    if (status == BVX_OK && walls.count != 0)
-        status = BVXI_SHARE(job->ctx, 0.7, 0.8, bvxi_walls_ask(&walls, 1.0));
-    if (status == BVX_OK) bvxi_tell_walls(&walls, r);
-    if (status == BVX_OK && r->thin_voxels != 0 && keep) {
-        status = BVXI_SHARE(job->ctx, 0.8, 1.0, bvxi_thicken(&walls, &b->solid, &b->thin));
+    BVXI_TRY(bvxi_walls_open(&walls));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls)));
+    if (walls.count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.7, 0.8, bvxi_walls_ask(&walls, 1.0)));
+    bvxi_tell_walls(&walls, r);
+    if (r->thin_voxels != 0 && keep) {
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.8, 1.0, bvxi_thicken(&walls, &b->solid, &b->thin)));
         job->report.thin_kept |= i == 0 ? BVX_KEPT_A : BVX_KEPT_B;
     }
     bvxi_walls_close(&walls);
-    return status;
+    return BVX_OK;
 }
 
 /* A body without a voxel: as many as show its thin walls, and the thinnest
@@ -311,7 +309,7 @@ static bvx_status judge_result(boolean_job *job)
 
     /* An empty intersection is an answer, not an error. */
     if (job->report.voxels == 0) return BVX_OK;
-    BVXI_TRY(bvx_grid_content(job->ctx, &job->inside, &box));
+    bvxi_grid_content(&job->inside, &box);
     for (int a = 0; a < 3; a++) longest = box.size[a] > longest ? box.size[a] : longest;
     if (longest < BVXI_BOOLEAN_FEW) advise_boolean(job, BVX_FEW_RESULT, longest, BVXI_BOOLEAN_WANTED);
     return BVX_OK;
@@ -367,14 +365,12 @@ static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
         /* A vertex of each place stands for all that are there. */
         uint32_t *representative;
         uint64_t different;
-        bvx_status status;
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "a mesh's pieces", &piece[i]));
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places",
                             &representative));
-        status = bvxi_weld(job->ctx, mesh, representative, &different);
-        if (status == BVX_OK) bvxi_pieces(mesh, representative, piece[i]);
+        BVXI_TRY(bvxi_weld(job->ctx, mesh, representative, &different));
+        bvxi_pieces(mesh, representative, piece[i]);
         bvxi_drop(job->ctx, representative);
-        BVXI_TRY(status);
     }
     return BVX_OK;
 }
@@ -426,7 +422,6 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     double const from = 0.05, part = 0.35;
     uint32_t const triangles = job->report.sharp ? BVXI_TRIANGLES : 0;
     bvxi_nearest *nearest = NULL;
-    bvx_status status;
 
     /* Only ends of edges on which the result and this body both change: all other centres would be measured
      * for nothing. */
@@ -440,17 +435,10 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(ctx, boolean_name, "measure", from, part), b->mesh, &job->lattice,
                                &nearest));
     bvxi_nearest_prefer_planes(nearest);
-    status = bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->values);
+    BVXI_TRY(bvxi_nearest_fill(bvxi_call_of(ctx, NULL, "measure", part, 1.0), nearest, guess, &b->values));
     bvxi_nearest_close(ctx, nearest);
-    if (status == BVX_OK) bvxi_thin_values(&b->thin, &b->values);
-    return status;
-}
-
-static void close_body(boolean_job *job, boolean_body *b)
-{
-    bvxi_sparse_close(job->ctx, &b->values);
-    bvxi_thin_close(job->ctx, &b->thin);
-    bvxi_drop(job->ctx, b->solid.words);
+    bvxi_thin_values(&b->thin, &b->values);
+    return BVX_OK;
 }
 
 /* ---- The surface ---- */
@@ -537,8 +525,6 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     status = boolean_steps(&job, result);
     /* Only what the library made is freed. */
     if (status != BVX_OK && mine) bvx_mesh_free(context, result); /* made, but not put back */
-    bvxi_drop(context, job.inside.words);
-    for (int32_t i = 2; i-- > 0;) close_body(&job, &job.body[i]);
     if (status == BVX_OK && o.report != NULL) *o.report = job.report;
     return status;
 }

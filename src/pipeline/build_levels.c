@@ -86,14 +86,6 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, b
 
 /* ---- The plan ---- */
 
-static void corners_of(const bvx_mesh_view *mesh, uint64_t t, double p[3][3])
-{
-    uint32_t v[3];
-
-    bvxi_view_triangle(mesh, t, v);
-    for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-}
-
 /* Triangles of the finest level; by error the mesh's own. */
 static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uint64_t triangles)
 {
@@ -156,8 +148,8 @@ static uint64_t piece_volumes(const bvx_mesh_view *surface, const uint32_t *piec
         double p[3][3];
         uint32_t v[3];
 
-        corners_of(surface, t, p);
         bvxi_view_triangle(surface, t, v);
+        for (int k = 0; k < 3; k++) bvxi_view_position(surface, v[k], p[k]);
         /* The volume of the tetrahedron with the origin, by its sign. */
         volume[piece[v[0]]] += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                                 p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +

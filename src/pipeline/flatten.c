@@ -548,6 +548,36 @@ static bvx_status aim_vertices(flatten_job *f)
     return BVX_OK;
 }
 
+static bvx_status move_around(flatten_job *f)
+{
+    BVXI_TRY(bvxi_alloc_zero(f->ctx, BVXI_SCRATCH, f->mesh->vertex_count * 4,
+                             "the vertices around thin walls", &f->local));
+    BVXI_TRY(open_around(f));
+    return move_vertices(f);
+}
+
+bvx_status bvxi_move_apart(bvx_context *ctx, const char *function, const bvx_grid *window, uint32_t *number,
+                           uint64_t count, const double *to, bvx_mesh *mesh)
+{
+    flatten_job f = {.ctx = ctx, .function = function, .window = window, .mesh = mesh, .number = number};
+    bvx_mesh_view view;
+
+    if (count == 0) return BVX_OK;
+    f.count = count;
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, count * sizeof *f.moved, "the vertices that move", &f.moved));
+    for (uint64_t v = 0; v < view.vertex_count; v++) {
+        flatten_vertex *const m = number[v] != 0 ? &f.moved[number[v] - 1] : NULL;
+
+        if (m == NULL) continue;
+        bvxi_view_position(&view, v, m->from);
+        memcpy(m->to, to + 3 * v, sizeof m->to);
+        m->vertex = (uint32_t)v;
+        m->changed = 1;
+    }
+    return move_around(&f);
+}
+
 bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count,
                         bvx_mesh *mesh)
 {
@@ -569,8 +599,5 @@ bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices beside thin walls", &f.number));
     f.count = list_moved(&f);
     if (f.count != 0) BVXI_TRY(aim_vertices(&f));
-    if (f.count != 0)
-        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices around thin walls", &f.local));
-    if (f.count != 0) BVXI_TRY(open_around(&f));
-    return bvxi_scratch_end(ctx, mark, f.count != 0 ? move_vertices(&f) : BVX_OK);
+    return bvxi_scratch_end(ctx, mark, f.count != 0 ? move_around(&f) : BVX_OK);
 }

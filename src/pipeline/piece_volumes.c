@@ -165,6 +165,5 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
             BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid[i])));
     }
     *agree = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
-    for (int i = 2; i-- > 0;) bvxi_drop(ctx, grid[i].words);
     return BVX_OK;
 }

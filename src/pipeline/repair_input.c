@@ -180,8 +180,6 @@ static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representa
     }
     for (uint64_t n = 0; n < count; n++)
         if (crosses[pieces[n].mark]) pieces[n].turned = pieces[n].volume6 < 0;
-    bvxi_drop(ctx, crosses);
-    bvxi_drop(ctx, pair);
     return BVX_OK;
 }
 
@@ -197,7 +195,7 @@ static bvx_status turn_inside_out(bvxi_repair_job *job, const uint32_t *represen
     uint64_t found = 0;
 
     bvxi_mark_inside_out(pieces, count);
-    BVXI_TRY(mark_crossing(job, representative, by, pieces, count));
+    BVXI_TRY(BVXI_SCOPE(job->ctx, mark_crossing(job, representative, by, pieces, count)));
     for (uint64_t n = 0; n < count; n++) found += pieces[n].turned;
     /* Where every piece is inside out the solid is the same as where none is: nothing to turn. */
     if (found == 0 || found == count) return BVX_OK;

@@ -36,7 +36,7 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
     BVXI_TRY(bvxi_repair_lattice(job, job->options->resolution));
-    return bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right);
+    return BVXI_SCOPE(job->ctx, bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right));
 }
 
 bvx_status bvxi_repair_needs(bvxi_repair_job *job)
@@ -108,16 +108,13 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     uint32_t *representative = NULL, *number = NULL;
     uint64_t different;
     bvx_mesh_view view;
-    bvx_status status = bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative);
 
-    if (status == BVX_OK)
-        status = BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_weld(job->ctx, job->given, representative, &different));
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number);
-    if (status == BVX_OK) status = write_copy(job, representative, number, copy);
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, bytes, "the vertices' places", &representative));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_weld(job->ctx, job->given, representative, &different)));
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, bytes, "the copy's vertices", &number));
+    BVXI_TRY(write_copy(job, representative, number, copy));
     bvxi_drop(job->ctx, number);
     bvxi_drop(job->ctx, representative);
-    if (status != BVX_OK) return status;
 
     /* Nothing was made sharp: the copy has the edges that the mesh has. */
     job->report.copied = 1;

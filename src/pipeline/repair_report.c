@@ -63,8 +63,6 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
     }
     for (uint64_t i = 0; i < job->grid_bytes / 8; i++)
         job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
-    bvxi_drop(job->ctx, grid[1].words);
-    bvxi_drop(job->ctx, grid[0].words);
     return BVX_OK;
 }
 
@@ -119,8 +117,6 @@ static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *re
         job->report.mean_off_caps = report.mean_a_to_b;
         job->report.max_off_caps = report.max_a_to_b;
     }
-    bvxi_drop(job->ctx, corner);
-    bvxi_drop(job->ctx, far);
     return BVX_OK;
 }
 
@@ -148,7 +144,7 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
     double *world;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
     BVXI_TRY(move_result(job, repaired, world, result));
-    BVXI_TRY(measure_off_caps(job, result));
+    BVXI_TRY(BVXI_SCOPE(job->ctx, measure_off_caps(job, result)));
     bvxi_drop(job->ctx, world);
     return BVX_OK;
 }
@@ -197,7 +193,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.25, compare_handles(job)));
 
     if (job->options->measure || has_other_size(&job->report))
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, count_overlaps(job)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }

@@ -41,5 +41,14 @@ enum { BVXI_FLAT_BODIES = 2 };
  * vertex is of the bodies that differ at the ends of its edge. */
 bvx_status bvxi_flatten(bvx_context *ctx, const char *function, const bvxi_flat_body *bodies, int32_t count,
                         bvx_mesh *mesh);
+/* flatten.c: vertices go to places of their own as far as no triangles cross. number: of each vertex 0, or one
+ * of 1 to count; to: of each [Size: vertices * 3]. window: around the mesh. The caller frees scratch. */
+bvx_status bvxi_move_apart(bvx_context *ctx, const char *function, const bvx_grid *window, uint32_t *number,
+                           uint64_t count, const double *to, bvx_mesh *mesh);
+
+/* round_bars.c: bars of the solid inside, a few voxels thick, get the volume that body has there. The caller
+ * frees scratch. */
+bvx_status bvxi_round_bars(bvx_context *ctx, const char *function, const bvx_grid *inside,
+                           const bvx_mesh_view *body, bvx_mesh *surface);
 
 #endif

@@ -67,15 +67,11 @@ static double projected_area(const choose_job *job, uint64_t t)
     return area;
 }
 
-static void project_piece(void *user, int32_t index, int32_t worker)
+static void project_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     choose_job *const job = user;
     uint64_t const step = job->view->triangle_count / job->looked_at;
-    uint64_t begin, end;
     double sum = 0;
-
-    (void)worker;
-    bvxi_piece(job->looked_at, job->pieces, index, &begin, &end);
 
     /* Evenly spread over the mesh: neighbours in a file are often neighbours in space. */
     for (uint64_t i = begin; i < end; i++) sum += projected_area(job, i * step);
@@ -88,7 +84,7 @@ static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
     uint64_t const all = job->view->triangle_count;
     job->looked_at = all < CHOOSE_TRIANGLES ? all : CHOOSE_TRIANGLES;
     job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, "choose", 0.0, 1.0, job->pieces, project_piece, job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
     for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
 
     /* What was looked at stands for all. */

@@ -4,6 +4,7 @@
  * must lie within the tolerance of it, so all of their points do. Triangles without area anywhere: flat when
  * all corners lie within the tolerance of the first. Doubles, in one stated order: the same on every
  * machine. */
+#include "mesh/facet.h"
 #include "refine/refine.h"
 
 static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const int32_t origin[3],
@@ -22,12 +23,7 @@ static void flat_corners(const bvxi_refine_job *job, uint32_t triangle, const in
 /* Twice the area's square; *n becomes the normal. */
 static double flat_normal(double p[3][3], double n[3])
 {
-    double u[3], v[3];
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    for (int a = 0; a < 3; a++) n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+    bvxi_facet_cross((const double(*)[3])p, n);
     return n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
 }
 

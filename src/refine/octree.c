@@ -205,24 +205,6 @@ static int octree_has_voxel(const bvx_octree *tree, const int32_t v[3])
     return v[0] >= 0 && v[0] < d[0] && v[1] >= 0 && v[1] < d[1] && v[2] >= 0 && v[2] < d[2];
 }
 
-static void find_octree_voxels(void *user, int32_t index, int32_t worker)
-{
-    octree_places *const job = user;
-    uint64_t begin, end;
-
-    (void)worker;
-    bvxi_piece(job->count, job->pieces, index, &begin, &end);
-    job->bad[index] = job->count;
-    for (uint64_t i = begin; i < end; i++) {
-        /* A piece ends at its first bad voxel: the least number of all pieces is reported. */
-        if (!octree_has_voxel(job->tree, job->voxels + 3 * i)) {
-            job->bad[index] = i;
-            return;
-        }
-        find_octree_leaf(job->tree, job->voxels + 3 * i, &job->leaves[i]);
-    }
-}
-
 /* The voxel that holds a point; 0 when none does, -1 when the point is not finite. */
 static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_t v[3])
 {
@@ -239,23 +221,29 @@ static int octree_voxel_of_point(const bvx_octree *tree, const double *p, int32_
     return inside;
 }
 
-static void find_octree_points(void *user, int32_t index, int32_t worker)
+static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     octree_places *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->count, job->pieces, index, &begin, &end);
     job->bad[index] = job->count;
     for (uint64_t i = begin; i < end; i++) {
+        const int32_t *voxel = job->voxels + 3 * i;
         int32_t v[3];
-        int const found = octree_voxel_of_point(job->tree, job->points + 3 * i, v);
+        int found;
+
+        if (job->points != NULL) {
+            found = octree_voxel_of_point(job->tree, job->points + 3 * i, v);
+            voxel = v;
+        } else {
+            found = octree_has_voxel(job->tree, voxel) ? 1 : -1;
+        }
+        /* A piece ends at its first bad place: the least number of all pieces is reported. */
         if (found < 0) {
             job->bad[index] = i;
             return;
         }
         if (found) {
-            find_octree_leaf(job->tree, v, &job->leaves[i]);
+            find_octree_leaf(job->tree, voxel, &job->leaves[i]);
 
             /* Outside of the lattice is outside of the body; level 255 says that no leaf holds the point. */
         } else {
@@ -272,15 +260,13 @@ enum { PLACE_GRAIN = 4096 };
 static bvx_status find_octree_places(bvx_context *ctx, const char *function, const void *given,
                                      const char *name, octree_places *job, uint64_t *bad)
 {
-    bvx_task_fn *const task = job->points != NULL ? find_octree_points : find_octree_voxels;
-
     *bad = job->count;
     BVXI_TRY(bvxi_octree_check(ctx, function, job->tree));
     if (job->count == 0) return BVX_OK;
     if (given == NULL) return bvxi_fail_null(ctx, function, name);
     if (job->leaves == NULL) return bvxi_fail_null(ctx, function, "leaves");
     job->pieces = bvxi_piece_count(job->count, PLACE_GRAIN);
-    BVXI_TRY(bvxi_parallel(ctx, "octree", 0.0, 1.0, job->pieces, task, job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "octree", 0.0, 1.0, job->pieces, job->count, find_octree_range, job));
 
     /* From the last piece down, so that the first bad place stays. */
     for (int32_t i = job->pieces; i-- > 0;)

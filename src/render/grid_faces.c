@@ -64,17 +64,13 @@ static void add_voxel_corners(const bvxi_grid_scene *s, int32_t i, int32_t j, in
 }
 
 /* The extremes of a row are at its first and last voxel. */
-static void extent_of_rows(void *user, int32_t index, int32_t worker)
+static void extent_of_rows(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const bvxi_grid_scene *const s = user;
     const bvx_grid *const g = s->grid;
     bvxi_camera_extent e = bvxi_camera_nothing;
-    uint64_t begin, end;
-
-    (void)worker;
 
     /* Each piece has an extent of its own; the largest of all does not depend on their order. */
-    bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         int32_t j, k, first, last;
         bvxi_kept_row(s->begin, s->end, row, &j, &k);
@@ -90,7 +86,6 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
-    bvx_status status;
 
     for (int a = 0; a < 3; a++)
         if (s->begin[a] == s->end[a])
@@ -98,10 +93,10 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), GRID_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
-    status = bvxi_parallel(ctx, "render", 0.0, 0.1, s->pieces, extent_of_rows, s);
-    for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
+    BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.1, s->pieces, bvxi_kept_rows(s->begin, s->end),
+                             extent_of_rows, s));
+    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_drop(ctx, s->extent);
-    BVXI_TRY(status);
 
     /* Three reasons for an empty picture have three messages. */
     if (all.low[0] > all.high[0])

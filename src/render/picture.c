@@ -180,9 +180,7 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     p->image = image;
 
     /* Depths and samples live only as long as the two passes. */
-    status = draw_and_shade(ctx, p, samples);
-    bvxi_drop(ctx, p->raster.id);
-    bvxi_drop(ctx, p->raster.depth);
+    status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
     if (status == BVX_OK) return BVX_OK;
     bvx_image_free(ctx, &image);
     memset(&p->image, 0, sizeof p->image);

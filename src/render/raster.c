@@ -218,12 +218,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
     return BVX_OK;
 }
 
-void bvxi_triangle_bins_close(bvx_context *ctx, bvxi_triangle_bins *bins)
-{
-    bvxi_drop(ctx, bins->triangle);
-    bvxi_drop(ctx, bins->begin);
-}
-
 /* ---- A triangle clipped against a box, plane after plane ---- */
 
 /* Source: Sutherland, Hodgman. Reentrant Polygon Clipping. 1974.

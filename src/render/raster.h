@@ -61,7 +61,6 @@ typedef struct bvxi_triangle_bins {
 
 bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, int32_t bands,
                                    bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins);
-void bvxi_triangle_bins_close(bvx_context *ctx, bvxi_triangle_bins *bins);
 
 /* ---- What a box leaves of a triangle ---- */
 

@@ -56,16 +56,13 @@ static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
 
 /* ---- where the mesh lies in the view ---- */
 
-static void extent_of_piece(void *user, int32_t index, int32_t worker)
+static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const bvxi_mesh_scene *const s = user;
     bvxi_camera_extent e = bvxi_camera_nothing;
-    uint64_t begin, end;
     uint32_t c[3];
     double p[3], q[3];
 
-    (void)worker;
-    bvxi_piece(s->view->triangle_count, s->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         /* What is cut has other corners than the mesh. */
         if (s->cut.on) {
@@ -88,16 +85,15 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
     uint64_t size;
-    bvx_status status;
 
     /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
-    status = bvxi_parallel(ctx, "render", 0.0, 0.05, s->pieces, extent_of_piece, s);
-    for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
+    for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_drop(ctx, s->extent);
-    BVXI_TRY(status);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
     bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
@@ -285,9 +281,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
     take_scene_cut(&s, low, high);
     status = make_scene(context, &s);
-    bvxi_drop(context, s.normal);
-    bvxi_triangle_bins_close(context, &s.bins);
-    bvxi_drop(context, s.vertex);
     if (status != BVX_OK) return status;
 
     bvx_image_free(context, image);

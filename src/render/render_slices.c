@@ -38,15 +38,12 @@ typedef struct slice_sheet {
 
 /* ---- the box of the set ---- */
 
-static void box_of_piece(void *user, int32_t index, int32_t worker)
+static void box_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const slice_sheet *const s = user;
     const bvx_grid *const g = s->grid;
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_kept_rows(s->begin, s->end), s->pieces, index, &begin, &end);
     /* The row's first and last set voxel are its part in the box. */
     for (uint64_t row = begin; row < end; row++) {
         int32_t first[3], last[3];
@@ -69,7 +66,6 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
     uint64_t size;
-    bvx_status status;
 
     /* The cut is what may be shown; the box of what is set in it is what will be. */
     bvxi_grid_cut(s->grid, s->options.cut_low, s->options.cut_high, s->begin, s->end);
@@ -79,14 +75,14 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), SLICES_GRAIN);
     size = (uint64_t)s->pieces * sizeof *s->box;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the sheet's boxes", &s->box));
-    status = bvxi_parallel(ctx, "render", 0.0, 0.3, s->pieces, box_of_piece, s);
-    for (int32_t i = 0; i < s->pieces && status == BVX_OK; i++)
+    BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.3, s->pieces, bvxi_kept_rows(s->begin, s->end),
+                             box_of_piece, s));
+    for (int32_t i = 0; i < s->pieces; i++)
         for (int a = 0; a < 3; a++) {
             low[a] = s->box[i][0][a] < low[a] ? s->box[i][0][a] : low[a];
             high[a] = s->box[i][1][a] > high[a] ? s->box[i][1][a] : high[a];
         }
     bvxi_drop(ctx, s->box);
-    BVXI_TRY(status);
     if (high[0] < 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set in what is shown", s->function);
 

@@ -10,13 +10,6 @@ int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle)
     return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
 }
 
-static int any_crossing(void *user, uint32_t t)
-{
-    (void)user;
-    (void)t;
-    return 1;
-}
-
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
                           const double *p)
 {
@@ -34,7 +27,7 @@ int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const 
         a[1] = at[link[i]].p;
         a[2] = at[link[i + 1]].p;
         /* Where triangles crossed in the mesh they may go on. */
-        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, any_crossing, NULL)) return 1;
+        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, NULL, NULL)) return 1;
 
         for (int32_t j = 0; j < i && !came; j++) {
             const double *b[3] = {p, NULL, NULL};

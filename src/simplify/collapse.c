@@ -88,9 +88,7 @@ static double sides_of(const double *a, const double *b, const double *c)
     return bvxi_vec_distance2(a, b) + bvxi_vec_distance2(b, c) + bvxi_vec_distance2(c, a);
 }
 
-enum { STAR_SAFE, STAR_TURNS, STAR_NEEDLE, STAR_CROSSES };
-
-/* Do the triangles of the star keep their sides when their vertex moves to p? */
+/* 1: the triangles of the star keep their sides, and their shapes, when their vertex moves to p. */
 static int judge_shapes(const bvxi_corners *m, const bvxi_edge_planned *plan, const collapse_star *star,
                         const double *p, int needles)
 {
@@ -109,22 +107,22 @@ static int judge_shapes(const bvxi_corners *m, const bvxi_edge_planned *plan, co
         before_square = bvxi_vec_dot(before, before);
 
         /* No area, or NaN: nothing below could judge its side. */
-        if (!(n_square > 0)) return STAR_NEEDLE;
+        if (!(n_square > 0)) return 0;
 
         /* What had no area has no side to keep. */
         cosine = bvxi_vec_dot(n, before);
         if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * n_square * before_square) &&
             before_square > 0)
-            return STAR_TURNS;
+            return 0;
 
         /* A needle may stay one where the collapse makes it no thinner. */
         if (needles) continue;
         sides = sides_of(p, a, b);
         if (BVXI_LIKELY(n_square >= NEEDLE_SHAPE * NEEDLE_SHAPE * sides * sides)) continue;
         sides_before = sides_of(apex, a, b);
-        if (!(n_square * sides_before * sides_before > before_square * sides * sides)) return STAR_NEEDLE;
+        if (!(n_square * sides_before * sides_before > before_square * sides * sides)) return 0;
     }
-    return STAR_SAFE;
+    return 1;
 }
 
 /* ---- Collapsing ---- */
@@ -143,7 +141,7 @@ typedef struct collapse_range {
     collapse_star star;
     uint32_t order;
     uint64_t collapsed, triangles; /* that went */
-    bvxi_collapse_counts counts;
+    uint64_t refused;
 } collapse_range;
 
 /* Take a triangle out from between its two other edges, which become one; corner is opposite to the
@@ -257,13 +255,12 @@ static int judge_at(const collapse_sweep *s, const bvxi_edge_planned *plan, cons
 {
     const bvxi_collapse *const c = s->c;
     const double *const from = c->mesh.at[plan->u].p;
-    int verdict;
 
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, from[k] + d[k] / c->scale);
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) memcpy(p, from, 3 * sizeof *p);
-    verdict = judge_shapes(&c->mesh, plan, star, p, needles);
-    if (verdict != STAR_SAFE || c->tree.node[0] == NULL) return verdict;
-    return bvxi_collapse_crosses(c, plan->u, plan->v, star->link, star->count, p) ? STAR_CROSSES : STAR_SAFE;
+    return judge_shapes(&c->mesh, plan, star, p, needles) &&
+           (c->tree.node[0] == NULL ||
+            !bvxi_collapse_crosses(c, plan->u, plan->v, star->link, star->count, p));
 }
 
 /* Where the best position turns triangles over, the ends and the middle may not, at no more than twice the cost
@@ -273,15 +270,15 @@ static int judge_elsewhere(const collapse_sweep *s, bvxi_edge_planned *plan, con
 {
     const double *const offset = plan->offset;
 
-    if (plan->still || s->c->options.vertices == BVX_VERTICES_KEPT) return STAR_TURNS;
+    if (plan->still || s->c->options.vertices == BVX_VERTICES_KEPT) return 0;
     for (int i = 0; i < 3; i++) {
         double const d[3] = {0.5 * i * offset[0], 0.5 * i * offset[1], 0.5 * i * offset[2]};
 
         if (bvxi_quadric_at(&plan->all, d) > 2 * cost) continue;
         memcpy(plan->d, d, sizeof plan->d);
-        if (judge_at(s, plan, star, d, needles, p) == STAR_SAFE) return STAR_SAFE;
+        if (judge_at(s, plan, star, d, needles, p)) return !is_crumpled(s, plan, d);
     }
-    return STAR_TURNS;
+    return 0;
 }
 
 /* A refused edge may be safe after its neighbours have gone: it costs four times as much as those that were tried. */
@@ -289,10 +286,13 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
 {
     bvxi_collapse *const c = s->c;
     float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
+    uint32_t const x = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
+    uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
 
     bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
-    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge)));
-    bvxi_edge_find_least(c, bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge)));
+    bvxi_edge_find_least(c, x);
+    bvxi_edge_find_least(c, y);
+    c->stale[x] = c->stale[y] = 1;
 }
 
 static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)
@@ -321,37 +321,28 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     uint32_t const y = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
     bvxi_edge_planned plan;
     double p[3];
-    int verdict, needles;
 
     if (range != RANGE_ALL && (!in_range(s, (uint64_t)range, x) || !in_range(s, (uint64_t)range, y))) {
         c->waits[v] = 1;
         return;
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
-    if (!bvxi_edge_plan(c, edge, &plan) || !gather_star(m, &plan, &r->star)) {
-        r->counts.link++;
-        refuse(s, edge, c->least[v]);
-        return;
-    }
-    if (range != RANGE_ALL && !star_in_range(s, (uint64_t)range, &r->star)) {
-        c->waits[v] = 1;
-        return;
-    }
+    if (bvxi_edge_plan(c, edge, &plan) && !is_crumpled(s, &plan, plan.d) && gather_star(m, &plan, &r->star)) {
+        /* What was refused once may leave needles: thin plates cannot do without. */
+        double const cost = (double)c->least[v];
+        int const needles = plan.cost * 2 < cost;
 
-    /* What was refused once may leave needles: thin plates cannot do without. */
-    needles = plan.cost * 2 < (double)c->least[v];
-    verdict = judge_at(s, &plan, &r->star, plan.d, needles, p);
-    if (verdict != STAR_SAFE &&
-        judge_elsewhere(s, &plan, &r->star, (double)c->least[v], needles, p) == STAR_SAFE)
-        verdict = STAR_SAFE;
-    if (verdict == STAR_SAFE && !is_crumpled(s, &plan, plan.d)) {
-        apply(c, &plan, p, r);
-        return;
+        if (range != RANGE_ALL && !star_in_range(s, (uint64_t)range, &r->star)) {
+            c->waits[v] = 1;
+            return;
+        }
+        if (judge_at(s, &plan, &r->star, plan.d, needles, p) ||
+            judge_elsewhere(s, &plan, &r->star, cost, needles, p)) {
+            apply(c, &plan, p, r);
+            return;
+        }
     }
-    r->counts.turned += verdict == STAR_TURNS;
-    r->counts.needle += verdict == STAR_NEEDLE;
-    r->counts.crossed += verdict == STAR_CROSSES;
-    r->counts.crumpled += verdict == STAR_SAFE;
+    r->refused++;
     refuse(s, edge, c->least[v]);
 }
 
@@ -453,13 +444,7 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
     c->mesh.left -= r->triangles;
     c->alive -= r->collapsed;
     c->counts.collapsed += r->collapsed;
-    c->counts.link += r->counts.link;
-    c->counts.turned += r->counts.turned;
-    c->counts.needle += r->counts.needle;
-    c->counts.crossed += r->counts.crossed;
-    c->counts.crumpled += r->counts.crumpled;
-    c->refused += r->counts.link + r->counts.turned + r->counts.needle + r->counts.crossed +
-                  r->counts.crumpled;
+    c->counts.refused += r->refused;
 }
 
 static bvx_status sweep_ranges(collapse_sweep *s)
@@ -498,9 +483,9 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     choose_threshold(&s, wanted < share ? wanted : share, idle);
 
     /* Before edges that cost far more those that were refused are looked at anew. */
-    if ((double)s.threshold > DEARER * (double)c->reached && c->refused != 0) {
+    if ((double)s.threshold > DEARER * (double)c->reached &&
+        memchr(c->stale, 1, (size_t)c->mesh.vertices) != NULL) {
         BVXI_TRY(bvxi_collapse_evaluate(c));
-        c->refused = 0;
         choose_threshold(&s, wanted < share ? wanted : share, idle);
     }
     if (s.threshold > c->reached) c->reached = s.threshold;

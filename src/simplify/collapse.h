@@ -8,7 +8,7 @@ typedef struct bvxi_collapse bvxi_collapse;
 
 /* What became of the edges that were tried. */
 typedef struct bvxi_collapse_counts {
-    uint64_t collapsed, link, turned, needle, crossed, crumpled;
+    uint64_t collapsed, refused;
     uint64_t split; /* vertices of several fans, when it was opened */
 } bvxi_collapse_counts;
 

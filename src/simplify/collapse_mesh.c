@@ -72,6 +72,9 @@ static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, do
     c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
     BVXI_TRY(collapse_within(c, target, from, to));
     order = c->order;
+
+    /* A closed mesh keeps its Euler characteristic and has four vertices at least: fewer triangles are out of reach. */
+    if (c->mesh.ghosts == 0 && target + 2 * c->alive < c->mesh.left + 8) return BVX_OK;
     while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
         c->crumpled = c->crumpled * CRUMPLED_STEP < CRUMPLED_MOST ? c->crumpled * CRUMPLED_STEP
                                                                   : CRUMPLED_MOST;
@@ -90,7 +93,8 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
     int met;
 
-    c->counted = 0;
+    c->listed = 0;
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     met = c->mesh.left <= target;
@@ -475,7 +479,7 @@ static bvx_status open_arrays(bvxi_collapse *c)
 
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * sizeof *c->undo, "what undoes collapses", &c->undo));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 16, "the vertices' edges", &c->least));
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 3 * n, "the vertices' kinds", &c->kind));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, 4 * n, "the vertices' kinds", &c->kind));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, m->triangles * 12, "the mesh's corners", &c->origin));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the mesh's vertices", &c->first_source));
     c->first_triangles = m->triangles;
@@ -487,8 +491,10 @@ static bvx_status open_arrays(bvxi_collapse *c)
     c->last = (uint32_t *)(void *)(c->any + n);
     c->waits = c->kind + n;
     c->fresh = c->waits + n;
+    c->stale = c->fresh + n;
 
     memset(c->last, 0xff, (size_t)n * sizeof *c->last);
+    memset(c->stale, 1, (size_t)n);
     for (uint64_t t = 0; t < m->triangles + m->ghosts; t++)
         for (int k = 0; k < 3; k++) m->triangle[t].cost[k] = COLLAPSE_NEVER;
     bvxi_collapse_index(c);
@@ -567,6 +573,7 @@ void bvxi_collapse_close(bvxi_collapse *c)
     bvxi_drop(c->ctx, c->tree.node[0]);
     bvxi_attributes_close(c);
     bvxi_drop(c->ctx, c->from);
+    bvxi_drop(c->ctx, c->pairs);
     bvxi_drop(c->ctx, c->came);
     bvxi_drop(c->ctx, c->now);
     bvxi_drop(c->ctx, c->first_source);

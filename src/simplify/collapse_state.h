@@ -63,6 +63,7 @@ struct bvxi_collapse {
     uint8_t *kind;       /* VERTEX_... */
     uint8_t *waits;      /* 1: its edge reaches into another range */
     uint8_t *fresh;      /* 1: it has changed since the level was judged */
+    uint8_t *stale;      /* 1: an edge of it has another cost than bvxi_edge_evaluate finds, at both of its ends */
     collapse_undo *undo; /* of vertices that are gone */
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 
@@ -76,12 +77,12 @@ struct bvxi_collapse {
     uint64_t first_triangles, first_vertices;
     crossing_tree tree; /* while collapses are looked at one by one: node[0] is not NULL */
     uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
-    uint64_t crossings; /* pairs of the level, where counted is 1 */
-    int counted;
+    uint32_t *pairs;    /* that crossed when the level was judged, or NULL [Size: crossings * 2] */
+    uint64_t crossings;
+    int listed; /* 1: all of the level's were looked for */
 
-    float reached;    /* cost of the dearest edges that were tried */
-    uint64_t refused; /* edges, since all were looked at */
-    double crumpled;  /* mean edges that a vertex may lie from the planes that it stands for */
+    float reached;   /* cost of the dearest edges that were tried */
+    double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
     double scale;     /* quadrics measure lengths in units of 1 / scale, the mesh's size */
     double area;      /* of the mesh as it was opened, in the same units */
     double low[3];
@@ -103,10 +104,10 @@ static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
 
 /* edge_costs.c: 1 along borders and seams, which vertices on lines may collapse along. */
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
-/* edge_costs.c: a corner of each vertex; its cheapest edge by the costs that stand beside the edges. */
+/* edge_costs.c: a corner of each vertex; the cheapest edge by the costs beside them of each that is stale or has none. */
 void bvxi_collapse_index(bvxi_collapse *c);
 void bvxi_collapse_find_least(bvxi_collapse *c);
-/* edge_costs.c: evaluate all edges, and the cheapest of each vertex. */
+/* edge_costs.c: evaluate all edges between stale vertices, and the cheapest of each of them. */
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c);
 /* One round of collapses, the cheapest edges of all vertices; *done counts them. idle: sweeps without one. */
 bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint64_t *done);

@@ -118,12 +118,6 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
     return 1;
 }
 
-/* Either end may stay. */
-static int may_swap(const bvxi_collapse *c, const bvxi_edge_planned *plan)
-{
-    return freedom(c, plan->u) == freedom(c, plan->v);
-}
-
 /* Everything is about u, near the edge: the same sums about the origin would cancel most of their digits. */
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
@@ -136,7 +130,6 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
     plan->cost = plan->all.c > 0 ? plan->all.c : 0;
 }
 
-/* Where an edge's ends would meet, and what it costs; 0: nowhere. */
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
 {
     int const kept = c->options.vertices == BVX_VERTICES_KEPT;
@@ -144,7 +137,7 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 
     if (!plan_ends(c, edge, plan)) return 0;
     join_ends(c, plan);
-    if (plan->still && !may_swap(c, plan)) return 1;
+    if (plan->still && freedom(c, plan->u) != freedom(c, plan->v)) return 1;
 
     /* Nearly parallel planes meet far away, exactly but uselessly: a vertex there would be a spike. */
     if (!kept && !plan->still && solve_least(plan->all.a, plan->all.b, plan->d)) {
@@ -224,7 +217,6 @@ float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge)
     return cost < COLLAPSE_NEVER ? cost : COLLAPSE_NEVER;
 }
 
-/* The cheapest edge of a vertex, by the costs beside them. */
 void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
 {
     const bvxi_corners *const m = &c->mesh;
@@ -255,7 +247,9 @@ static void evaluate_piece(void *user, int32_t index, int32_t worker)
 
     bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
     for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
-        if (bvxi_corner_gone(m, 4 * t)) continue;
+        const uint32_t *const v = m->triangle[t].vertex;
+
+        if (bvxi_corner_gone(m, 4 * t) || c->stale[v[0]] + c->stale[v[1]] + c->stale[v[2]] < 2) continue;
         /* Each edge once, from the smaller corner: ghosts have none. */
         for (int32_t edge = 4 * t; edge < 4 * t + 3; edge++)
             if (edge < bvxi_corner_opposite(m, edge))
@@ -271,7 +265,8 @@ static void least_piece(void *user, int32_t index, int32_t worker)
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
     for (uint64_t v = begin; v < end; v++)
-        if (!bvxi_collapse_is_gone(c, (uint32_t)v)) bvxi_edge_find_least(c, (uint32_t)v);
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v) && (c->stale[v] != 0 || c->edge[v] < 0))
+            bvxi_edge_find_least(c, (uint32_t)v);
 }
 
 void bvxi_collapse_index(bvxi_collapse *c)
@@ -294,10 +289,10 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 {
     bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
     bvxi_collapse_find_least(c);
+    memset(c->stale, 0, (size_t)c->mesh.vertices);
     return BVX_OK;
 }
 
-/* Both ends' quadric, moved to the new position. */
 void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p)
 {
     bvxi_corner_vertex *const at = &c->mesh.at[plan->u];

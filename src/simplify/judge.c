@@ -181,25 +181,28 @@ static bvx_status search_level(bvxi_collapse *c, int all, double from, double to
     return BVX_OK;
 }
 
-/* Keep pairs that have changed: how many others were found along the way must not show. Returns how many. */
-static uint64_t keep_fresh(const bvxi_collapse *c, uint32_t *pairs, uint64_t count)
+/* 1: one of both triangles has changed. */
+static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 {
-    uint64_t kept = 0;
+    int fresh = 0;
 
-    for (uint64_t i = 0; i < count; i++) {
-        int fresh = 0;
+    for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pair[k > 2]].vertex[k % 3]];
+    return fresh;
+}
 
-        for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pairs[2 * i + (k > 2)]].vertex[k % 3]];
-        if (!fresh) continue;
-        memmove(pairs + 2 * kept, pairs + 2 * i, 8);
-        kept++;
-    }
-    return kept;
+/* Pairs that are left and have changed, or have not. */
+static uint64_t count_pairs(const bvxi_collapse *c, const uint32_t *pairs, uint64_t count, int fresh)
+{
+    uint64_t counted = 0;
+
+    for (uint64_t i = 0; i < count; i++, pairs += 2)
+        counted += !bvxi_triangle_gone(&c->mesh.triangle[pairs[0]]) &&
+                   !bvxi_triangle_gone(&c->mesh.triangle[pairs[1]]) && is_fresh_pair(c, pairs) == fresh;
+    return counted;
 }
 
 void bvxi_collapse_end_careful(bvxi_collapse *c)
 {
-    if (c->tree.node[0] != NULL) memset(c->fresh, 0, (size_t)c->mesh.vertices);
     bvxi_drop(c->ctx, c->tree.node[0]);
     c->tree.node[0] = NULL;
 }
@@ -210,11 +213,13 @@ void bvxi_collapse_end_careful(bvxi_collapse *c)
 typedef struct judge_origin {
     uint32_t *now;          /* of each vertex of the mesh: the one that it is part of */
     uint8_t *beside;        /* of each vertex: of a crossing triangle */
-    uint32_t *small, *back; /* vertices of the small mesh, and where they come from */
+    uint32_t *small, *part; /* vertices of the small mesh, and those that they are part of */
     bvxi_corner_vertex *at;
     bvxi_corner_triangle *triangle;
     uint64_t vertices;
     crossing_tree tree;
+    uint32_t looked; /* triangle */
+    uint8_t *came;
 } judge_origin;
 
 static int is_beside(const bvxi_collapse *c, const judge_origin *o, uint64_t t)
@@ -249,14 +254,14 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
         bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * sizeof *o->at, "positions beside crossings", &o->at));
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, count * sizeof *o->triangle, "triangles beside crossings",
                         &o->triangle));
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->back));
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, o->vertices * 4, "vertices beside crossings", &o->part));
     for (uint64_t v = 0; v < c->first_vertices; v++) {
         double p[3];
 
         if (o->small[v] == BVXI_VERTEX_NONE) continue;
         bvxi_view_position(c->view, c->first_source[v], p);
         for (int k = 0; k < 3; k++) o->at[o->small[v]].p[k] = bvxi_collapse_rounded(c, p[k]);
-        o->back[o->small[v]] = (uint32_t)v;
+        o->part[o->small[v]] = o->now[v];
     }
     count = 0;
     for (uint64_t t = 0; t < c->first_triangles; t++) {
@@ -275,13 +280,35 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
 }
 
-/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level; at: progress. */
-static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t count, double at)
+/* The triangle that is looked at crosses another one: what their vertices are part of has come. */
+static int mark_crossing(void *user, uint32_t t)
+{
+    const judge_origin *const o = user;
+
+    if (t == o->looked) return 0;
+    for (int k = 0; k < 6; k++) o->came[o->part[o->triangle[k < 3 ? t : o->looked].vertex[k % 3]]] = 1;
+    return 1;
+}
+
+/* Look for one crossing of each triangle with a vertex beside crossings that is not marked. */
+static void mark_beside(judge_origin *o)
+{
+    for (; o->looked < o->tree.triangles; o->looked++) {
+        const uint32_t *const v = o->triangle[o->looked].vertex;
+        const double *const p[3] = {o->at[v[0]].p, o->at[v[1]].p, o->at[v[2]].p};
+        int open = 0;
+
+        for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
+        if (open)
+            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, mark_crossing, o);
+    }
+}
+
+/* Mark the vertices of triangles that crossed in the mesh, near the crossing pairs of the level. */
+static bvx_status mark_origin(bvxi_collapse *c)
 {
     const bvxi_corners *const m = &c->mesh;
     judge_origin o = {.now = NULL};
-    uint32_t *crossing;
-    uint64_t found;
 
     if (c->came == NULL)
         BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, m->vertices, "marks of crossings", &c->came));
@@ -292,19 +319,20 @@ static bvx_status mark_origin(bvxi_collapse *c, const uint32_t *pairs, uint64_t 
         o.now[v] = bvxi_collapse_now(c, (uint32_t)v);
         o.small[v] = BVXI_VERTEX_NONE;
     }
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < c->crossings; i++) {
+        const uint32_t *const pair = c->pairs + 2 * i;
+
         /* Where both have come already nothing else is to be found. */
-        if (bvxi_collapse_has_come(c, pairs[2 * i]) && bvxi_collapse_has_come(c, pairs[2 * i + 1])) continue;
-        for (int k = 0; k < 6; k++) o.beside[m->triangle[pairs[2 * i + (uint64_t)(k % 2)]].vertex[k / 2]] = 1;
+        if (!is_fresh_pair(c, pair) ||
+            (bvxi_collapse_has_come(c, pair[0]) && bvxi_collapse_has_come(c, pair[1])))
+            continue;
+        for (int k = 0; k < 6; k++) o.beside[m->triangle[pair[k % 2]].vertex[k / 2]] = 1;
     }
     BVXI_TRY(gather_origin(c, &o));
-
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &o.tree, 1, at, at, &crossing, &found));
-    for (uint64_t i = 0; i < 2 * found; i++)
-        for (int k = 0; k < 3; k++) c->came[o.now[o.back[o.triangle[crossing[i]].vertex[k]]]] = 1;
-    bvxi_drop(c->ctx, crossing);
+    o.came = c->came;
+    mark_beside(&o);
     bvxi_drop(c->ctx, o.tree.node[0]);
-    bvxi_drop(c->ctx, o.back);
+    bvxi_drop(c->ctx, o.part);
     bvxi_drop(c->ctx, o.triangle);
     bvxi_drop(c->ctx, o.at);
     bvxi_drop(c->ctx, o.beside);
@@ -350,6 +378,7 @@ static void look_around(judge_found *list, uint32_t v)
 {
     bvxi_collapse *const c = list->c;
     const bvxi_corners *const m = &c->mesh;
+    uint32_t const graph = is_graph(m, v, c->any[v]) ? v : BVXI_VERTEX_NONE;
 
     for (int pass = 0; pass < 2; pass++) {
         int32_t at = c->any[v];
@@ -363,7 +392,7 @@ static void look_around(judge_found *list, uint32_t v)
                 const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
 
                 list->triangle = t;
-                bvxi_crossing_tree_visit(&c->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE,
+                bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
                                          bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
             }
             at = bvxi_corner_turn_left(m, at);
@@ -420,38 +449,38 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
 bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone)
 {
     judge_found list = {.c = c};
-    uint32_t *pairs;
-    uint64_t count;
 
     *undone = 0;
-    BVXI_TRY(search_level(c, all, from, to, &pairs, &count));
-    c->crossings = count;
-    count = keep_fresh(c, pairs, count);
-    memset(c->fresh, 0, (size_t)c->mesh.vertices);
-    if (count != 0) BVXI_TRY(mark_origin(c, pairs, count, to));
-    for (uint64_t i = 0; i < count; i++) {
-        list.triangle = pairs[2 * i];
-        add_pair(&list, pairs[2 * i + 1]);
+    bvxi_drop(c->ctx, c->pairs);
+    BVXI_TRY(search_level(c, all, from, to, &c->pairs, &c->crossings));
+
+    /* How many others were found along the way must not show. */
+    if (count_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
+    for (uint64_t i = 0; i < c->crossings; i++) {
+        list.triangle = c->pairs[2 * i];
+        if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
+    memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
     BVXI_TRY(undo_pairs(&list, undone));
-    c->counts.crossed += *undone;
-    c->counted = all && *undone == 0;
+    c->counts.refused += *undone;
+    c->listed = all;
     bvxi_drop(c->ctx, list.pair);
-    bvxi_drop(c->ctx, pairs);
     return BVX_OK;
 }
 
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 {
     uint32_t *pairs;
+    uint64_t found;
 
-    if (!c->counted) {
-        BVXI_TRY(search_level(c, 1, 0.0, 1.0, &pairs, &c->crossings));
-        bvxi_drop(c->ctx, pairs);
-        bvxi_collapse_end_careful(c);
-    }
-    c->counted = 1;
     *count = c->crossings;
+    if (c->listed && memchr(c->fresh, 1, (size_t)c->mesh.vertices) == NULL) return BVX_OK;
+
+    /* What was found when the level was judged, but where it has changed since. */
+    BVXI_TRY(search_level(c, !c->listed, 0.0, 1.0, &pairs, &found));
+    *count = c->listed ? count_pairs(c, c->pairs, c->crossings, 0) + count_pairs(c, pairs, found, 1) : found;
+    bvxi_drop(c->ctx, pairs);
+    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }

@@ -20,7 +20,7 @@ enum {
     WIDTH = CROSSING_WIDTH,
     BOX_HIGHEST = 32767,
     CROSSING_GRAIN = 64, /* nodes of a task, at least */
-    CROSSING_KEYS = 8192 /* pairs that there is room for before they are counted */
+    CROSSING_KEYS = 32768 /* pairs that there is room for before they are counted */
 };
 
 typedef crossing_node box_node;
@@ -221,23 +221,27 @@ static int same_position(const double *p, const double *q)
     return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
 }
 
-/* What planes leave open: equal positions are one pointer to the exact test. */
-static int crosses_exactly(const bvxi_orient_plane *plane, const double *const p[3], const double *q[3])
-{
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            if (q[k] != p[i] && same_position(q[k], p[i])) q[k] = p[i];
-    return bvxi_triangles_cross_at(plane, p, q) && bvxi_has_area(p) && bvxi_has_area(q);
-}
-
 static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
                    uint64_t t)
 {
     const double *q[3];
+    bvxi_orient_plane other;
+    int joined = 0;
 
     corners_in(tree, t, q);
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
-    return crosses_exactly(plane, p, q);
+    bvxi_orient_plane_of(q, &other);
+    if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
+
+    /* What planes leave open: equal positions are one pointer to the exact test. */
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            if (q[k] == p[i] || !same_position(q[k], p[i])) continue;
+            q[k] = p[i];
+            joined = 1;
+        }
+    return (joined ? bvxi_triangles_cross_at(plane, p, q) : bvxi_triangles_cross_rest(p, q)) &&
+           bvxi_has_area(p) && bvxi_has_area(q);
 }
 
 /* 1: both have a vertex whose triangles lie side by side, and so meet in nothing else. */
@@ -466,7 +470,7 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
-        if (crosses(tree, plane, p, t) && visit(user, (uint32_t)t)) return 1;
+        if (crosses(tree, plane, p, t) && (visit == NULL || visit(user, (uint32_t)t))) return 1;
 next:;
     }
     return 0;

@@ -42,7 +42,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
                                uint32_t **pairs, uint64_t *count);
 
 /* Call visit for each triangle that crosses the one with corners p, but those with a vertex u or v, or one that skip
- * marks (NULL: none), until it returns 1; returns what it returned last, or 0. */
+ * marks (NULL: none), until it returns 1; returns what it returned last, or 0. visit NULL: 1 where there is any. */
 typedef int crossing_visit(void *user, uint32_t t);
 int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3], uint32_t u, uint32_t v,
                              const uint8_t *skip, crossing_visit *visit, void *user);

@@ -5,6 +5,7 @@
 #include "simplify/collapse.h"
 #include "core/vec3.h"
 #include "mesh/mesh.h"
+#include "mesh/view.h"
 
 #include <math.h>
 
@@ -65,31 +66,31 @@ static bvx_status measure_level(bvx_context *ctx, bvxi_level_chain *c, const bvx
 static double smallest_angle(const bvx_mesh *level)
 {
     bvx_mesh_view view;
-    double least = BVXI_PI;
+    double least = BVXI_PI, least_x = 0, least_y = 0;
 
     bvx_mesh_view_of(level, &view);
     for (uint64_t t = 0; t < level->triangle_count; t++) {
         double p[3][3];
 
-        for (int k = 0; k < 3; k++)
-            for (int a = 0; a < 3; a++) {
-                uint64_t const at = 3 * (uint64_t)level->triangles[3 * t + (uint64_t)k] + (uint64_t)a;
-                p[k][a] = level->position_type == BVX_F64 ? ((const double *)level->positions)[at]
-                                                          : (double)((const float *)level->positions)[at];
-            }
+        for (int k = 0; k < 3; k++) bvxi_view_position(&view, level->triangles[3 * t + (uint64_t)k], p[k]);
         for (int k = 0; k < 3; k++) {
-            double u[3], v[3], n[3], angle;
+            double u[3], v[3], n[3], x, y, angle;
 
             for (int a = 0; a < 3; a++) {
                 u[a] = p[(k + 1) % 3][a] - p[k][a];
                 v[a] = p[(k + 2) % 3][a] - p[k][a];
             }
-            for (int a = 0; a < 3; a++)
-                n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-            /* Not atan2, which C libraries round differently. */
-            angle = bvxi_angle(u[0] * v[0] + u[1] * v[1] + u[2] * v[2],
-                               sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
-            if (angle < least) least = angle;
+            bvxi_vec_cross(u, v, n);
+            x = bvxi_vec_dot(u, v);
+            y = bvxi_vec_length(n);
+
+            /* Most are wider, by more than rounding. Not atan2, which C libraries round differently. */
+            if (least_x > 0 && x * least_y < 0.999999 * least_x * y) continue;
+            angle = bvxi_angle(x, y);
+            if (!(angle < least)) continue;
+            least = angle;
+            least_x = x;
+            least_y = y;
         }
     }
     return least * (180 / BVXI_PI);
@@ -121,23 +122,20 @@ static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvx
 static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
                                int met)
 {
-    const bvxi_collapse_counts *const counts = bvxi_collapse_tried(collapse);
-    bvx_mesh_view view;
     bvx_level_report *r;
 
-    bvx_mesh_view_of(&c->levels[i], &view);
     if (c->reports == NULL) return BVX_OK;
 
     r = &c->reports[i];
     memset(r, 0, sizeof *r);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, certify_level(ctx, c, collapse, &c->levels[i], r)));
-    r->vertices = view.vertex_count;
-    r->triangles = view.triangle_count;
+    r->vertices = c->levels[i].vertex_count;
+    r->triangles = c->levels[i].triangle_count;
     r->target = target_of(c, i);
     r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
     r->met = met;
     r->least_angle = smallest_angle(&c->levels[i]);
-    r->refused = counts->link + counts->turned + counts->needle + counts->crossed + counts->crumpled;
+    r->refused = bvxi_collapse_tried(collapse)->refused;
 
     /* By error the level has been measured while it was looked for. */
     r->measured = c->target_errors != NULL || c->measure_samples != 0;
@@ -291,13 +289,6 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
     return status;
 }
 
-static bvx_status reach_target(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse,
-                               int *met)
-{
-    return c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, met)
-                                    : make_by_count(c, i, collapse, met);
-}
-
 /* By count the collapse went as far as it could; by error it had nothing to take back. */
 static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
 {
@@ -318,7 +309,9 @@ static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, 
     double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made, reach_target(ctx, c, i, collapse, &met)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
+                        c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
+                                                 : make_by_count(c, i, collapse, &met)));
     if (c->strict && !met) return refuse_missed(ctx, c, i);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }

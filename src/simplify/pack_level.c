@@ -39,11 +39,11 @@ static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
         m->at[kept] = m->at[v];
         m->source[kept] = m->source[v];
         c->kind[kept] = c->kind[v];
+        c->stale[kept] = c->stale[v];
         if (c->came != NULL) c->came[kept] = c->came[v];
     }
     m->vertices = c->alive;
     memset(c->waits, 0, (size_t)m->vertices);
-    memset(c->fresh, 0, (size_t)m->vertices);
     memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
 }
 

@@ -85,13 +85,11 @@ static uint64_t sum_any(const balance_work *w, uint64_t begin, uint64_t end, uin
     return t;
 }
 
-static void sum_triangles(void *user, int32_t piece, int32_t worker)
+static void sum_triangles(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     balance_work *const w = user;
-    uint64_t begin, end, stop;
-    (void)worker;
+    uint64_t stop;
 
-    bvxi_piece(w->view->triangle_count, w->pieces, piece, &begin, &end);
     stop = bvxi_view_packed_u32(w->view) ? sum_packed(w, begin, end, &w->sum[piece])
                                          : sum_any(w, begin, end, &w->sum[piece]);
     w->bad[piece] = stop < end ? stop : UINT64_MAX;
@@ -111,7 +109,7 @@ bvx_status bvxi_edges_balance(bvx_context *ctx, const bvxi_solid_job *job, doubl
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' numbers", &w.mixed));
     BVXI_TRY(BVXI_SHARE(ctx, at, at,
                         bvxi_for(ctx, "solid", job->view->vertex_count, BALANCE_GRAIN, mix_vertices, &w)));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, w.pieces, sum_triangles, &w));
+    BVXI_TRY(bvxi_for_pieces(ctx, "solid", at, at, w.pieces, w.view->triangle_count, sum_triangles, &w));
     bvxi_drop(ctx, w.mixed);
 
     /* Sums modulo 2^64: in any order the same. */

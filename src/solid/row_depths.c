@@ -38,13 +38,10 @@ static int32_t depths_of_row(const depth_work *w, int32_t *c, uint32_t n)
     return depths;
 }
 
-static void look_at_depths(void *user, int32_t piece, int32_t worker)
+static void look_at_depths(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     depth_work *const w = user;
-    uint64_t begin, end;
-    (void)worker;
 
-    bvxi_piece(w->lists->rows, w->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++) {
         uint64_t const first = row == 0 ? 0 : w->lists->row_end[row - 1], n = w->lists->row_end[row] - first;
 
@@ -61,8 +58,8 @@ static bvx_status look_at_depth_block(bvx_context *ctx, bvxi_solid_job *job, con
 
     w.pieces = bvxi_piece_count(lists->rows, DEPTH_GRAIN);
     if (w.pieces > DEPTH_PIECES) w.pieces = DEPTH_PIECES;
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
-                           w.pieces, look_at_depths, &w));
+    BVXI_TRY(bvxi_for_pieces(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                             w.pieces, w.lists->rows, look_at_depths, &w));
     for (int32_t i = 0; i < w.pieces; i++) *depths |= w.depths[i];
     return BVX_OK;
 }

@@ -76,13 +76,10 @@ BVXI_AVX2 static int snap_range_avx2(const snap_job *job, uint64_t begin, uint64
 }
 #endif
 
-static void snap_piece(void *user, int32_t index, int32_t worker)
+static void snap_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     snap_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->view->vertex_count, job->pieces, index, &begin, &end);
 #if BVXI_HAVE_AVX2
     if (job->cpu == BVX_CPU_AVX2) {
         job->bad[index] = !snap_range_avx2(job, begin, end);
@@ -167,7 +164,7 @@ bvx_status bvxi_snap(bvx_context *ctx, const char *function, const bvx_mesh_view
     BVXI_TRY(bvxi_snap_scale(ctx, function, lattice, job.scale));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 12 + 4, "the snapped vertices", &out->xyz));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->vertex_count * 4, "the vertices' rows", &out->cell));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", 0.0, 0.1, job.pieces, snap_piece, &job));
+    BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.0, 0.1, job.pieces, job.view->vertex_count, snap_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) any_bad |= job.bad[i];
     /* Gone over once more only where something did not fit. */
     if (any_bad) BVXI_TRY(snap_judge(ctx, function, &job, lattice));

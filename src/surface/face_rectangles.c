@@ -100,40 +100,23 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
 
 /* ---- planes ---- */
 
-static uint64_t cut_across_y(const face_merge *m, uint64_t *bits, int32_t j, uint64_t at)
+/* Across y or z, at the corners of index i along it. */
+static uint64_t cut_across(const face_merge *m, uint64_t *bits, int32_t axis, int32_t i, uint64_t at)
 {
     const bvxi_faces *const f = m->f;
-    int32_t const words = f->grid->words_per_row, nz = f->grid->size[2];
+    int32_t const words = f->grid->words_per_row, rows = f->grid->size[3 - axis];
 
     /* The two sides apart: faces that look the other way never join a rectangle. */
     for (int32_t positive = 0; positive < 2; positive++) {
-        for (int32_t k = 0; k < nz; k++) {
-            const uint64_t *const before = bvxi_face_voxels(f, j - 1, k);
-            const uint64_t *const here = bvxi_face_voxels(f, j, k);
+        for (int32_t r = 0; r < rows; r++) {
+            const uint64_t *const before = axis == 1 ? bvxi_face_voxels(f, i - 1, r)
+                                                     : bvxi_face_voxels(f, r, i - 1);
+            const uint64_t *const here = axis == 1 ? bvxi_face_voxels(f, i, r) : bvxi_face_voxels(f, r, i);
             for (int32_t w = 0; w < words; w++)
-                bits[(size_t)k * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
+                bits[(size_t)r * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
                                                                        : here[w] & ~before[w];
         }
-        face_plane const plane = {bits, nz, words, 1, positive, j};
-        at = cut_plane(m, &plane, at);
-    }
-    return at;
-}
-
-static uint64_t cut_across_z(const face_merge *m, uint64_t *bits, int32_t k, uint64_t at)
-{
-    const bvxi_faces *const f = m->f;
-    int32_t const words = f->grid->words_per_row, ny = f->grid->size[1];
-
-    for (int32_t positive = 0; positive < 2; positive++) {
-        for (int32_t j = 0; j < ny; j++) {
-            const uint64_t *const before = bvxi_face_voxels(f, j, k - 1);
-            const uint64_t *const here = bvxi_face_voxels(f, j, k);
-            for (int32_t w = 0; w < words; w++)
-                bits[(size_t)j * (size_t)words + (size_t)w] = positive ? before[w] & ~here[w]
-                                                                       : here[w] & ~before[w];
-        }
-        face_plane const plane = {bits, ny, words, 2, positive, k};
+        face_plane const plane = {bits, rows, words, axis, positive, i};
         at = cut_plane(m, &plane, at);
     }
     return at;
@@ -184,8 +167,8 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     int32_t const across_y = task - f->words, across_z = across_y - (f->grid->size[1] + 1);
     uint64_t const from = m->list != NULL ? m->before[task] : 0;
     uint64_t const to = across_y < 0   ? cut_across_x(m, bits, task, from)
-                        : across_z < 0 ? cut_across_y(m, bits, across_y, from)
-                                       : cut_across_z(m, bits, across_z, from);
+                        : across_z < 0 ? cut_across(m, bits, 1, across_y, from)
+                                       : cut_across(m, bits, 2, across_z, from);
 
     /* The first run only counts. Prefix sums then give every task its place in the list, whichever worker
      * comes first. */

@@ -235,6 +235,5 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
             else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
         }
     }
-    bvxi_drop(ctx, f->rows);
     return status;
 }

@@ -319,17 +319,14 @@ static void place_slot(cut_walk *k, uint64_t slot)
     }
 }
 
-void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker)
+void bvxi_cuts_piece(void *cuts, int32_t piece, uint64_t begin, uint64_t end)
 {
     const bvxi_cuts *const c = cuts;
     cut_walk k;
-    uint64_t begin, end;
 
-    (void)worker;
     memset(&k, 0, sizeof k);
     k.cuts = c;
     k.bodies = c->values->second != NULL ? 2 : 1;
-    bvxi_piece(c->march->slot_count, c->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) place_slot(&k, s);
 
     /* What is still waiting, before the worker's list goes. */

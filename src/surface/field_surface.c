@@ -175,7 +175,8 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 {
     uint64_t const bytes = (uint64_t)c->march->pieces * (BVXI_CUT_KINDS + 1) * sizeof *c->piece_counts;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the counts of cuts", &c->piece_counts));
-    BVXI_TRY(bvxi_parallel(ctx, "vertices", 0.0, 1.0, c->march->pieces, bvxi_cuts_piece, c));
+    BVXI_TRY(bvxi_for_pieces(ctx, "vertices", 0.0, 1.0, c->march->pieces, c->march->slot_count,
+                             bvxi_cuts_piece, c));
     report_cuts(c, report);
     bvxi_drop(ctx, c->piece_counts);
     return BVX_OK;
@@ -218,9 +219,6 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
-    bvxi_drop(ctx, plain.triangles);
-    bvxi_drop(ctx, plain.positions);
-    bvxi_drop(ctx, c->planes);
     return BVX_OK;
 }
 

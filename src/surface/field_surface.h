@@ -95,7 +95,7 @@ typedef struct bvxi_cuts {
 } bvxi_cuts;
 
 /* field_cuts.c: place the vertices of the slots of a piece. */
-void bvxi_cuts_piece(void *cuts, int32_t piece, int32_t worker);
+void bvxi_cuts_piece(void *cuts, int32_t piece, uint64_t begin, uint64_t end);
 
 struct bvxi_cut_edge;
 /* edge_cut.c: the cut of an edge both of whose ends have values, from the ratio that their vectors

@@ -115,13 +115,11 @@ static uint64_t turn_sides(const bvxi_sharp_work *w, uint64_t slot, const bvxi_c
     return count;
 }
 
-static void sharp_turn_piece(void *work, int32_t piece, int32_t worker)
+static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-    uint64_t begin, end, count = 0;
+    uint64_t count = 0;
 
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
         /* No sharp cell in this row. */
@@ -309,13 +307,11 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
     BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w));
     kept = number_apexes(&w, count);
     /* Sides are turned when all apexes are known. */
-    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.6, 0.8, march->pieces, sharp_turn_piece, &w));
+    BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
+                             sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));
     for (int32_t p = 0; p < march->pieces; p++) report->flipped_edges += w.counts[p];
     report->sharp_cells = kept;
     report->sharp_taken_back = count - kept;
-    bvxi_drop(ctx, w.loops);
-    bvxi_drop(ctx, w.counts);
-    bvxi_drop(ctx, w.first);
     return BVX_OK;
 }

@@ -85,16 +85,13 @@ static inline void bin_triangle(bin_job *b, uint64_t *next, const int32_t r[4], 
         }
 }
 
-static void bin_piece(void *user, int32_t index, int32_t worker)
+static void bin_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     bin_job *const b = user;
     bvxi_surface_job *const job = b->job;
     const uint32_t *const cell = job->snapped.cell;
     uint64_t *const next = b->next[index];
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->view->triangle_count, b->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         uint32_t corner[3];
         int32_t r[4];
@@ -129,7 +126,8 @@ static uint64_t place_surface_bins(bin_job *b)
 
 static bvx_status run_bins(bvx_context *ctx, const char *function, bin_job *b)
 {
-    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.1, 0.2, b->pieces, bin_piece, b));
+    BVXI_TRY(
+        bvxi_for_pieces(ctx, "surface", 0.1, 0.2, b->pieces, b->job->view->triangle_count, bin_piece, b));
     /* The order of pieces is that of triangles: the message names the first that is wrong. */
     for (int32_t i = 0; i < b->pieces; i++)
         if (b->bad[i] != UINT64_MAX) return bvxi_view_fail_index(ctx, function, b->job->view, b->bad[i]);

@@ -202,8 +202,6 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
             labels[i].size[a] = e->high[a] - e->low[a] + 1;
         }
     }
-    bvxi_drop(t->ctx, order);
-    bvxi_drop(t->ctx, keys);
     return BVX_OK;
 }
 
@@ -227,9 +225,6 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u labels, the array holds %u",
                          labels_name, t.count, capacity);
     else if (labels != NULL && t.count != 0) BVXI_TRY(give_labels(&t, volume->sample_type % 2 == 0, labels));
-    free_label_slots(&t);
-    bvxi_key_tree_close(context, &t.tree);
-    bvxi_drop(context, t.entries);
     return BVX_OK;
 }
 

@@ -139,8 +139,6 @@ static bvx_status group_loops(bvx_context *ctx, bvxi_sheet *s)
         join_nodes(bvxi_sheet_group(s, range[2 * count], m), bvxi_sheet_group(s, m, range[2 * count + 1]),
                    &s->group[m]);
     }
-    bvxi_drop(ctx, range);
-    bvxi_drop(ctx, key);
     return BVX_OK;
 }
 
@@ -190,6 +188,6 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->loops * sizeof *sheet->group, "the groups of holes",
                         &sheet->group));
     fill_sheet(sheet);
-    BVXI_TRY(group_loops(ctx, sheet));
+    BVXI_TRY(BVXI_SCOPE(ctx, group_loops(ctx, sheet)));
     return bvxi_sheet_tree_open(ctx, sheet, &sheet->tree);
 }

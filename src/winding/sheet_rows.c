@@ -135,9 +135,6 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
         job->worker[w].block.pending = pending + (uint64_t)w * cells;
     BVXI_TRY(bvxi_parallel(ctx, "solid", from, to, job->columns, turns_column, job));
     for (int32_t c = 0; c < job->columns; c++) *odd += job->odd_rows[c];
-    bvxi_drop(ctx, pending);
-    bvxi_drop(ctx, job->odd_rows);
-    bvxi_drop(ctx, job->worker);
     return BVX_OK;
 }
 

@@ -53,8 +53,6 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, number, count));
     for (uint64_t t = 0; t < count; t++) memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
-    bvxi_drop(ctx, listed);
-    bvxi_drop(ctx, number);
     return BVX_OK;
 }
 
@@ -228,7 +226,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the triangles' places", &keys));
 
     /* Counted first, so that cells are made in their exact number; then the same walk fills them. */
-    BVXI_TRY(order_sheet(ctx, s, tree, keys));
+    BVXI_TRY(BVXI_SCOPE(ctx, order_sheet(ctx, s, tree, keys)));
     cut_sheet_cells(keys, tree);
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, tree->cells * sizeof *tree->cell, "the sheet's cells", &tree->cell));

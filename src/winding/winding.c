@@ -95,8 +95,8 @@ static bvx_status wind_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
     turns.crossed = &crossed;
     turns.rule = wind_rows;
     turns.ties = 1;
-    status = bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, part), bvxi_solid_progress(job, to),
-                            &w->report->unbalanced_rows);
+    status = BVXI_SCOPE(ctx, bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, part),
+                                            bvxi_solid_progress(job, to), &w->report->unbalanced_rows));
     bvxi_row_lists_free(ctx, &crossed);
     return status;
 }

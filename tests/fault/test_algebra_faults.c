@@ -121,20 +121,6 @@ static bvx_status cover(void *user, bvx_context *ctx)
     return status;
 }
 
-static bvx_status find_content(void *user, bvx_context *ctx)
-{
-    static const bvx_window empty = {{0, 0, 0}, {0, 0, 0}};
-    bvx_window w;
-    bvx_status status;
-
-    (void)user;
-    memset(&w, 0x55, sizeof w);
-    status = bvx_grid_content(ctx, &a, &w);
-    if (status == BVX_OK) mark = bvx_hash(&w, sizeof w, 0);
-    else left_behind |= memcmp(&w, &empty, sizeof w) != 0;
-    return status;
-}
-
 static bvx_status crop(void *user, bvx_context *ctx)
 {
     bvx_window const w = {{5, 6, 7}, {70, 60, 50}};
@@ -207,7 +193,6 @@ static fault_row cases[] = {
     {"complement", invert, 1, 1, 0},
     {"downsample", reduce, 1, 1, 0},
     {"coverage", cover, 1, 1, 0},
-    {"content", find_content, 1, 1, 0},
     {"crop", crop, 1, 1, 0},
     {"pad", pad, 1, 1, 0},
     {"permute", permute, 1, 1, 0},

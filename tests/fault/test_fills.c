@@ -178,27 +178,6 @@ static bvx_status below(void *user, bvx_context *ctx)
     return fill_by(ctx, &holes_view, &o);
 }
 
-static bvx_status compare(void *user, bvx_context *ctx)
-{
-    static const bvx_fill_comparison untouched = {{0}, 0, 0, 0, 0, 0, 0, {0}};
-    bvx_compare_fills_options o = {.struct_size = sizeof o};
-    bvx_fill_comparison c = untouched;
-    bvx_grid differ = {0}, lost = {0};
-    bvx_status status;
-
-    (void)user;
-    o.disagreeing = &differ;
-    o.lost = &lost;
-    o.close_gaps = 1;
-    status = bvx_compare_fills(ctx, &holes_view, &lattice, &o, &c);
-    left_behind |= status != BVX_OK &&
-                   (memcmp(&c, &untouched, sizeof c) != 0 || differ.words != NULL || lost.words != NULL);
-    if (status == BVX_OK) mark = bvx_hash(&c, sizeof c, 0);
-    bvx_grid_free(ctx, &differ);
-    bvx_grid_free(ctx, &lost);
-    return status;
-}
-
 static bvx_status seed(void *user, bvx_context *ctx)
 {
     static const bvx_seed untouched = {{0, 0, 0}, 0, 0, 0, {0}, 0, 0, {0}};
@@ -237,10 +216,10 @@ static bvx_status grid_fill(void *user, bvx_context *ctx)
 }
 
 static fault_row fills[] = {
-    {"vote", vote, 4, 1, 0},       {"regions", regions, 4, 1, 0}, {"flood", flood, 4, 1, 0},
-    {"below", below, 4, 1, 0},     {"compare", compare, 4, 1, 0}, {"seed", seed, 4, 1, 0},
-    {"pockets", pockets, 4, 1, 0}, {"fill", grid_fill, 4, 1, 0},  {"overlap", overlap, 4, 1, 0},
-    {"auto", automatic, 4, 1, 0},  {"losses", losses, 4, 1, 0},   {"sides", sides, 4, 1, 0},
+    {"vote", vote, 4, 1, 0},      {"regions", regions, 4, 1, 0}, {"flood", flood, 4, 1, 0},
+    {"below", below, 4, 1, 0},    {"seed", seed, 4, 1, 0},       {"pockets", pockets, 4, 1, 0},
+    {"fill", grid_fill, 4, 1, 0}, {"overlap", overlap, 4, 1, 0}, {"auto", automatic, 4, 1, 0},
+    {"losses", losses, 4, 1, 0},  {"sides", sides, 4, 1, 0},
 };
 
 /* ---- Tests ---- */

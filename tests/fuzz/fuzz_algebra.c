@@ -2,6 +2,7 @@
  * identities of sets hold, coverage adds up, in place equals anew, threads equal
  * one, booleans of meshes are certified and their solids those of the grids. */
 #include "fuzz_input.h"
+#include "grid/grid.h"
 
 static uint64_t fuzz_count(bvx_context *ctx, const bvx_grid *grid)
 {
@@ -86,7 +87,7 @@ static void fuzz_moves(bvx_context *ctx, fuzz_input *in, const bvx_grid *a)
     fuzz_grids_equal(&home, a, "axes changed and changed back");
     fuzz_must(ctx, bvx_grid_pad(ctx, a, low, high, &padded));
     fuzz_require(fuzz_count(ctx, &padded) == fuzz_count(ctx, a), "padding that changed the set");
-    fuzz_must(ctx, bvx_grid_content(ctx, a, &content));
+    bvxi_grid_content(a, &content);
     if (content.size[0] != 0) {
         fuzz_must(ctx, bvx_grid_crop(ctx, a, &content, &cropped));
         fuzz_require(fuzz_count(ctx, &cropped) == fuzz_count(ctx, a),

@@ -1,26 +1,7 @@
-/* fuzz_calls.c - what else is done with random meshes and their grids: comparisons, distances, carrying,
+/* fuzz_calls.c - what else is done with random meshes and their grids: distances, carrying,
  * dense fields, slices to sections and back to bodies, normals, trees chosen and asked, pictures, files by
  * parts. Many threads give what one gives. */
 #include "fuzz_input.h"
-
-static void fuzz_compare(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
-{
-    bvx_compare_fills_options o = {.struct_size = sizeof o};
-    bvx_fill_comparison c;
-    bvx_grid lost = {0};
-    uint64_t set = 0;
-
-    o.close_gaps = fuzz_range(in, 0, 2);
-    o.lost = &lost;
-    if (fuzz_good(ctx, bvx_compare_fills(ctx, &m->view, lattice, &o, &c))) {
-        fuzz_must(ctx, bvx_grid_count(ctx, &lost, &set));
-        fuzz_require(set == c.lost_voxels, "lost voxels that are not those counted");
-        if (m->closed)
-            fuzz_require(c.set[BVX_FILL_VOTE] == c.set[BVX_FILL_PARITY],
-                         "vote and parity differ on a closed mesh");
-    }
-    bvx_grid_free(ctx, &lost);
-}
 
 static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
 {
@@ -244,7 +225,7 @@ static void fuzz_one(fuzz_input *in)
         o.position_type = BVX_F64;
         fuzz_must(ctx, bvx_extract_surface(ctx, &solid, &o, &surface));
         switch (fuzz_range(in, 0, 7)) {
-        case 0: fuzz_compare(ctx, in, &m, &lattice); break;
+        case 0:
         case 1: fuzz_dense(ctx, in, &m, &lattice); break;
         case 2:
             if (surface.triangle_count > 0) fuzz_slices(ctx, other, in, &surface);

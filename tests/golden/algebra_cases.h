@@ -34,8 +34,8 @@ static void moved_values(golden *g, const bvx_grid *a)
     static const double origin[3] = {-2.5, -2, -1}, spacing[3] = {0.07, 0.05, 0.03};
     static const int32_t dims[3] = {70, 80, 66};
 
-    if (golden_good(g, bvx_grid_content(g->context, a, &content)))
-        combined(g, "crop", bvx_grid_crop(g->context, a, &content, &made), &made);
+    bvxi_grid_content(a, &content);
+    combined(g, "crop", bvx_grid_crop(g->context, a, &content, &made), &made);
     combined(g, "pad", bvx_grid_pad(g->context, a, low, high, &made), &made);
     combined(g, "permute", bvx_grid_permute(g->context, a, axes, flips, &made), &made);
     if (golden_good(g, bvx_lattice_make(g->context, origin, spacing, dims, &other)))

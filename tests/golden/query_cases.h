@@ -121,7 +121,6 @@ static void question_cases(golden *g)
     bvx_lattice lattice;
     bvx_grid parity = {0}, conservative = {0}, filled = {0};
     bvx_mesh surface = {0};
-    bvx_fill_comparison fills;
     bvx_seed seed;
     int32_t pocket[3] = {0, 0, 0};
     uint64_t pockets = 0, vertices = 0, triangles = 0;
@@ -139,8 +138,6 @@ static void question_cases(golden *g)
             golden_u64(g, "vertices", vertices);
         if (golden_good(g, bvx_faces_count(g->context, &parity, NULL, &vertices, &triangles)))
             golden_u64(g, "faces", triangles);
-        if (golden_good(g, bvx_compare_fills(g->context, &view, &lattice, NULL, &fills)))
-            golden_u64(g, "lost", fills.lost_voxels);
         if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed)))
             golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
         if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&

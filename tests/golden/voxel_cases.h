@@ -82,6 +82,7 @@ static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, i
     static const char *const rule[] = {"parity", "nonzero", "vote", "flood", "regions", "below", "winding"};
     bvx_lattice lattice;
 
+    if (golden_skips(g, name)) return;
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
         for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_WINDING; fill++) {

@@ -122,7 +122,7 @@ def check_program(tree, folder):
         status, out, err = run(program, 'faces', box, '-o', os.path.join(tree, 'faces.ply'), '--resolution', '16', '--json', *more)
         volumes.append(float(re.search(r'"volume": ([-0-9.e+]+)', out)[1]) if status == 0 else err)
     check('program: --inward turns the sign of the volume', volumes[0] == -volumes[1] and volumes[0] > 0, volumes)
-    for words, place in ((['help', 'faces'], 'help'), (['help', '--man'], 'man page'), (['help', '--bash-completion'], 'completion')):
+    for words, place in ((['faces', '--help-all'], 'help'), (['help', '--man'], 'man page'), (['help', '--bash-completion'], 'completion')):
         text = run(program, *words)[1].replace('\\-', '-')
         check(f'program: the {place} tells of --inward', '--inward' in text)
     status, _, err = run(program, 'info', box, '--inward')
@@ -167,7 +167,7 @@ def main():
             shutil.copy(name, tree)
         follow(tree)
         build = os.path.join(tree, 'build')
-        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}', 'CFLAGS=-O0']
+        make = [os.environ.get('MAKE_COMMAND', 'make'), '-s', f'-j{os.cpu_count() or 1}', f'BUILD={build}', f'CC={CC}', 'CFLAGS=-O0', 'THREADS=posix']
         clean = {k: v for k, v in os.environ.items() if k not in ('MAKEFLAGS', 'MFLAGS', 'MAKELEVEL', 'MAKEOVERRIDES', 'BITVOX', 'BUILD')}
         status, out, err = run(*make, 'library', 'program', cwd=tree, env=clean)
         if check('the tree builds', status == 0, (out + err)[-2000:]):

@@ -125,9 +125,9 @@ why() { # WORDS, FILE, ARGUMENTS...
     else not_ok "measured, $why" "status $status: $(grep levels out)"; fi
     rm -f w.ply
 }
-why --solid holes.obj --solid
+why --solid holes.obj --solid --resolution 96
 holds 'holes are counted' says '^holes closed: [0-9]+, the longest '
-why --solid flipped.obj --solid
+why --solid flipped.obj --solid --resolution 96
 why --solid two.obj --solid
 why --solid "$knot" --solid
 why --resolution "$knot" --resolution 64
@@ -151,7 +151,7 @@ why --solid flat.obj --solid
 holds 'a triangle becomes a shell' says '^made into shells: 1 triangles that enclose nothing'
 why --no-sharp flat.obj --shell 4 --no-sharp
 reports 'a measured surface in --json' 'r["levels"]["solid"] is True and r["repair"]["holes"] > 0 and
-r["meshes"][0]["solid"] is True and r["levels"]["surface_triangles"] > 10000 and max(r["lattice"]["dims"]) > 64' lod holes.obj -o l.ply --triangles 2000 --samples 0 --solid
+r["meshes"][0]["solid"] is True and r["levels"]["surface_triangles"] > 5000 and max(r["lattice"]["dims"]) > 64' lod holes.obj -o l.ply --triangles 2000 --samples 0 --solid --resolution 96
 rm -f l.ply l_?.ply
 
 # Without it what is given is kept.

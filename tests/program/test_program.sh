@@ -18,7 +18,7 @@ holds 'without a command: the commands are listed' grep -q 'voxelize' err
 commands=$("$program" help | awk '/^  [a-z]/ { print $1 }')
 holds 'the overview names the commands' test "$(echo "$commands" | grep -c -x -E 'lod|info|voxelize|render')" = 4
 # shellcheck disable=SC2086
-for words in help --help help/lod info/-h --version help/--man help/--bash-completion $(printf '%s/--help ' $commands); do
+for words in help --help help/lod info/-h --version help/--man help/--bash-completion $(printf '%s/--help %s/--help-all ' $(echo "$commands" | sed 'p')); do
     words=$(echo "$words" | tr / ' ')
     # shellcheck disable=SC2086
     run $words
@@ -33,7 +33,12 @@ mkdir example bin
 ln -s "$program" bin/bitvox
 ln -s "$root/fixtures" example/fixtures
 for command in $commands; do
-    "$program" "$command" --help | sed '1,/^examples*:$/d' >examples
+    "$program" "$command" --help | awk '/^  -/ { print $1 }' >few
+    "$program" "$command" --help-all | awk '/^  -/ { print $1 }' >all
+    holds "the help of $command: at most 15 options, all of them options" \
+        test "$(wc -l <few)" -le 15 -a "$(grep -c -x -F -f all few)" = "$(wc -l <few)" -a "$(wc -l <few)" -ge 10
+    holds "the help of $command: at most two examples" test "$("$program" "$command" --help | sed '1,/^examples*:$/d' | wc -l)" -le 2
+    "$program" "$command" --help-all | sed '1,/^examples*:$/d' >examples
     holds "$command has an example" test -s examples
     while IFS= read -r example; do
         # shellcheck disable=SC2086
@@ -69,7 +74,7 @@ END
     holds 'completion: files behind --' test "$(complete_as info -- -)" = FILES
     holds 'completion: help' test "$(complete_as help --m)" = --man
     for command in $commands; do
-        "$program" "$command" --help | awk '/^  -/ { print $1 }' | sort >wanted
+        "$program" "$command" --help-all | awk '/^  -/ { print $1 }' | sort >wanted
         complete_as "$command" - | tr ' ' '\n' | grep . | sort >offered
         holds "completion: all options of $command" cmp wanted offered
     done
@@ -91,10 +96,10 @@ if has man && man --version 2>/dev/null | grep -q '^man [0-9]'; then
 fi
 sed 's/\\f[BIR]//g; s/\\-/-/g; s/\\e/\\/g; s/\\&//g' bitvox.1 >plain.txt
 for command in $commands; do
-    "$program" "$command" --help | awk '/^  -/ { print $1 }' | while read -r option; do
+    "$program" "$command" --help-all | awk '/^  -/ { print $1 }' | while read -r option; do
         grep -q -e "^$option\( \|\$\)" plain.txt || echo "$option"
     done >lacking
-    "$program" "$command" --help | sed '1,/^examples*:$/d; s/^  //' | while IFS= read -r example; do
+    "$program" "$command" --help-all | sed '1,/^examples*:$/d; s/^  //' | while IFS= read -r example; do
         grep -q -x -F -e "$example" plain.txt || echo "$example"
     done >>lacking
     grep -q -F "bitvox $command " plain.txt || echo "$command" >>lacking
@@ -618,7 +623,7 @@ P
     done <<'W'
 info KNOT --crossings
 info WAVES
-voxelize KNOT -o x.bvx --resolution 40 --compare-fills
+voxelize KNOT -o x.bvx --resolution 40
 voxelize KNOT -o x_shell.bvx --resolution 40 --mode conservative
 voxelize KNOT -o x_field.nrrd --resolution 40 --mode field
 lod KNOT -o x.glb --levels 24,12 --samples 1000

@@ -114,6 +114,9 @@ printf 'CSLC\n2 1\n1 3 1 0 0 1 0\n0 0 0 4 0 0 4 4 0\n3 1 0 1 2\n2 3 1 0 0 1 -1\n
 gives 'points off their plane' 1 'off its plane' sections off.csl -o x.ply
 printf 'CSLC\n2 1\n1 4 1 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0\n4 1 0 1 2 3\n2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n' >cross.csl
 gives 'planes that cross' 0 'closed, manifold, oriented' sections cross.csl -o cross.ply --cells 16
+printf 'CSLC\n2 1\n1 8 2 0 0 1 0\n0 0 0 4 0 0 4 4 0 0 4 0 4 4 0 8 4 0 8 8 0 4 8 0\n4 1 0 1 2 3\n4 1 4 5 6 7\n2 4 1 1 0 0 -2\n2 0 -2 2 4 -2 2 4 2 2 0 2\n4 1 0 1 2 3\n' >corner.csl
+gives 'planes that cross: loops that touch' 1 'cross or touch, after their points 0 and 2, near (4, 4, 0); --mend splits loops there' sections corner.csl -o x.ply
+gives 'are mended' 0 '; 2 loops mended' sections corner.csl -o corner.ply --mend --cells 16
 sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
 gives 'a wish for handles of planes that cross' 0 'of handles that no contour needs 0 were filled, 0 cut, and 0 are left' \
     sections cross.csl -o cross.ply --cells 16 --genus 1
@@ -123,7 +126,7 @@ is 'handles, specks and lost loops in a report' \
 gives 'planes that contradict each other' 1 'sections 0 and 1 contradict each other where their planes cross, near (2, ' sections apart.csl -o x.ply
 gives 'contours that are moved to agree' 0 'contours moved at 1 places' sections apart.csl -o cross.ply --agree 2.5
 gives 'cells or spacing' 2 'contradict each other' sections cross.csl -o x.ply --cells 16 --spacing 1
-for option in '--grid 20x20' '--layers 2' '--blend cubic' '--nesting whole' '--crossings classic' '--subdivide 2' --mend '--join 1'; do
+for option in '--grid 20x20' '--layers 2' '--blend cubic' '--nesting whole' '--crossings classic' '--subdivide 2' '--join 1'; do
     gives "planes that cross: $option" 2 "${option%% *} is for parallel planes; those of cross.csl are not" sections cross.csl -o x.ply $option
 done
 gives 'parallel planes: --cells' 2 '--cells is for planes that are not parallel; those of prism.csv are' sections prism.csv -o x.ply --cells 16

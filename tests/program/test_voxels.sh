@@ -106,7 +106,7 @@ reports 'voxelize --mode sampled --json' 'r["surface"]["mode"] == "sampled" and 
 reports 'voxelize --mode thin --json' 'r["surface"] == {"mode": "thin"} and r["set"] > 0' voxelize "$knot" -o x.bvx --mode thin --resolution 70
 reports 'an open mesh has a surface' 'r["set"] > 0 and r["warnings"] == []' voxelize ground.obj -o x.bvx --mode conservative --spacing 1
 rm -f x.bvx
-for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges '--check-thin always' --compare-fills '--base 1' "--second $knot" '--up z'; do
+for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges '--check-thin always' '--base 1' "--second $knot" '--up z'; do
     # shellcheck disable=SC2086
     refuses 2 'is for solids' voxelize "$knot" -o x.bvx --mode thin $option
 done
@@ -188,20 +188,6 @@ reports 'not of a mesh' 'r["warnings"] == []' voxelize low.obj -o x.ply --spacin
 reports 'nor where all is well' 'r["warnings"] == [] and r["solid"]["volume_resolution"] == 0 and abs(r["solid"]["crossing_volume"] - 8) < 1e-6' voxelize two.obj -o x.bvx --spacing 0.1
 rm -f x.bvx
 refuses 2 'has no use with --fill below' voxelize box.obj -o x.bvx --fill below --check-thin always
-
-works 'voxelize --compare-fills' voxelize "$knot" -o x.bvx --resolution 70 --compare-fills
-holds 'rules: a row each' test "$(grep -c -E '^    (parity|nonzero|vote|flood|regions) +[0-9]+$' out)" = 5
-holds 'rules: they are one on a closed mesh' says '^  they differ on 0 voxels beside the '
-reports 'a hollow splits the rules' 'r["fills"]["set"] == {"parity": 4032, "nonzero": 4096, "vote": 4032, "flood": 4096, "regions": 4032}
-    and r["fills"]["disagreeing"] == 8 and r["fills"]["flood_leaked"] is False and r["fills"]["lost_voxels"] == 0' voxelize nested.obj -o x.bvx --spacing 1 --padding 2 --compare-fills
-reports 'a hole lets the flood in' 'r["fills"]["flood_leaked"] is True and r["fills"]["disagreeing"] > 0' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills
-holds 'which is told' sh -c "'$program' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills --progress none 2>err | grep -q 'flood .*the flood came in'"
-reports 'unless gaps are closed' 'r["fills"]["flood_leaked"] is False' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --compare-fills --close-gaps 16
-{ corners 0 8 8 0.1; echo "$others" | sides 0; echo "$low_x" | sides 0; } >sheet.obj
-reports 'a lost wall' 'r["set"] == 0 and r["fills"]["lost_places"] == 1 and r["fills"]["lost_voxels"] >= 64' voxelize sheet.obj -o x.bvx --spacing 1 --compare-fills
-rm -f x.bvx
-refuses 2 '--compare-fills needs the whole lattice' voxelize box.obj -o x.bvx --compare-fills --window 0,0,0,2,2,2
-refuses 2 'no use with --fill below' voxelize ground.obj -o x.bvx --compare-fills --fill below
 
 # ---- below ----
 

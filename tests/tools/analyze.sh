@@ -15,7 +15,7 @@ mkdir -p "$work"
 # Reports that are none: TOOL CHECK FILE REASON. cppcheck does not follow values through pointers that a function fills. The two
 # analyzers follow one file and not what holds between numbers; what holds across files they are told in analyze_model.h.
 cat >"$work/known.txt" <<'END'
-cppcheck AssignmentIntegerToAddress src/section/trace_loops.c an entry of the table is a row of two, which is an address
+cppcheck AssignmentIntegerToAddress src/layers/trace_loops.c an entry of the table is a row of two, which is an address
 cppcheck arrayIndexThenCheck src/simplify/corners.c two vertices are compared, not an index and its limit
 cppcheck ctuuninitvar src/nearest/closest.c a place for the result, set before it is read
 cppcheck ctuuninitvar src/nearest/closest_build.c a place for the tree, cleared first
@@ -23,8 +23,8 @@ cppcheck ctuuninitvar src/touch/sampled.c the triangle's sides are set in the lo
 cppcheck incorrectLogicOperator src/field/sign_pseudonormal.c hexadecimal floats are taken for whole numbers
 cppcheck legacyUninitvar src/grid/sample.c a place for gradients that nobody reads
 cppcheck pointerSize src/core/heap.c the pointer itself is stored in front of the block
-cppcheck uninitvar src/section/distance2d.c what lies below the top was put there
-cppcheck uninitvar src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
+cppcheck uninitvar src/contours/distance2d.c what lies below the top was put there
+cppcheck uninitvar src/layers/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
 cppcheck uninitvar src/surface/disjoint_triangles.c the first corner sets both ends before the others are compared with them
 tidy bugprone-integer-division src/refine/children.c the division is an index
 tidy bugprone-not-null-terminated-result src/cli_inputs/inputs.c the name's end is copied with its zero
@@ -35,10 +35,10 @@ tidy bugprone-signed-char-misuse src/io_mesh/ply.c a small number, no character
 clang core.BitwiseShift src/mesh/orient.c no exponent lies below the lowest of its axis
 clang core.BitwiseShift src/surface/cells.h at least one word is looked at
 clang core.BitwiseShift src/surface/face_rectangles.c a word is asked for only where the run meets it
-clang core.UndefinedBinaryOperatorResult src/section/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
-clang core.CallAndMessage src/section/section_field.c a place without an ending part has depth 0, which is looked at first
-clang core.UndefinedBinaryOperatorResult src/section/section_field.c as above
-clang core.uninitialized.Assign src/section/section_field.c as above
+clang core.UndefinedBinaryOperatorResult src/layers/fill_loop.c shorter pieces of the loop are in the table before longer ones ask for them
+clang core.CallAndMessage src/layers/section_field.c a place without an ending part has depth 0, which is looked at first
+clang core.UndefinedBinaryOperatorResult src/layers/section_field.c as above
+clang core.uninitialized.Assign src/layers/section_field.c as above
 clang core.UndefinedBinaryOperatorResult src/surface/cell_loops.c the corners of a triangle are three that were just set
 clang core.UndefinedBinaryOperatorResult src/surface/edge_cut.c an end without a triangle has a normal of size 0, which is looked at first
 clang core.UndefinedBinaryOperatorResult src/winding/sheet.c what is summed round a point is set wherever reach is above 0, and looked at only there

@@ -47,8 +47,10 @@ check_programs() {
     awk -v folder="$work" '/^```c$/ { on = 1; count++; next } /^```/ { on = 0 }
         on { print > (folder "/example_" count ".c") }' $pages
     [ -s "$work/example_1.c" ] || { echo "there is no C example"; return 1; }
+    needed=$("${MAKE_COMMAND:-make}" -s print-needed)
+    # shellcheck disable=SC2086
     for source in "$work"/example_*.c; do
-        $CC -std=c99 -Wall -Wextra -Werror -Iinclude "$source" "$build/libbitvox.a" -pthread -lm -o "${source%.c}" &&
+        $CC -std=c99 -Wall -Wextra -Werror -Iinclude "$source" "$build/libbitvox.a" $needed -o "${source%.c}" &&
             "${source%.c}" >"$source.out" || { echo "$source fails"; return 1; }
     done
 }

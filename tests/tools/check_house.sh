@@ -62,8 +62,8 @@ no_cpu_detection() {
 }
 
 # Functions without a result that a machine could change, and without work that could fail, are named here.
-plain='bvx_arithmetic_fault bvx_context_cpu bvx_context_create_version bvx_context_destroy bvx_context_fault bvx_context_threads bvx_format_of_name
-    bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used bvx_reason_text
+plain='bvx_context_create_version bvx_context_destroy bvx_context_fault bvx_context_threads bvx_format_of_name
+    bvx_grid_bound bvx_last_error bvx_last_message bvx_memory_peak bvx_memory_reset_peak bvx_memory_used
     bvx_status_text bvx_version'
 
 every_function_proven() {
@@ -152,12 +152,12 @@ nobody_reads_messages() {
     empty "$work/read.txt" 'a message is read:'
 }
 
-# heap.c is the file named for the C library's heap, threads.c and processors.c for the system; the fast paths need intrinsics.
+# heap.c is the file named for the C library's heap, openmp.c, threads.c and processors.c for the system; the fast paths need intrinsics.
 includes() {
     # shellcheck disable=SC2086
     grep -n -E '^[[:space:]]*#[[:space:]]*include[[:space:]]*<' $core_files |
         grep -v -E '<(stddef|stdint|string|stdarg|math|immintrin|arm_neon|wasm_simd128)\.h>' |
-        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(threads|processors)\.c:' \
+        grep -v -E '^src/core/heap\.c:[0-9]+:#include <stdlib\.h>|^src/core/(openmp|threads|processors)\.c:' \
             >"$work/includes.txt"
     empty "$work/includes.txt" 'forbidden include'
 }
@@ -224,7 +224,7 @@ refuses_fast_math() {
     grep -q 'would change results' "$work/fast.txt" || return 1
     ! $CC -std=c99 -ffast-math -Iinclude -Isrc -c src/core/message.c -o "$work/fast.o" || return 1
     ! $CC -std=c99 -ffinite-math-only -Iinclude -Isrc -c src/core/message.c -o "$work/fast.o" || return 1
-    printf '%s\n' '#include "bitvox.h"' 'int main(void) { return bvx_arithmetic_fault() == NULL; }' >"$work/fast.c"
+    printf '%s\n' '#include "core/context.h"' 'int main(void) { return bvxi_arithmetic_fault() == NULL; }' >"$work/fast.c"
     for part in -funsafe-math-optimizations -freciprocal-math; do # these have no macro: a look at the arithmetic tells
         $CC -std=c99 -O2 -ffp-contract=off $part -Iinclude -Isrc "$work/fast.c" src/core/exact.c -o "$work/fast-part" || return 1
         "$work/fast-part" || { echo "$part is not seen" && return 1; }

@@ -232,8 +232,9 @@ def built():
     library()
     standards()
     program = WORK / "option_contract"
+    needed = subprocess.run([os.environ.get("MAKE_COMMAND", "make"), "-s", "print-needed"], check=True, capture_output=True, text=True).stdout.split()
     command = [*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O1", "-Iinclude", "-Isrc", "-Itests/unit", f"-I{WORK}", "-DOPTION_CONTRACT", "-w",
-               "tests/tools/option_contract.c", *program_sources(), ARCHIVE, "-lm", "-pthread", "-o", str(program)]
+               "tests/tools/option_contract.c", *program_sources(), ARCHIVE, *needed, "-o", str(program)]
     subprocess.run(command, check=True)
     return subprocess.run([program], check=True, capture_output=True, text=True).stdout.splitlines()
 

@@ -41,16 +41,16 @@ src/refine/refine_level.c | next->count >= (uint64_t)1 << 28 | 2^28 octets
 src/refine/refine_start.c | voxels >= UINT32_MAX | 2^32 surface voxels
 src/refine/refine_start.c | words > SIZE_MAX / 8 | 32-bit machines alone
 src/refine/states.c | octets + cubes >= UINT32_MAX | 2^32 octets
-src/section/loop_arcs.c | room > INT32_MAX | 2^31 crossings
-src/section/planes.c | cuts > INT32_MAX | 2^31 crossings
-src/section/plane_rings.c | vertices > UINT32_MAX - 1 | 2^32 vertices
-src/section/section_mesh.c | >= UINT32_MAX - 1 | 2^32 vertices
-src/section/section_mesh.c | triangle_count >= INT32_MAX | 2^31 triangles
-src/section/slab.c | larger > INT32_MAX | 2^31 crossings
-src/section/all_slabs.c | vertices > UINT32_MAX - 1 | 2^32 vertices
-src/section/all_slabs.c | triangles > INT32_MAX | 2^31 triangles
-src/section/slice.c | list_count > INT32_MAX | 2^31 triangles
-src/section/trace_room.c | room > INT32_MAX | 2^31 contour points
+src/contours/loop_arcs.c | room > INT32_MAX | 2^31 crossings
+src/contours/planes.c | cuts > INT32_MAX | 2^31 crossings
+src/layers/plane_rings.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/contours/section_mesh.c | >= UINT32_MAX - 1 | 2^32 vertices
+src/contours/section_mesh.c | triangle_count >= INT32_MAX | 2^31 triangles
+src/layers/slab.c | larger > INT32_MAX | 2^31 crossings
+src/layers/all_slabs.c | vertices > UINT32_MAX - 1 | 2^32 vertices
+src/layers/all_slabs.c | triangles > INT32_MAX | 2^31 triangles
+src/contours/slice.c | list_count > INT32_MAX | 2^31 triangles
+src/layers/trace_room.c | room > INT32_MAX | 2^31 contour points
 src/surface/faces.c | face_count < UINT32_MAX / 2 | 2^31 faces
 src/surface/march.c | vertices >= UINT32_MAX | 2^32 vertices
 src/surface/sharp.c | >= UINT32_MAX | 2^32 vertices

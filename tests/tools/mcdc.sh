@@ -20,7 +20,7 @@ echo 'int main(void) { return 0; }' | clang-19 -fprofile-instr-generate -x c - -
 files='src/core/exact.c src/lattice/lattice.c src/lattice/lattice.h src/lattice/wide.h
     src/mesh/polygon.c src/mesh/polygon.h src/mesh/topology.c
     src/refine/children.c src/refine/cubes.h
-    src/section/section.h src/section/simple.c
+    src/contours/section.h src/contours/simple.c
     src/surface/disjoint_triangles.c src/surface/cell_loops.c src/surface/cells.h src/surface/count.c src/surface/keys.c
     src/touch/conservative.c src/solid/covered_rows.h src/solid/crossings.c src/touch/sampled.c
     src/solid/solid_rows.c src/solid/triangle_rows.c src/touch/thin.c src/touch/touch_cells.h src/touch/touch_cells.h src/touch/touch_rows.c'
@@ -33,7 +33,7 @@ src/core/exact.c | if (up != 1.0 | only arithmetic that the library refuses deci
 src/core/exact.c | (one_f + half_f) + half_f | only arithmetic that the library refuses decides here
 src/core/exact.c | above * below + minus | only arithmetic that the library refuses decides here
 src/lattice/lattice.c | while (log2 < 30 | no side is longer than 2^30: the shift is kept defined whatever is asked
-src/section/simple.c | if (status == BVX_OK) status | failures are made to happen in tests/fault
+src/contours/simple.c | if (status == BVX_OK) status | failures are made to happen in tests/fault
 src/touch/sampled.c | while (k * k > longest) | a rounded root is right already; kept so that the answer does not rest on it
 src/touch/sampled.c | while ((k + 1) * (k + 1) | a rounded root is right already; kept so that the answer does not rest on it
 src/solid/solid_rows.c | bvxi_solid_rounds(ctx, job, BVXI_COUNT_LIST | failures are made to happen in tests/fault

@@ -2,7 +2,7 @@
 
 # Rows that fill no field of an option struct: (command, or "*" for all, and the option).
 OWN = {
-    ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
+    ("*", "-o"): "names a file", ("*", "--output-dir"): "names a folder", ("*", "--help"): "text", ("*", "--help-all"): "text", ("*", "--json"): "text", ("*", "--quiet"): "text",
     ("*", "--progress"): "text", ("*", "--format"): "of files", ("*", "--output-origin"): "taken off when a file is written",
     ("*", "--shape"): "bvx_read_volume_options.size", ("*", "--skip"): "bvx_read_volume_options.offset",
     ("*", "--voxel-size"): "bvx_read_volume_options.spacing", ("*", "--range"): "arguments of bvx_threshold", ("*", "--all-labels"): "arguments of bvx_threshold",
@@ -17,7 +17,7 @@ OWN = {
     ("render", "--below"): "an end of bvx_threshold", ("convert", "--below"): "an end of bvx_threshold",
     ("voxelize", "--least-part"): "bvx_keep_options.at_least", ("faces", "--least-part"): "bvx_keep_options.at_least",
     ("render", "--least-part"): "bvx_keep_options.at_least", ("convert", "--least-part"): "bvx_keep_options.at_least",
-    ("voxelize", "--compare-fills"): "another call", ("voxelize", "--vectors"): "the other way round: no_vectors",
+    ("voxelize", "--vectors"): "the other way round: no_vectors",
     ("voxelize", "--half-width"): "0 is for bvx_field_options.half_width = infinity", ("fill", "--add-shell"): "a union of grids",
     ("fill", "--connectivity"): "an argument of bvx_grid_fill", ("fill", "--mesh"): "an argument of bvx_find_pockets",
     ("components", "--fill-cavities"): "another call", ("components", "--labels"): "names a file", ("boolean", "--resample"): "another call",

@@ -2,7 +2,7 @@
 
 python3 stack_chains.py LIMIT FILE.ci...   Called by analyze.sh, in the project's folder.
 
-A call through a pointer counts as the deepest function that it may reach: from parallel.c and threads.c all tasks, from other
+A call through a pointer counts as the deepest function that it may reach: from parallel.c and those of threads all tasks, from other
 rooms all functions that nobody calls by name and that are no tasks. The other pointers in src/core are a caller's allocator
 and progress function, whose stack is the caller's own.
 """
@@ -39,7 +39,7 @@ def deepest(roots, of_task, of_other):
             return chain(name, path)
         file = place[caller][0]
         if file.startswith("src/core/"):
-            return of_task if file in ("src/core/parallel.c", "src/core/threads.c") else (0, ())
+            return of_task if file[9:] in ("parallel.c", "openmp.c", "threads.c", "processors.c") else (0, ())
         return of_other
 
     def chain(name, path):

@@ -174,13 +174,6 @@ static bvx_status voxelize_solid(const world *w)
     SPOIL(o);
     return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
-static bvx_status compare_fills(const world *w)
-{
-    TAKE_OPTIONS(compare_fills, o);
-    TAKE_RESERVED(o.reserved);
-    SPOIL(o);
-    return bvx_compare_fills(w->ctx, w->mesh, w->lattice, &o, (bvx_fill_comparison *)w->out);
-}
 static bvx_status find_seed(const world *w)
 {
     return bvx_find_seed(w->ctx, w->grid, NULL, 0, (bvx_seed *)w->out);
@@ -224,10 +217,6 @@ static bvx_status grid_downsample(const world *w)
 static bvx_status grid_coverage(const world *w)
 {
     return bvx_grid_coverage(w->ctx, w->grid, two, (uint32_t *)w->out, 64, w->second);
-}
-static bvx_status grid_content(const world *w)
-{
-    return bvx_grid_content(w->ctx, w->grid, (bvx_window *)w->out);
 }
 static bvx_status grid_crop(const world *w)
 {
@@ -655,7 +644,6 @@ static const call calls[] = {
     CALL(grid_sample, GRID, PLAIN),
     CALL(grid_compare, GRID | OTHER, PLAIN),
     CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
-    CALL(compare_fills, MESH | LATTICE | OPTIONS | RESERVED, PLAIN),
     CALL(find_seed, GRID, PLAIN),
     CALL(find_pockets, GRID | SECOND | SLOT, PLAIN),
     CALL(grid_fill, GRID, TO_GRID),
@@ -667,7 +655,6 @@ static const call calls[] = {
     CALL(grid_resample, GRID | LATTICE, TO_GRID),
     CALL(grid_downsample, GRID, TO_GRID),
     CALL(grid_coverage, GRID | SLOT | SECOND, PLAIN),
-    CALL(grid_content, GRID, PLAIN),
     CALL(grid_crop, GRID, TO_GRID),
     CALL(grid_pad, GRID, TO_GRID),
     CALL(grid_permute, GRID, TO_GRID),

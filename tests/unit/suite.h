@@ -24,7 +24,8 @@
 
 static bvx_context *ctx; /* the suite's, opened before each test */
 static fault_heap suite_heap;
-static int quick; /* on emulated machines: fewer trials */
+static int quick;    /* on emulated machines: fewer trials */
+static int long_run; /* with BITVOX_LARGE: all trials, also those that take minutes */
 
 /* Defaults but for threads (0: as many as the machine has processors) and the code for vectors. */
 static inline bvx_context_options suite_options(int32_t threads, int32_t cpu)
@@ -50,6 +51,7 @@ static inline void suite_open_with(const bvx_context_options *options)
 {
     bvx_context_options const o = fault_options(options, &suite_heap);
     quick = getenv("BVX_QUICK") != NULL;
+    long_run = getenv("BITVOX_LARGE") != NULL;
     ctx = NULL;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
 }

@@ -297,7 +297,7 @@ static const char *wrong_error(const call *c, const bvx_context *ctx, int damage
 
     if (e->status != status) return "gives another status in bvx_last_error";
     if (e->reason <= BVX_REASON_UNSPECIFIED || e->reason >= BVX_REASON_COUNT) return "gives no reason";
-    if (expected != BVX_REASON_NONE && e->reason != expected) return bvx_reason_text(e->reason);
+    if (expected != BVX_REASON_NONE && e->reason != expected) return "gives another reason";
     if (strcmp(e->function, c->name) != 0) return e->function;
     if (damage == MESH_NUMBER && e->index != 7) return "names another triangle";
     if (damage == MESH_NAN && e->index != 5) return "names another vertex";
@@ -396,8 +396,6 @@ static void test_choices_out_of_range(void)
         BAD(voxelize_solid, voxelize, check_thin, -1),
         BAD(voxelize_solid, voxelize, up, 3),
         BAD_SWITCH(voxelize_solid, voxelize, has_base),
-        BAD(compare_fills, compare_fills, close_gaps, -1),
-        BAD(compare_fills, compare_fills, close_gaps, 1 << 30),
         BAD(voxelize_surface, surface, mode, 99),
         BAD(voxelize_surface, surface, mode, -1),
         BAD(grid_dilate, morph, neighbourhood, 5),

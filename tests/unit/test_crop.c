@@ -1,5 +1,6 @@
 /* test_crop.c - content, crop, pad, permute and resample, against looking at each voxel. */
 #include "algebra_support.h"
+#include "grid/grid.h"
 
 #include <math.h>
 
@@ -123,7 +124,7 @@ static void expect_content(void)
         want.low[a] = grid.low[a] + low[a];
         want.size[a] = high[a] - low[a] + 1;
     }
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_content(ctx, &grid, &w));
+    bvxi_grid_content(&grid, &w);
     TEST_ASSERT_EQUAL_MEMORY(&want, &w, sizeof w);
 }
 
@@ -290,7 +291,6 @@ static void test_moves_refuse(void)
     static const int32_t zero[3] = {0, 0, 0};
     static const int32_t far[3] = {1 << 25, 0, 0};
     bvx_window const outside = {{0, 0, 0}, {1000, 1, 1}};
-    bvx_window w;
     bvx_lattice l;
 
     make_grid(65, 3, 3, 50);
@@ -306,8 +306,6 @@ static void test_moves_refuse(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_pad(ctx, &grid, minus, zero, &made));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_pad(ctx, &grid, zero, far, &made));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_pad(ctx, &grid, NULL, zero, &made));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_content(ctx, &grid, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_content(ctx, NULL, &w));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_resample(ctx, &grid, NULL, NULL, &made));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_resample(ctx, &grid, &l, NULL, &grid));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_resample(ctx, &grid, &l, &outside, &made));

@@ -25,7 +25,7 @@ static void failed(bvx_status expected, bvx_status status, int32_t reason, const
     error = bvx_last_error(ctx);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(expected, status, bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32(status, error->status);
-    TEST_ASSERT_EQUAL_STRING_MESSAGE(bvx_reason_text(reason), bvx_reason_text(error->reason), error->message);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(reason, error->reason, error->message);
     TEST_ASSERT_EQUAL_STRING(function, error->function);
     TEST_ASSERT_EQUAL_STRING(bvx_last_message(ctx), error->message);
 }
@@ -46,11 +46,8 @@ static void test_reasons_have_their_numbers_and_texts(void)
     TEST_ASSERT_EQUAL_INT(BVX_REASON_COUNT, sizeof numbers / sizeof numbers[0]);
     for (int32_t i = 0; i < BVX_REASON_COUNT; i++) {
         TEST_ASSERT_EQUAL_INT32(i, numbers[i]);
-        TEST_ASSERT_EQUAL_STRING(texts[i], bvx_reason_text(i));
         for (int32_t k = 0; k < i; k++) TEST_ASSERT_TRUE(strcmp(texts[i], texts[k]) != 0);
     }
-    TEST_ASSERT_EQUAL_STRING("unknown reason", bvx_reason_text(-1));
-    TEST_ASSERT_EQUAL_STRING("unknown reason", bvx_reason_text(BVX_REASON_COUNT));
 }
 
 static void test_before_any_failure(void)

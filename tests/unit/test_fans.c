@@ -1,5 +1,5 @@
 /* test_fans.c - what is found broken round vertices: a closed body, and ways in which one may not be. */
-#include "section/oblique.h"
+#include "oblique/oblique.h"
 
 #include "bitvox.h"
 #include "suite.h"

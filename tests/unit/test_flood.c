@@ -357,87 +357,6 @@ static void test_threads_change_nothing(void)
     }
 }
 
-/* ---- Comparing the rules ---- */
-
-static void test_comparison_by_brute_force(void)
-{
-    uint64_t disputed = 0, lost_all = 0;
-
-    for (int32_t trial = 0; trial < (quick ? 6 : 30); trial++) {
-        bvx_lattice const l = lattice_of(shapes[trial % SHAPES][0], shapes[trial % SHAPES][1],
-                                         shapes[trial % SHAPES][2]);
-        int32_t const *const n = l.dims;
-        size_t const count = (size_t)n[0] * (size_t)n[1] * (size_t)n[2];
-        bvx_compare_fills_options o = {.struct_size = sizeof o};
-        bvx_fill_comparison c;
-        bvx_grid rule[BVX_FILL_COUNT] = {{0}}, surface, differ = {0}, lost = {0};
-        bvx_mesh_view view;
-        uint8_t *open;
-        int32_t *label;
-        int32_t places;
-        uint64_t disagreeing = 0, lost_voxels = 0;
-        bvx_status flooded = BVX_OK;
-        make_bodies(trial, &l);
-        if (trial % 2) wall(0.3 * n[0], 0.8 * n[1], 1); /* an open sheet: lost in parts */
-        view = maker_view(&mesh);
-        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) {
-            bvx_solid_report r;
-            bvx_status const status = fill_lattice(&l, fill, fill == BVX_FILL_FLOOD ? trial % 3 : 0,
-                                                   &rule[fill], &r);
-            if (fill == BVX_FILL_FLOOD) flooded = status;
-            else TEST_ASSERT_EQUAL_INT32(BVX_OK, status);
-        }
-        surface = surface_of(&l);
-        o.close_gaps = trial % 3;
-        o.disagreeing = &differ;
-        o.lost = &lost;
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_compare_fills(ctx, &view, &l, &o, &c),
-                                        bvx_last_message(ctx));
-        TEST_ASSERT_EQUAL_INT32(flooded != BVX_OK, c.flood_leaked);
-        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++)
-            if (rule[fill].words != NULL)
-                TEST_ASSERT_EQUAL_UINT64(set_voxels(&rule[fill]), c.set[fill - BVX_FILL_PARITY]);
-        TEST_ASSERT_EQUAL_UINT64(set_voxels(&surface), c.surface_voxels);
-        for (int32_t z = 0; z < n[2]; z++)
-            for (int32_t y = 0; y < n[1]; y++)
-                for (int32_t x = 0; x < n[0]; x++) {
-                    int any = 0, all = 1, near = 0, want;
-                    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) {
-                        if (rule[fill].words == NULL) continue;
-                        any |= bvx_grid_get(&rule[fill], x, y, z);
-                        all &= bvx_grid_get(&rule[fill], x, y, z);
-                    }
-                    want = any && !all && !bvx_grid_get(&surface, x, y, z);
-                    disagreeing += (uint64_t)want;
-                    TEST_ASSERT_EQUAL_INT(want, bvx_grid_get(&differ, x, y, z));
-                    for (int32_t d = 0; d < 27; d++) {
-                        int32_t const u = x + d % 3 - 1, v = y + d / 3 % 3 - 1, w = z + d / 9 - 1;
-                        if (u < 0 || v < 0 || w < 0 || u >= n[0] || v >= n[1] || w >= n[2]) continue;
-                        near |= bvx_grid_get(&rule[BVX_FILL_VOTE], u, v, w);
-                    }
-                    want = bvx_grid_get(&surface, x, y, z) && !near;
-                    lost_voxels += (uint64_t)want;
-                    TEST_ASSERT_EQUAL_INT(want, bvx_grid_get(&lost, x, y, z));
-                }
-        TEST_ASSERT_EQUAL_UINT64(disagreeing, c.disagreeing);
-        TEST_ASSERT_EQUAL_UINT64(lost_voxels, c.lost_voxels);
-        open = fill_bytes(&lost, 0);
-        label = maker_grow(NULL, count * sizeof *label);
-        places = fill_label(open, n, 6, label);
-        TEST_ASSERT_EQUAL_UINT64((uint64_t)places, c.lost_places);
-        disputed += disagreeing;
-        lost_all += lost_voxels;
-        free(label);
-        free(open);
-        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++)
-            bvx_grid_free(ctx, &rule[fill]);
-        bvx_grid_free(ctx, &surface);
-        bvx_grid_free(ctx, &differ);
-        bvx_grid_free(ctx, &lost);
-    }
-    TEST_ASSERT_TRUE(disputed > 0 && lost_all > 0);
-}
-
 int main(void)
 {
     UNITY_BEGIN();
@@ -448,6 +367,5 @@ int main(void)
     RUN_TEST(test_hole_in_a_lid);
     RUN_TEST(test_refusals);
     RUN_TEST(test_threads_change_nothing);
-    RUN_TEST(test_comparison_by_brute_force);
     return UNITY_END();
 }

@@ -161,6 +161,13 @@ static void test_every_call_rises_once_to_1(void)
 
 /* Stopped at each report in turn: no 1 then, nothing after the stop, and the next call begins anew; at the
  * report of 1 all is done, and the answer changes nothing. */
+/* The first ones and the last, and with BITVOX_LARGE each. */
+static int32_t next_stop(int32_t stop, int32_t reports)
+{
+    int32_t const next = stop + 1 + (getenv("BITVOX_LARGE") != NULL ? 0 : stop / 4);
+    return stop < reports && next > reports ? reports : next;
+}
+
 static void test_a_cancelled_call_does_not_reach_1(void)
 {
     record r = {0};
@@ -176,7 +183,7 @@ static void test_a_cancelled_call_does_not_reach_1(void)
         memset(&r, 0, sizeof r);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, make_call(c, ctx));
         reports = r.calls;
-        for (int32_t stop = 1; stop <= reports; stop++) {
+        for (int32_t stop = 1; stop <= reports; stop = next_stop(stop, reports)) {
             int const last = stop == reports;
             bvx_status status;
             const char *what = NULL;

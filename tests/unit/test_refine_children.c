@@ -108,7 +108,7 @@ static void check_batch(void)
         bvx_context_options o = {.struct_size = sizeof o};
         o.cpu = cpu;
         if (bvx_context_create(&o, &ctx) != BVX_OK) continue; /* this processor has it not */
-        bvxi_children_of_batch(&batch, batched, (int32_t)batch_half, bvx_context_cpu(ctx));
+        bvxi_children_of_batch(&batch, batched, (int32_t)batch_half, bvxi_cpu(ctx));
         bvx_context_destroy(ctx);
         for (uint32_t i = 0; i < batched; i++)
             if (in_batch[i] != batch.touched[i]) {

@@ -1,7 +1,7 @@
 /* test_section_blend.c - the cubic blend: what it is between four values, held against the textbook's form; and
  * bodies made with it: contour points kept, straight sides straight, a ball nearer than by the linear one, no
  * kinks, sound whatever the sections are. */
-#include "section/section_field.h"
+#include "layers/section_field.h"
 #include "section_support.h"
 
 #include <math.h>

@@ -278,6 +278,51 @@ static void test_random_loops_keep_what_is_inside(void)
     TEST_ASSERT_TRUE(cancelled > 1 && empty * 40 < (uint64_t)all);
 }
 
+/* The second plane turned by a hair, so that both cross beyond all loops. */
+static void turn_second_section(void)
+{
+    static double normals[6] = {0, 0, 1, -0.02, 0, 1};
+
+    for (uint64_t l = 0; l < stack.s.loop_count; l++)
+        for (uint64_t p = 0; p < stack.loop[l].point_count && stack.loop[l].section == 1; p++) {
+            double *const at = stack.point + 3 * (stack.loop[l].first_point + p);
+            at[2] += 0.02 * at[0];
+        }
+    stack.s.normals = normals;
+    stack.position[1] /= sqrt(1.0 + 0.02 * 0.02);
+}
+
+static void test_planes_of_any_direction(void)
+{
+    static const double touching[] = {0, 0, 2, 0, 2, 2, 0, 2, NAN, 2, 2, 4, 2, 4, 4, 2, 4, END, END};
+    uint64_t seed = 5, mended = 0, refused = 0;
+    int const all = quick ? 6 : 20;
+
+    two_sections(touching);
+    turn_second_section();
+    o.cells = 8;
+    o.mend = 0;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, build());
+    TEST_ASSERT_EQUAL_INT32(BVX_REASON_LOOPS_MEET, bvx_last_error(ctx)->reason);
+    o.mend = 1;
+    build_good();
+    TEST_ASSERT_EQUAL_UINT64(4, report.mended_loops);
+    TEST_ASSERT_TRUE(has_vertex(0, 0, 0) && has_vertex(2, 2, 0) && has_vertex(4, 4, 1.08));
+
+    for (int i = 0; i < all; i++) {
+        (void)random_loops(&seed, i & 1);
+        turn_second_section();
+        if (build() == BVX_OK) {
+            build_good();
+            mended += report.mended_loops != 0;
+        } else {
+            refused += bvx_last_error(ctx)->status != BVX_ERR_EMPTY;
+        }
+    }
+    stack.s.normals = NULL;
+    TEST_ASSERT_TRUE(mended * 10 > (uint64_t)all * 8 && refused * 20 <= (uint64_t)all);
+}
+
 /* One loop of many points: thousands of crossings, on whole numbers dozens of segments through one point. */
 static void test_large_tangles(void)
 {
@@ -397,6 +442,7 @@ int main(void)
     RUN_TEST(test_nothing_is_left);
     RUN_TEST(test_good_stacks_keep_their_bytes);
     RUN_TEST(test_random_loops_keep_what_is_inside);
+    RUN_TEST(test_planes_of_any_direction);
     RUN_TEST(test_large_tangles);
     RUN_TEST(test_threads_change_nothing);
     RUN_TEST(test_what_mending_leaves_torn_is_refused);

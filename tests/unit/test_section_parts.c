@@ -1,7 +1,7 @@
 /* test_section_parts.c - what bodies from sections stand on: inside tests of
  * grid points and of corners of subdivided cells against a count of exact
  * crossings, distances against all segments, rings, loops that touch, caps. */
-#include "section/trace.h"
+#include "layers/trace.h"
 #include "tools/section_maker.h"
 #include "suite.h"
 

@@ -62,7 +62,7 @@ static int avx2_may_run(void)
     int may;
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    may = bvx_context_cpu(ctx) == BVX_CPU_AVX2;
+    may = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     bvx_context_destroy(ctx);
     return may;
 }

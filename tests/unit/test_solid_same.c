@@ -120,7 +120,7 @@ static void test_threads_and_code_paths_agree(void)
         bvx_lattice const l = lattice_of(129, 40, 37);
         /* enough for many chunks */
         int32_t const cheap = kind == NEEDLES || kind == DEGENERATE || kind == TINY;
-        make_random(kind, (cheap ? 9000 : 200) / (quick ? 4 : 1), l.dims, 16);
+        make_random(kind, (cheap ? 9000 : 200) / (long_run ? 1 : 4), l.dims, 16);
         assert_all_contexts_agree(&l);
     }
 }
@@ -176,7 +176,7 @@ static void test_rounds_of_small_triangles(void)
 static void test_rounds_of_large_triangles(void)
 {
     bvx_lattice const l = lattice_of(40, 35, 36);
-    make_random(SOUP, quick ? 1500 : 4000, l.dims, 16);
+    make_random(SOUP, long_run ? 4000 : 1500, l.dims, 16);
     assert_both_rules(&l);
     make_random(SOUP, 1500, l.dims, 16);
     assert_all_contexts_agree(&l);

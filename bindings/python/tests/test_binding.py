@@ -16,7 +16,7 @@ lib, ffi = _native.lib, _native.ffi
 
 # Functions that Python has no need to call: contexts are made and dropped by each call.
 NOT_NEEDED = {
-    "bvx_context_cpu", "bvx_context_threads", "bvx_memory_used", "bvx_memory_peak", "bvx_memory_reset_peak",
+    "bvx_context_threads", "bvx_memory_used", "bvx_memory_peak", "bvx_memory_reset_peak",
     "bvx_format_of_name",  # Python looks at the ending itself, for it knows more formats
     "bvx_mesh_view_of",  # views are made of Python's arrays
     "bvx_grid_bound",  # grids are made by the library
@@ -24,8 +24,6 @@ NOT_NEEDED = {
     "bvx_write_mesh",  # bvx_write_mesh_with has all choices
     "bvx_lattice_fit",  # bvx_lattice_fit_with has all choices
     "bvx_last_message",  # bvx_last_error has it in parts
-    "bvx_arithmetic_fault",  # bvx_context_fault says it
-    "bvx_reason_text",  # exceptions carry the reason's name and the message
 }
 
 
@@ -92,7 +90,7 @@ def test_public_functions_that_python_cannot_reach():
 
 
 def test_arithmetic_is_the_librarys_own():
-    assert lib.bvx_arithmetic_fault() == ffi.NULL
+    assert lib.bvx_context_fault(lib.BVX_VERSION, ffi.NULL) == ffi.NULL
 
 
 def test_version():

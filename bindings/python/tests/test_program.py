@@ -28,7 +28,7 @@ OF_VOLUMES = {"range": bitvox.Volume.threshold, "label": bitvox.Volume.label, "s
 OF_MESHES = {"output-origin": bitvox.write}
 # Options of the program that a function of Python has under another name, or that are functions or methods of their own.
 NAMES = {
-    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype", "compare-fills": bitvox.compare_fills,
+    "voxelize": ([bitvox.voxelize, bitvox.voxelize_points, bitvox.field, bitvox.surface, *VOLUME], {"origin": "corner", "value-type": "dtype",
                                                             "all-labels": bitvox.Volume.labels, "no-sharp": "sharp", **OF_MESHES, **OF_VOLUMES}),
     "lod": ([bitvox.lod, *VOLUME], {"attributes": "attribute_weight", "keep-vertices": "vertices", "no-sharp": "sharp", "normals": bitvox.write, **OF_MESHES, **OF_VOLUMES}),
     "simplify": ([bitvox.simplify], {"attributes": "attribute_weight", "keep-vertices": "vertices", "normals": bitvox.write, **OF_MESHES}),
@@ -50,7 +50,7 @@ NAMES = {
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
                                  "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
 }
-OF_THE_PROGRAM = {"format", "json", "quiet", "help", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
+OF_THE_PROGRAM = {"format", "json", "quiet", "help", "help-all", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
 
 
 def test_every_command_is_known_here():
@@ -60,7 +60,7 @@ def test_every_command_is_known_here():
 
 @pytest.mark.parametrize("command", NAMES)
 def test_options_have_the_programs_names(command):
-    text = subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([PROGRAM, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     functions, others = NAMES[command]
     text = text.replace("--colour", "--color")  # American here
     known = {name.replace("_", "-") for f in functions for name in inspect.signature(f).parameters}

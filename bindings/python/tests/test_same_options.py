@@ -23,12 +23,12 @@ WAVES, LABELS = FIXTURES / "waves.nhdr", FIXTURES / "labels.npy"
 ELSEWHERE = {
     "-o": "each row has it", "--output-dir": "tests/program/test_files.sh", "--format": "tests/program/test_files.sh",
     "--threads": "test_running.py", "--memory-limit": "test_running.py", "--json": "test_same_bytes.py", "--progress": "test_running.py",
-    "--quiet": "each row has it", "--help": "tests/program/test_commands.sh",
+    "--quiet": "each row has it", "--help": "tests/program/test_commands.sh", "--help-all": "tests/program/test_program.sh",
     "--up": "tests/program/test_files.sh", "--input-up": "tests/program/test_files.sh", "--quantize": "tests/program/test_files.sh",
 }
 # Of one command: they look and report, or write a second file, which test_same_bytes.py or tests/program compare.
 REPORTS = {
-    "voxelize": {"--compare-fills"}, "repair": {"--measure"},
+    "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
     "refine": {"--leaves", "--cut"}, "render": {"--turntable"},  # a mesh of boxes and a row of pictures: of the program alone
     "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings"},
@@ -333,7 +333,7 @@ def test_option_and_argument_write_the_same_bytes(at, command, row):
 @needs_program
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_option_that_makes_output_has_a_row(command):
-    text = subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([PROGRAM, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     options = set(re.findall(r"^  (--?[a-z-]+)", text, flags=re.M))
     used = {word for words, _, _ in ROWS[command] for word in words.split() if word.startswith("-")} & options
     assert options - used - set(ELSEWHERE) - REPORTS.get(command, set()) == set()

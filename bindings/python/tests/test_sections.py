@@ -83,6 +83,39 @@ def test_loops_that_meet_are_mended():
     mended = meeting.surface(mend=True)
     assert (mended.report.mended_loops, mended.report.holes) == (2, 2)
     assert mended.check().volume == pytest.approx(12) and mended.check().euler == 0
+    corner = Loop(SQUARE + [4, 4, 0])
+    oblique = Sections.on_planes([Loop(SQUARE), corner, Loop(SQUARE + [0, 0, 3] + np.outer(SQUARE[:, 0], [0, 0, 0.1]))])
+    with pytest.raises(bitvox.FormatError, match="cross or touch.*; mend=True splits"):
+        oblique.surface(cells=16)
+    assert oblique.surface(cells=16, mend=True).report.mended_loops == 2
+
+
+def test_slices_of_a_mesh_that_crosses_itself():
+    ball = bitvox.surface(ball_grid(), dtype="float64")
+    points = np.concatenate([ball.vertices, ball.vertices + [5, 3, 0.3]])
+    both = bitvox.Mesh(points, np.concatenate([ball.faces, ball.faces + len(ball.vertices)]))
+    cuts = bitvox.slice_mesh(both, spacing=1.0)
+    assert cuts.surface().report.mended_loops > 10 and cuts.of(1).surface().report.mended_loops > 10
+    with pytest.raises(bitvox.FormatError, match="mend=True"):
+        cuts.surface(mend=False)
+    with pytest.raises(TypeError, match="Sections is not a mesh: give its surface"):
+        bitvox.voxelize(cuts)
+
+
+def test_contours_of_other_kinds():
+    trimesh = pytest.importorskip("trimesh")
+    pairs = [(1.5 * i, SQUARE[:, :2].tolist()) for i in range(4)]
+    assert bitvox.from_sections(pairs).content_hash() == bitvox.from_sections(stack()).content_hash()
+    ball = trimesh.creation.icosphere(3)
+    heights = np.linspace(-1.1, 1.1, 12)
+    one_by_one = [ball.section(plane_origin=[0, 0, z], plane_normal=[0, 0, 1]) for z in heights]
+    for paths in (one_by_one, ball.section_multiplane([0, 0, 0], [0, 0, 1], heights)):
+        body = bitvox.from_sections(paths).check()
+        assert body.closed and body.volume == pytest.approx(ball.volume, rel=0.06)
+    oblique = [ball.section(plane_origin=[0, 0, 0.1], plane_normal=n) for n in ((0, 0, 1), (1, 0, 0.2), (0, 1, 0.3))]
+    assert bitvox.Sections.on_planes(oblique).surface(cells=16).check().closed
+    with pytest.raises(bitvox.ArgumentError, match="is open"):
+        bitvox.from_sections(trimesh.load_path(np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])))
 
 
 def test_bad_stacks_are_named():

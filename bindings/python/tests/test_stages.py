@@ -252,13 +252,6 @@ def test_compare_meshes(ball):
         bitvox.compare(grid, ~grid, samples=10)
 
 
-def test_compare_fills():
-    v, f = box_mesh()
-    counts, disagreeing, lost = bitvox.compare_fills((np.concatenate((v, v / 2 + 0.2)), np.concatenate((f, f + 8))), resolution=16)
-    assert counts.set[0] != counts.set[3] and counts.disagreeing == disagreeing.count > 0
-    assert lost.count == counts.lost_voxels
-
-
 def test_seed():
     ball = bitvox.surface(ball_grid(16))
     shell = bitvox.voxelize(ball, resolution=20, padding=1, mode="conservative")

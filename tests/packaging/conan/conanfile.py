@@ -61,4 +61,4 @@ class Bitvox(ConanFile):
         if self.settings.os == "Windows" and self.options.shared:
             self.cpp_info.defines = ["BVX_USE_SHARED"]
         if self.settings.os in ("Linux", "FreeBSD"):
-            self.cpp_info.system_libs = ["m", "pthread"] if self.options.threads else ["m"]
+            self.cpp_info.system_libs = ["m", *(["gomp"] if self.settings.compiler == "gcc" else []), "pthread"] if self.options.threads else ["m"]

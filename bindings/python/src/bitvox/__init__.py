@@ -46,12 +46,10 @@ from ._run import version as _version
 from ._sections import Loop, Sections, from_sections, slice_mesh
 from ._stages import (
     Closest,
-    FillComparison,
     boolean,
     carry,
     check,
     compare,
-    compare_fills,
     content_hash,
     faces,
     faces_counts,
@@ -87,10 +85,10 @@ __version__ = _version()
 _register_with_its_import()
 
 __all__ = [
-    "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field", "FillComparison",
+    "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OptionRangeError", "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
-    "carry", "check", "compare", "compare_fills", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
+    "carry", "check", "compare", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
     "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
     "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
     "voxelize_points", "write", "write_levels", "big", "formats", "reports",

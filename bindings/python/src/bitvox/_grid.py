@@ -442,10 +442,13 @@ class Grid:
         >>> bitvox.voxelize('knot.ply', resolution=16, padding=2).content().low
         (2, 2, 2)
         """
-        out = ffi.new("bvx_window *")
-        with Run() as run:
-            run.check(lib.bvx_grid_content(run.context, self._c, out))
-        return Window(tuple(out.low), tuple(out.size)) if out.size[0] else None
+        np = arrays.numpy("Grid.content")
+        rows = self.words.any(axis=2)
+        if not rows.any():
+            return None
+        along_x = np.bitwise_or.reduce(self.words, axis=(0, 1)).astype("<u8").view(np.uint8)
+        set_at = [part.nonzero()[0].tolist() for part in (np.unpackbits(along_x, bitorder="little"), rows.any(axis=0), rows.any(axis=1))]
+        return Window(tuple(low + at[0] for low, at in zip(self.low, set_at)), tuple(at[-1] - at[0] + 1 for at in set_at))
 
     def crop(self, window: WindowLike = None) -> Grid:
         """The same lattice through another window.

@@ -37,7 +37,7 @@ def mesh_from(source: Any) -> Mesh:
         return Mesh(source)
     if hasattr(source, "words") and hasattr(source, "surface"):
         raise TypeError("a Grid is not a mesh: give its surface, grid.surface() (or bitvox.faces(grid)); grids are combined by |, &, -, ^")
-    if hasattr(source, "lattice") and hasattr(source, "surface"):
+    if (hasattr(source, "lattice") or hasattr(source, "section_of")) and hasattr(source, "surface"):
         raise TypeError(f"{type(source).__name__} is not a mesh: give its surface()")
     if _has(source, "combine", "extract_geometry", "keys"):
         raise TypeError(f"{type(source).__name__} is several data sets, not a mesh: give one of them, or .combine().extract_surface()")

@@ -51,7 +51,7 @@ class Sections:
     Parameters
     ----------
     loops
-        `Loop` tuples or arrays (n, 3) [world]; each lies in one plane across ``normal``.
+        `Loop` tuples, arrays (n, 3) [world] or trimesh's paths, each in one plane across ``normal``; pairs (z, (n, 2)).
     normal
         of all planes.
     tolerance
@@ -70,7 +70,8 @@ class Sections:
     ([0.0, 2.0], 2)
     """
 
-    __slots__ = ("loops", "normal", "normals", "positions", "section_of")
+    __slots__ = ("_sliced", "loops", "normal", "normals", "positions", "section_of")
+    _sliced: bool  # set of what slice_mesh made
     normals: tuple[tuple[float, float, float], ...] | None
     positions: list[float]
     section_of: list[int]
@@ -85,7 +86,7 @@ class Sections:
         self.normals = None
         self.loops: list[Loop] = []
         heights = []
-        for i, loop in enumerate(loops):
+        for i, loop in enumerate(_each(loops)):
             found = _checked(i, loop)
             along = found.points @ direction / length
             if along.max() - along.min() > 2 * tolerance + 1e-12 * np.abs(along).max():
@@ -115,6 +116,7 @@ class Sections:
         made.loops, made.normal, made.positions = [self.loops[i] for i in chosen], self.normal, self.positions
         made.normals = self.normals
         made.section_of = [self.section_of[i] for i in chosen]
+        made._sliced = getattr(self, "_sliced", False)
         return made
 
     @classmethod
@@ -124,7 +126,7 @@ class Sections:
         Parameters
         ----------
         loops
-            `Loop` tuples or arrays (n, 3) [world].
+            `Loop` tuples, arrays (n, 3) [world], trimesh's paths, pairs (z, (n, 2)).
         tolerance
             how far a point may lie off its loop's plane, and loops off a plane that they have in common [world].
 
@@ -148,7 +150,7 @@ class Sections:
         True
         """
         np = arrays.numpy("Sections")
-        given = [_checked(i, loop) for i, loop in enumerate(loops)]
+        given = [_checked(i, loop) for i, loop in enumerate(_each(loops))]
         normals: list[Any] = []
         positions: list[float] = []
         section_of = []
@@ -319,6 +321,21 @@ _PARALLEL = 1e-4  # rad, as the library takes planes for parallel
 _SAME_DIRECTION = 1e-3  # rad, of loops in one plane: the direction of a small loop is known less well
 
 
+def _each(loops: Any) -> Iterable[Any]:
+    """Loops one by one: those of each trimesh path, and pairs (z, xy) as loops on z."""
+    np = arrays.numpy("Sections")
+    for given in [loops] if hasattr(loops, "discrete") else loops:
+        if hasattr(given, "discrete"):
+            if not given.is_closed:
+                raise ArgumentError("a path is open; contours are closed")
+            yield from (path[:-1] for path in (given.to_3D() if "to_3D" in given.metadata else given).discrete)
+        elif isinstance(given, tuple) and not isinstance(given, Loop) and len(given) == 2 and np.ndim(given[0]) == 0:
+            xy = np.asarray(given[1], np.float64)
+            yield np.column_stack((xy, np.full(len(xy), given[0]))) if xy.ndim == 2 else xy
+        elif given is not None:  # where a plane misses the mesh trimesh has None
+            yield given
+
+
 def _checked(i: int, loop: Any) -> Loop:
     """A loop over finite doubles."""
     np = arrays.numpy("Sections")
@@ -412,7 +429,7 @@ def from_sections(
     join: float | None = None,
     blend: Blend = "auto",
     nesting: Nesting = "levels",
-    mend: bool = False,
+    mend: bool | None = None,
     crossings: Crossings = "exact",
     subdivide: int | None = None,
     label: str | int | None = None,
@@ -431,8 +448,8 @@ def from_sections(
     Parameters
     ----------
     sections
-        `Sections`, a file (``.csl``, ``.csv``, ``.dxf``, a DICOM RTSTRUCT's ``.dcm``), or loops (n, 3) on planes
-        across z.
+        `Sections`, a file (``.csl``, ``.csv``, ``.dxf``, a DICOM RTSTRUCT's ``.dcm``), or loops on planes across z: arrays
+        (n, 3), pairs (z, (n, 2)), or paths of trimesh (``section``, ``section_multiplane``).
     grid
         cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
         of the contours' segments.
@@ -460,7 +477,7 @@ def from_sections(
         have no windows; "whole" blends sections as they are.
     mend
         split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
-        number of loops enclose.
+        number of loops enclose. Default: contours of `slice_mesh` are, as of a mesh that crosses itself; others are refused.
     crossings
         on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
         interpolated distances with the contours' points put in) or "classic" (marching cubes).
@@ -526,6 +543,7 @@ def from_sections(
         options.join = float(join)
     options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
     options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
+    mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
@@ -547,7 +565,7 @@ def from_sections(
             try:
                 run.check(build(run.context, given._struct(run), options, made))
             except Error as why:
-                if why.reason in ("BVX_REASON_LOOPS_MEET", "BVX_REASON_LOOP_FLAT") and not mend and given.normals is None:
+                if why.reason in ("BVX_REASON_LOOPS_MEET", "BVX_REASON_LOOP_FLAT") and not mend:
                     why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
                 raise
         mesh = Mesh._made(made)
@@ -672,7 +690,9 @@ def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] |
         with Run(**limits) as run:
             run.check(cut(run.context, source._view(run), options, made))
     del held
-    return Sections._made(made)
+    cuts = Sections._made(made)
+    cuts._sliced = True
+    return cuts
 
 
 def read_sections(data: Any, number: int, close_gap: float | None, run: Run) -> Sections:

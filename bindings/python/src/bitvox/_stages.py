@@ -211,52 +211,6 @@ def _surface_voxels(source: Mesh, where: Lattice, window: WindowLike, mode: str,
     return grid
 
 
-class FillComparison(NamedTuple):
-    """What `compare_fills` found: the counts, and grids of the voxels where rules disagree and where thin walls were lost.
-
-    Examples
-    --------
-    >>> bitvox.compare_fills('knot.ply', resolution=24).disagreeing.count
-    0
-    """
-
-    counts: Any
-    disagreeing: Grid
-    lost: Grid
-
-
-def compare_fills(mesh: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, lattice: Lattice | None = None,
-                  close_gaps: int = 0, threads: int | None = None, memory_limit: int | None = None,
-                  progress: Progress = None) -> FillComparison:
-    """Fill a mesh by the rules parity, nonzero, vote, flood and regions, and say where they differ.
-
-    Parameters
-    ----------
-    mesh, resolution, spacing, padding, lattice, close_gaps
-        as for `voxelize`.
-
-    Returns
-    -------
-    FillComparison
-        ``counts`` (`bitvox.reports.FillComparison`; ``counts.set`` by rule), ``disagreeing`` and ``lost`` as grids.
-
-    Examples
-    --------
-    >>> found = bitvox.compare_fills('knot.ply', resolution=24)
-    >>> len(set(found.counts.set))
-    1
-    """
-    source = Mesh.of(mesh)
-    where = place(source, resolution, spacing, padding, lattice)
-    options = options_of("compare_fills_options")
-    options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
-    disagreeing, lost, out = new_grid(), new_grid(), ffi.new("bvx_fill_comparison *")
-    options.disagreeing, options.lost = disagreeing, lost
-    with Run(threads, memory_limit, progress) as run:
-        run.check(lib.bvx_compare_fills(run.context, source._view(run), where._c, options, out))
-    return FillComparison(record(out), Grid._made(disagreeing), Grid._made(lost))
-
-
 def find_seed(surface: Grid, mesh: Any = None, *, limit: int = 0, threads: int | None = None, memory_limit: int | None = None,
               progress: Progress = None) -> Seed:
     """One voxel inside a surface, found by scanning lines of voxels.

@@ -1,0 +1,547 @@
+/* joint_surface.c - each body's faces, from tetrahedra that all have a kind.
+ *
+ * A body's faces are those between its tetrahedra and others: closed and oriented, and for two bodies that
+ * touch the same but for the direction. What remains is where a body touches itself: an edge with more than
+ * two of its faces gets a vertex, and a vertex becomes as many as there are fans of faces at it, all at one
+ * place. Two faces follow each other at an edge where the body lies between them. */
+#include "bodies/joint.h"
+
+#include "mesh/mesh.h"
+
+#define JOINT_ONE_PLACE 1e-12 /* of the contours' longest side */
+
+/* Faces of a positive tetrahedron opposite each corner, seen counter-clockwise from outside. */
+static const uint8_t tetra_face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+/* The faces of all bodies, those of one body together and in the order of their tetrahedra. */
+typedef struct joint_list {
+    uint64_t first[BVXI_JOINT_BODIES + 2]; /* of each kind's; the outside has none */
+    uint32_t *face;                        /* 4 times the tetrahedron and the corner opposite */
+    /* [vertex] corners at it, and the first side of the edges that are found there; between bodies 0 and
+     * BVXI_NONE */
+    uint32_t *degree, *edge;
+} joint_list;
+
+/* Edges at which a body touches itself. */
+typedef struct pinched_edges {
+    uint32_t (*edge)[2];
+    uint64_t count, room;
+} pinched_edges;
+
+/* The faces of the body at hand. Side 3 f + k of face f runs from its corner k to the next one. */
+typedef struct joint_faces {
+    bvxi_oblique *o;
+    bvxi_joint_cut *cut;
+    int kind;
+    uint32_t (*corner)[3]; /* vertices of the tetrahedra */
+    uint32_t *from;        /* 4 times the tetrahedron and the corner opposite; BVXI_NONE: a cell beyond it */
+    uint32_t *next;        /* [3 a face] sides of one edge */
+    uint32_t *joined;      /* [3 a face] corners that are one vertex */
+    uint32_t *number; /* [3 a face] at roots: of the vertex; before that 0: it is its edge's first side */
+    uint64_t count;
+    uint32_t *point; /* [vertex] 1 more than the point given that it is; 0: none */
+    uint8_t *used;   /* [vertex] the last body that has it */
+} joint_faces;
+
+/* ---- faces ---- */
+
+static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int against)
+{
+    const bvxi_tetra *const x = &f->o->tetra[t];
+
+    /* Seen from outside of the body, which lies beyond the face where it is against. */
+    for (int i = 0; i < 3; i++) f->corner[number][i] = x->v[tetra_face[k][against ? 2 - i : i]];
+    f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
+}
+
+/* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is
+ * beyond it but cells of one kind, that kind. Every other face is seen from both sides. */
+static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
+{
+    uint32_t const n = o->tetra[t].n[k];
+    int const own = cut->kind[t];
+    int const other = n != BVXI_NONE ? cut->kind[n] : bvxi_joint_border_kind(o, &o->tetra[t], k);
+
+    kind[0] = own != other ? own : 0;
+    kind[1] = own != other && n == BVXI_NONE ? other : 0;
+}
+
+static void free_list(const bvxi_oblique *o, joint_list *list)
+{
+    bvxi_drop(o->ctx, list->edge);
+    bvxi_drop(o->ctx, list->degree);
+    bvxi_drop(o->ctx, list->face);
+}
+
+/* All tetrahedra are looked at twice, however many bodies there are: to count, then to fill. */
+static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cut, joint_list *list)
+{
+    uint64_t *const next = list->first + 1; /* next[kind]: where its faces begin, and end once they are in */
+
+    memset(list->first, 0, sizeof list->first);
+    for (int fill = 0; fill < 2; fill++) {
+        for (uint64_t t = 0; t < o->tetra_count; t++)
+            for (int k = 0; k < 4; k++) {
+                int kind[2];
+                kinds_of_face(o, cut, t, k, kind);
+                for (int i = 0; i < 2; i++) {
+                    if (kind[i] == 0) continue;
+                    if (fill) list->face[next[kind[i] - 1]++] = (uint32_t)(4 * t) + (uint32_t)k;
+                    else next[kind[i]]++;
+                }
+            }
+        if (fill) break;
+        for (uint32_t i = 0; i < o->body_count; i++) next[i + 1] += next[i];
+        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->body_count] + 1) * 4, "the faces of bodies",
+                            &list->face));
+    }
+    BVXI_TRY(
+        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->degree));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->edge));
+    memset(list->edge, 0xff, (size_t)(o->vertex_count * 4));
+    return BVX_OK;
+}
+
+static bvx_status open_faces(joint_faces *f)
+{
+    static const char what[] = "the faces of a body";
+    bvx_context *const ctx = f->o->ctx;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 4, what, &f->from));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->next));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->joined));
+    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->number);
+}
+
+static void close_faces(joint_faces *f)
+{
+    bvxi_drop(f->o->ctx, f->number);
+    bvxi_drop(f->o->ctx, f->joined);
+    bvxi_drop(f->o->ctx, f->next);
+    bvxi_drop(f->o->ctx, f->from);
+    bvxi_drop(f->o->ctx, f->corner);
+    f->number = f->joined = f->next = f->from = NULL;
+    f->corner = NULL;
+}
+
+/* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
+ * many points has a fan (Chiba, Nishizeki 1985). */
+static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
+{
+    if (list->degree[a] != list->degree[b]) return list->degree[a] < list->degree[b] ? a : b;
+    return a < b ? a : b;
+}
+
+static uint32_t other_end(const joint_faces *f, uint32_t side, uint32_t end)
+{
+    const uint32_t *const v = f->corner[side / 3];
+
+    return v[side % 3] == end ? v[(side + 1) % 3] : v[side % 3];
+}
+
+/* Puts a side to its edge's others, after the first. more: [3 a face] the first side of the next edge of the
+ * same end. */
+static void list_side(joint_faces *f, const joint_list *list, uint32_t *more, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const end = end_with_edge(list, v[side % 3], v[(side + 1) % 3]);
+    uint32_t const other = other_end(f, side, end);
+    uint32_t first = list->edge[end];
+
+    while (first != BVXI_NONE && other_end(f, first, end) != other) first = more[first];
+    f->number[side] = first != BVXI_NONE;
+    f->next[side] = BVXI_NONE;
+    if (first != BVXI_NONE) {
+        f->next[side] = f->next[first];
+        f->next[first] = side;
+        return;
+    }
+    more[side] = list->edge[end];
+    list->edge[end] = side;
+}
+
+static void list_sides(joint_faces *f, const joint_list *list)
+{
+    uint64_t const sides = 3 * f->count;
+    const uint32_t *const corner = f->corner[0];
+
+    /* Corners are joined when all sides are listed, so their array serves until then. */
+    for (uint64_t i = 0; i < sides; i++) list->degree[corner[i]]++;
+    for (uint64_t i = 0; i < sides; i++) list_side(f, list, f->joined, (uint32_t)i);
+    for (uint64_t i = 0; i < sides; i++) {
+        list->degree[corner[i]] = 0;
+        list->edge[corner[i]] = BVXI_NONE;
+    }
+}
+
+/* The side that its edge's list begins with. */
+static int is_first_side(const joint_faces *f, uint64_t side)
+{
+    return f->number[side] == 0;
+}
+
+static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
+{
+    const uint32_t *const face = list->face + list->first[kind - 1];
+
+    f->kind = kind;
+    f->count = list->first[kind] - list->first[kind - 1];
+    if (f->count > UINT32_MAX / 3)
+        return bvxi_fail_for(f->o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
+    BVXI_TRY(open_faces(f));
+    /* Where the tetrahedron is not the body's, the body lies beyond the face. */
+    for (uint64_t i = 0; i < f->count; i++)
+        fill_face(f, i, face[i] / 4, (int)(face[i] % 4), f->cut->kind[face[i] / 4] != kind);
+    list_sides(f, list);
+    return BVX_OK;
+}
+
+/* ---- edges at which a body touches itself ---- */
+
+static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
+{
+    uint32_t t, m;
+    double at[3];
+
+    /* An edge that a cut before this one has halved is no longer there. */
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[a].at[k] + o->vertex[b].at[k]);
+    BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
+    o->vertex[m].sign = 0;
+
+    /* Both halves of a tetrahedron are of its kind. */
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
+    for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
+    return BVX_OK;
+}
+
+static int is_pinched(const joint_faces *f, uint32_t first)
+{
+    uint32_t n = 0;
+
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) n++;
+    return n > 2;
+}
+
+/* Vertices of a pinched edge may be one fan at both ends: one in between is two. */
+static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint_list *list, int kind,
+                               pinched_edges *pinched)
+{
+    joint_faces f;
+    bvx_status status;
+
+    memset(&f, 0, sizeof f);
+    f.o = o;
+    f.cut = cut;
+    status = take_faces(&f, list, kind);
+    for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
+        const uint32_t *const v = f.corner[i / 3];
+
+        /* Each edge once, at the side that its list begins with. */
+        if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
+        status = bvxi_oblique_grow(o, &pinched->edge, pinched->count, &pinched->room, sizeof *pinched->edge,
+                                   "the edges of a body");
+        if (status != BVX_OK) break;
+        pinched->edge[pinched->count][0] = v[i % 3];
+        pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
+    }
+    close_faces(&f);
+    return status;
+}
+
+/* ---- vertices ---- */
+
+static uint32_t side_end(uint32_t side)
+{
+    return side % 3 == 2 ? side - 2 : side + 1;
+}
+
+/* Two faces of a body run along an edge in opposite directions. */
+static void join_sides(const joint_faces *f, uint32_t one, uint32_t two)
+{
+    bvxi_join(f->joined, one, side_end(two));
+    bvxi_join(f->joined, side_end(one), two);
+}
+
+static uint32_t third_vertex(const bvxi_tetra *t, uint32_t a, uint32_t b, uint32_t c)
+{
+    for (int k = 0; k < 4; k++)
+        if (t->v[k] != a && t->v[k] != b && t->v[k] != c) return t->v[k];
+    return BVXI_NONE;
+}
+
+/* The face that follows a face at its side, through the body: 4 times its tetrahedron and the corner
+ * opposite; BVXI_NONE where the way leaves the tetrahedra. */
+static uint32_t face_through_body(const joint_faces *f, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const x = v[side % 3], y = v[(side + 1) % 3];
+    uint32_t leave = v[(side + 2) % 3], t = f->from[side / 3] / 4, other;
+
+    if (f->from[side / 3] == BVXI_NONE) return BVXI_NONE;
+    other = f->o->tetra[t].v[f->from[side / 3] % 4];
+    for (;;) {
+        const bvxi_tetra *const now = &f->o->tetra[t];
+        /* Around the edge from tetrahedron to tetrahedron, leaving each by the face that the last one did
+         * not share. */
+        int const k = bvxi_corner_of(now, leave);
+        uint32_t const n = now->n[k];
+
+        if (n == BVXI_NONE && bvxi_joint_border_kind(f->o, now, k) == f->kind) return BVXI_NONE;
+        if (n == BVXI_NONE || f->cut->kind[n] != f->kind) return 4 * t + (uint32_t)k;
+        leave = other;
+        other = third_vertex(&f->o->tetra[n], x, y, other);
+        t = n;
+    }
+}
+
+/* The face that follows at its side around what is beside the body there, where that is nothing but bodies of
+ * higher numbers; else BVXI_NONE. */
+static uint32_t face_around_others(const joint_faces *f, uint32_t side)
+{
+    const uint32_t *const v = f->corner[side / 3];
+    uint32_t const x = v[side % 3], y = v[(side + 1) % 3], from = f->from[side / 3];
+    uint32_t leave = v[(side + 2) % 3], other, t;
+
+    if (from == BVXI_NONE || f->o->tetra[from / 4].n[from % 4] == BVXI_NONE) return BVXI_NONE;
+    t = f->o->tetra[from / 4].n[from % 4];
+    other = third_vertex(&f->o->tetra[t], x, y, leave);
+    for (;;) {
+        const bvxi_tetra *const now = &f->o->tetra[t];
+        uint32_t const n = now->n[bvxi_corner_of(now, leave)];
+
+        /* A body of a lower number there passes through itself, and this one does not. */
+        if (f->cut->kind[t] < f->kind || n == BVXI_NONE) return BVXI_NONE;
+        leave = other;
+        other = third_vertex(&f->o->tetra[n], x, y, other);
+        if (f->cut->kind[n] == f->kind) return 4 * n + (uint32_t)bvxi_corner_of(&f->o->tetra[n], other);
+        t = n;
+    }
+}
+
+/* Where two bodies touch themselves at one edge, one of them passes through: the one with the lower
+ * number. */
+static int passes_through(const joint_faces *f, uint32_t first)
+{
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i])
+        if (face_around_others(f, i) == BVXI_NONE) return 0;
+    return 1;
+}
+
+/* Of an edge with several pairs of faces those with the body between them belong together; where it passes
+ * through, those with another one between them. */
+static void join_pinched(const joint_faces *f, uint32_t first)
+{
+    int const through = passes_through(f, first);
+
+    for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
+        uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
+        /* The face that was found is one of the edge's own; its side is joined to this one. */
+        if (face == BVXI_NONE) continue;
+        for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
+            if (f->from[j / 3] == face) join_sides(f, i, j);
+    }
+}
+
+/* Corners that are one vertex: those of faces that follow each other around it. */
+static void find_fans(const joint_faces *f)
+{
+    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
+    for (uint64_t i = 0; i < 3 * f->count; i++) {
+        uint32_t const first = (uint32_t)i;
+
+        /* Two faces at an edge belong together; of more it has to be found out which. */
+        if (!is_first_side(f, i)) continue;
+        if (is_pinched(f, first)) join_pinched(f, first);
+        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
+    }
+}
+
+/* ---- points ---- */
+
+static bvx_status find_points(joint_faces *f)
+{
+    const bvxi_oblique *const o = f->o;
+    uint32_t first = 0;
+
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the points of contours", &f->point));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count, "the points of contours", &f->used));
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        const bvxi_plane *const q = &o->plane[p].plane;
+        for (uint32_t n = 0; n < q->point_count; n++) {
+            uint32_t const v = o->point_vertex[first + n];
+            /* The first of several at one vertex. */
+            if (v != BVXI_NONE && f->point[v] == 0) f->point[v] = q->given[n] + 1;
+        }
+        first += q->point_count;
+    }
+    return BVX_OK;
+}
+
+static void joint_place(const joint_faces *f, uint32_t v, double at[3])
+{
+    const bvxi_oblique *const o = f->o;
+
+    if (f->point[v] != 0) {
+        memcpy(at, o->given->points + 3 * (uint64_t)(f->point[v] - 1), 24);
+        return;
+    }
+    for (int k = 0; k < 3; k++) at[k] = o->origin[k] + o->step * o->vertex[v].at[k];
+}
+
+static int is_kept_point(const joint_faces *f, uint32_t v, const double given[3])
+{
+    double const most = JOINT_ONE_PLACE * f->o->longest * f->o->step;
+    double at[3];
+
+    if (v == BVXI_NONE || f->used[v] != f->kind) return 0;
+    joint_place(f, v, at);
+    for (int k = 0; k < 3; k++)
+        if (!(bvxi_absolute(at[k] - given[k]) <= most)) return 0;
+    return 1;
+}
+
+/* The body's own points, which follow those of the bodies before it on each plane. */
+static void count_unkept_points(const joint_faces *f)
+{
+    bvxi_oblique *const o = f->o;
+    uint32_t first = 0;
+
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        const bvxi_plane *const q = &o->plane[p].plane;
+        uint32_t n = 0, end;
+
+        /* Where the body's points begin on this plane. */
+        for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
+        end = n + o->body[f->kind - 1].plane[p].plane.point_count;
+        for (; n < end; n++) {
+            const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
+            if (is_kept_point(f, o->point_vertex[first + n], given)) continue;
+            o->report.unkept_points++;
+            if (o->report.located < BVX_SECTIONS_LOCATED)
+                memcpy(o->report.unkept[o->report.located++], given, 24);
+        }
+        first += q->point_count;
+    }
+}
+
+/* ---- meshes ---- */
+
+static void write_joint_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
+{
+    double at[3];
+
+    joint_place(f, v, at);
+    for (uint64_t k = 0; k < 3; k++) {
+        if (f->o->options.position_type == BVX_F64)
+            ((double *)mesh->positions)[3 * (uint64_t)number + k] = at[k];
+        else ((float *)mesh->positions)[3 * (uint64_t)number + k] = (float)at[k];
+    }
+}
+
+/* Vertices are numbered in the order in which faces come to them. */
+static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
+{
+    const bvxi_oblique *const o = f->o;
+    uint64_t const corners = 3 * f->count;
+    uint64_t vertices = 0;
+
+    /* A fan is one vertex: its root is the corner of the lowest number. */
+    for (uint64_t i = 0; i < corners; i++) vertices += f->joined[i] == i;
+    if (f->count > INT32_MAX || vertices > INT32_MAX)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", o->function);
+    BVXI_TRY(bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, f->count, mesh));
+    /* Faces come in the order of tetrahedra, so vertices do not depend on threads either. */
+    memset(f->number, 0xff, (size_t)(corners * 4));
+    vertices = 0;
+    for (uint64_t i = 0; i < corners; i++) {
+        uint32_t const v = f->corner[i / 3][i % 3];
+        uint32_t *const number = &f->number[bvxi_root(f->joined, (uint32_t)i)];
+        if (*number == BVXI_NONE) {
+            *number = (uint32_t)vertices++;
+            write_joint_position(f, mesh, *number, v);
+            f->used[v] = (uint8_t)f->kind;
+        }
+        mesh->triangles[i] = *number;
+    }
+    return BVX_OK;
+}
+
+/* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
+static bvx_status check_joint_mesh(const bvxi_oblique *o, const bvx_mesh *mesh, int32_t label)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
+    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
+                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
+                         o->function, (int64_t)label);
+}
+
+static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int kind, bvx_mesh *mesh)
+{
+    bvxi_oblique *const o = f->o;
+    int32_t const label = o->body[kind - 1].options.label;
+
+    BVXI_TRY(take_faces(f, list, kind));
+    if (f->count == 0)
+        return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
+                             "%s: no point of the lattice lies inside label %d; take more cells", o->function,
+                             (int64_t)label);
+    find_fans(f);
+    BVXI_TRY(write_joint_mesh(f, mesh));
+    count_unkept_points(f);
+    return check_joint_mesh(o, mesh, label);
+}
+
+/* All cuts before all faces: a cut for one body changes faces that another shares. */
+static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *list)
+{
+    int const count = (int)o->body_count;
+    pinched_edges pinched;
+
+    memset(&pinched, 0, sizeof pinched);
+    for (int kind = 1; kind <= count; kind++)
+        BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
+                            find_pinched(o, cut, list, kind, &pinched)));
+    for (uint64_t i = 0; i < pinched.count; i++)
+        BVXI_TRY(cut_pinched_edge(o, cut, pinched.edge[i][0], pinched.edge[i][1]));
+
+    /* Numbers of faces are those of the tetrahedra before the cuts. */
+    if (pinched.count != 0) {
+        free_list(o, list);
+        BVXI_TRY(list_all_faces(o, cut, list));
+    }
+    bvxi_drop(o->ctx, pinched.edge);
+    return BVX_OK;
+}
+
+bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *meshes)
+{
+    int const count = (int)o->body_count;
+    joint_list list;
+    joint_faces f;
+
+    BVXI_TRY(list_all_faces(o, cut, &list));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, cut_pinched(o, cut, &list)));
+    memset(&f, 0, sizeof f);
+    f.o = o;
+    f.cut = cut;
+    BVXI_TRY(find_points(&f));
+    for (int kind = 1; kind <= count; kind++) {
+        BVXI_TRY(BVXI_SHARE(o->ctx, 0.4 + 0.6 * (kind - 1) / count, 0.4 + 0.6 * kind / count,
+                            make_joint_mesh(&f, &list, kind, &meshes[kind - 1])));
+        close_faces(&f);
+    }
+    free_list(o, &list);
+    return BVX_OK;
+}

@@ -1,0 +1,462 @@
+/* sections.c - the closed surface of a body through its section contours.
+ *
+ * Source: Wang. Three-dimensional surface modelling in section data fields (docs/papers.md, 5; distances on
+ * sections, marching cubes over cells from section to section, contour points as vertices, faces with four
+ * crossings decided at the meeting of the lines joining opposite ones).
+ *
+ * What is different: on a section's plane nothing is interpolated. A plane's contours are cut at the grid's
+ * lines, and at those of subdivided cells on either side, into one ring of vertices; the cells above and
+ * below all take their stretches from that ring. So the surface above a plane ends where the surface below it
+ * begins, whatever the cells on both sides are. Strips of cell sides between the planes depend on what lies
+ * in the strip only. Each cell's loops are then closed by construction, and triangles inside a cell share no
+ * inner edge with any other's: the surface is closed and manifold without any matching afterwards. */
+#include "bodies/lone_section.h"
+#include "layers/shift.h"
+#include "layers/slab.h"
+#include "oblique/oblique.h"
+
+#include "mesh/mesh.h"
+
+#include <math.h>
+
+enum { MOST_TIMES = 4 }; /* that levels may cross before all are given up */
+
+static const char sections_name[] = "bvx_build_sections";
+
+static const bvxi_option sections_rows[] = {
+    BVXI_OR(bvx_sections_options, layers, WHOLE, 1, 1, 64),
+    BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
+    BVXI_CHOICE(bvx_sections_options, crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
+    BVXI_OR(bvx_sections_options, depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
+    BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
+    BVXI_SWITCH(bvx_sections_options, mend),
+    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
+    BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
+    BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_sections_options, thickness, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_sections_options, join, 0.0, BVXI_FINITE),
+};
+
+bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bvx_sections_options *o)
+{
+    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(sections_rows)));
+    if (o->position_type == BVX_POSITION_AUTO) o->position_type = BVX_F64;
+    o->label = bvxi_label_taken(o->label, BVXI_LABEL_ONLY);
+    /* Only the more general conditions stand in the table; what depends on two options stands here. */
+    if (o->cells != 0 && (o->cells < 8 || o->cells > 1024))
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: cells is %d; 0 or 8 to 1024 are possible", function, (int64_t)o->cells);
+    if (o->cells != 0 && o->spacing != 0.0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: cells and spacing are both given", function);
+    if (o->grid[0] == 0 && o->grid[1] == 0) return BVX_OK;
+
+    for (int32_t a = 0; a < 2; a++)
+        if (o->grid[a] < 2 || o->grid[a] > 8192)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: grid[%d] is %d; 2 to 8192 are possible", function, (int64_t)a,
+                                 (int64_t)o->grid[a]);
+    if (o->spacing != 0.0)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: grid and spacing are both given", function);
+    return BVX_OK;
+}
+
+/* Frustums between neighbours, cones where the body ends between sections. */
+static void measure_prismoids(bvxi_stack *s)
+{
+    double sum = 0.0;
+    uint32_t const n = s->plane_count;
+    const bvxi_plane *const p = s->plane;
+
+    for (uint32_t i = 0; i + 1 < n; i++) {
+        double const a = p[i].area, b = p[i + 1].area, h = p[i + 1].w - p[i].w;
+        /* A body that ends between two sections ends half way. */
+        double const height = p[i].contour_count == 0 || p[i + 1].contour_count == 0 ? 0.5 * h : h;
+        sum += height / 3.0 * ((a + b) + sqrt(a * b));
+    }
+    /* Tapered ends reach half a slab beyond the first and the last section. */
+    if (s->options.caps == BVX_CAPS_TAPER) {
+        sum += p[0].area * s->reach[0] / 3.0;
+        sum += p[n - 1].area * s->reach[1] / 3.0;
+    }
+    s->report.prismoid_volume = sum;
+}
+
+/* Vertices of the planes: rings, or in the field's way none until they are needed. */
+static bvx_status make_rings(bvxi_stack *s)
+{
+    if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        /* All bits set: no vertex yet. */
+        memset(p->ring, 0xff, (size_t)p->point_count * 4);
+        s->report.unkept_points += p->point_count;
+    }
+    return BVX_OK;
+}
+
+static bvx_status make_caps(bvxi_stack *s)
+{
+    if (s->options.caps != BVX_CAPS_FLAT) return BVX_OK;
+    for (int k = 0; k < 2; k++) {
+        int32_t const side = k == 0 ? -1 : 1;
+        /* Without rings the cap's border is made of the lines that cells left there. */
+        if (s->options.crossings != BVX_CROSSINGS_EXACT)
+            BVXI_TRY(
+                bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
+        else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
+    }
+    return BVX_OK;
+}
+
+/* The surface between the sections; *crossed slabs have levels that cross. */
+static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count, uint32_t *crossed)
+{
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_nesting_find(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.04, bvxi_nesting_make(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs, count)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
+    return BVXI_SHARE(s->ctx, 0.8, 1.0,
+                      BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
+}
+
+/* As if no surface had been made. */
+static void drop_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t count)
+{
+    bvxi_section_mesh *const m = &s->mesh, *const all = &s->slab_mesh;
+
+    bvxi_slabs_free(s, *slabs, count);
+    *slabs = NULL;
+    bvxi_drop(s->ctx, all->triangle);
+    bvxi_drop(s->ctx, all->position);
+    bvxi_drop(s->ctx, m->triangle);
+    bvxi_drop(s->ctx, m->position);
+    memset(all, 0, sizeof *all);
+    memset(m, 0, sizeof *m);
+    bvxi_nesting_drop(s);
+    /* Cuts of subdivided cells go with the cells; those of the grid stay. */
+    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].cut_count = s->plane[i].grid_cut_count;
+}
+
+static void count_nested(bvxi_stack *s)
+{
+    for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++) {
+        s->report.nested_slabs += s->nesting.count[i] > 1;
+        s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
+    }
+}
+
+/* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes
+ * with that, for the slabs beside it too, so the new surface is looked at again; that ends, since each time
+ * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
+static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
+{
+    bvx_sections_report before;
+    bvxi_slab *slabs = NULL;
+    uint32_t count = 0, crossed = 0;
+    bvx_status status = BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s));
+
+    if (status == BVX_OK) status = bvxi_nesting_open(s);
+    before = s->report;
+    for (int times = 0; status == BVX_OK; times++) {
+        /* Given up: all slabs that still have levels are joined. */
+        for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
+            if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
+        status = BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &count, &crossed));
+        if (status != BVX_OK || crossed == 0) break;
+        drop_surface(s, &slabs, count);
+        /* Counts begin anew with the surface. */
+        s->report = before;
+    }
+    if (status == BVX_OK) count_nested(s);
+    if (status == BVX_OK) status = make_caps(s);
+    if (status == BVX_OK)
+        status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
+    return status;
+}
+
+/* Mended loops, on the grid that the given ones have. */
+static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
+                              const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
+{
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, mended)));
+    if (mended->sections.loop_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
+                         sections_name);
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));
+    bvxi_stack_take_grid(stack, &mended->grid);
+    /* The given stack's grid: the mended points were snapped
+     * to it, and would land elsewhere on another one. */
+    stack->nudge = (const int16_t(*)[2])mended->nudge;
+    stack->report.mended_loops = mended->loops;
+    return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
+}
+
+/* What cannot be mended is refused by its own loops' numbers, as without. */
+static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
+                                const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
+{
+    memset(mended, 0, sizeof *mended);
+    memset(stack, 0, sizeof *stack);
+    stack->ctx = ctx;
+    if (options->mend) {
+        bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7,
+                                             open_mended(ctx, sections, options, mended, stack));
+        /* Only what the loops themselves cause is looked at again with the given ones. */
+        if (status != BVX_ERR_FORMAT) return status;
+        bvxi_stack_close(stack);
+        return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
+    }
+    return bvxi_stack_open(ctx, sections_name, sections, options, stack);
+}
+
+/* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
+ * such a mesh is refused, not handed out. */
+static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+    bvx_status status;
+
+    /* The mesh is already a result; it is freed where it is refused, unless the caller's arrays hold it. */
+    bvx_mesh_view_of(mesh, &view);
+    status = bvx_mesh_check(ctx, &view, 0, &c);
+    if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
+        status = bvxi_fail_for(
+            ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or "
+            "mend the contours before",
+            sections_name);
+    if (status != BVX_OK && own) bvx_mesh_free(ctx, mesh);
+    return status;
+}
+
+/* The stack with sections put in where parts are shifted, in place of the one that is open; it is on the
+ * same grid and its ends reach as far. What was counted of the given sections stands in the report as it
+ * is. */
+static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
+{
+    bvx_context *const ctx = s->ctx;
+    bvx_sections_report const given = s->report;
+    bvx_sections_options const options = s->options;
+    double const reach[2] = {s->reach[0], s->reach[1]};
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
+    if (slanted->sections == 0) return BVX_OK;
+    bvxi_stack_close(s);
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 0.85,
+                        bvxi_stack_begin(ctx, sections_name, &slanted->body.sections, &options, s)));
+    bvxi_stack_take_grid(s, &slanted->body.grid);
+    s->nudge = (const int16_t(*)[2])slanted->body.nudge;
+    BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0, bvxi_stack_finish(s)));
+    memcpy(s->reach, reach, sizeof reach);
+    s->report = given;
+    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
+    s->report.added_sections = slanted->sections;
+    s->report.shifted_parts = slanted->parts;
+    return BVX_OK;
+}
+
+/* Mended loops may be left in one section only: *left is its number and no body is made, since but for
+ * tapered caps it takes two planes. Else *left is BVXI_NONE. */
+static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
+                              const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                              bvx_mesh *mesh)
+{
+    double const opened = o->join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
+    bvxi_mended mended;
+    bvxi_shifted slanted;
+    bvxi_stack stack;
+    int const own = mesh->positions == NULL;
+    bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
+
+    *left = BVXI_NONE;
+    memset(&slanted, 0, sizeof slanted);
+    if (status == BVX_OK && stack.plane_count == 1 && o->caps != BVX_CAPS_TAPER) {
+        *left = stack.plane[0].section;
+    } else if (status == BVX_OK) {
+        measure_prismoids(&stack);
+        if (o->join > 0.0) status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
+        if (status == BVX_OK)
+            status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
+    }
+    if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
+        status = BVXI_SHARE(context, 0.95, 1.0, check_body(context, mesh, own));
+    if (status == BVX_OK) {
+        /* Samples that a full grid would have taken, less those that were measured. */
+        stack.report.skipped = stack.report.samples > stack.report.distances
+                                   ? stack.report.samples - stack.report.distances
+                                   : 0;
+        *report = stack.report;
+    }
+    return status;
+}
+
+/* ---- planes that each have a normal ---- */
+
+/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
+static bvx_status build_planes(bvx_context *context, const bvx_sections *sections,
+                               const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    int const own = mesh->positions == NULL;
+    bvxi_mended mended;
+    bvx_status status = BVX_ERR_FORMAT;
+
+    memset(&mended, 0, sizeof mended);
+    if (o->mend)
+        status = BVXI_SHARE(context, 0.0, 0.1, bvxi_mend_planes(context, sections_name, sections, o, &mended));
+    if (status == BVX_OK)
+        status = BVXI_SHARE(context, 0.1, 0.9,
+                            bvxi_oblique_body(context, sections_name, &mended.sections, o, report, mesh));
+    if (status == BVX_ERR_FORMAT) {
+        mended.loops = 0;
+        status = bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+    }
+    if (status == BVX_OK && mended.loops != 0) {
+        report->mended_loops = mended.loops;
+        status = check_body(context, mesh, own);
+    }
+    return status;
+}
+
+static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
+                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                                bvx_mesh *mesh)
+{
+    uint64_t const bytes = sections->section_count * 8;
+    bvx_sections stack = *sections;
+    double *positions = NULL;
+    int parallel = 1;
+
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the sections' positions", &positions));
+    for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
+        int against;
+        /* Where the normal points the other way, so does the position along it. */
+        parallel = bvxi_section_parallel(sections->normals, sections->normals + 3 * i, &against);
+        positions[i] = against ? -sections->positions[i] : sections->positions[i];
+    }
+    memcpy(stack.normal, sections->normals, sizeof stack.normal);
+    stack.positions = positions;
+    stack.normals = NULL;
+    return parallel ? build_stack(context, &stack, o, left, report, mesh)
+                    : build_planes(context, sections, o, report, mesh);
+}
+
+/* The body of one section, as a slab or a lens. */
+static bvx_status build_lone(bvx_context *context, const bvxi_lone *lone, const bvx_sections_options *o,
+                             bvx_sections_report *report, bvx_mesh *mesh)
+{
+    uint32_t left;
+
+    BVXI_TRY(BVXI_SCOPE(context, build_stack(context, &lone->sections, o, &left, report, mesh)));
+    bvxi_lone_report(lone, report);
+    return BVX_OK;
+}
+
+static bvx_status build_several(bvx_context *context, const bvx_sections *sections,
+                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
+                                bvx_mesh *mesh)
+{
+    *left = BVXI_NONE;
+    return sections->normals == NULL ? build_stack(context, sections, o, left, report, mesh)
+                                     : build_normals(context, sections, o, left, report, mesh);
+}
+
+static bvx_status build_any(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *o,
+                            bvx_sections_report *report, bvx_mesh *mesh)
+{
+    bvxi_lone lone;
+    uint32_t left = BVXI_NONE;
+    bvx_status status = bvxi_lone_open(context, sections_name, sections, BVXI_NONE, o, &lone);
+
+    if (status == BVX_OK && lone.times == 0) {
+        status = BVXI_SCOPE(context, build_several(context, sections, o, &left, report, mesh));
+        /* Several sections, of which mending left one with loops: that was the first share of it. */
+        if (status == BVX_OK && left != BVXI_NONE)
+            status = bvxi_lone_open(context, sections_name, sections, left, o, &lone);
+    }
+    if (status == BVX_OK && lone.times != 0)
+        status = BVXI_SHARE(context, left == BVXI_NONE ? 0.0 : 0.15, 1.0,
+                            build_lone(context, &lone, o, report, mesh));
+    return status;
+}
+
+/* Volumes by prismoids are roots of two areas' product: that must not overflow. */
+#define SECTIONS_FARTHEST 1e75
+
+static bvx_status check_far_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
+{
+    for (uint64_t i = 0; i < given->section_count; i++)
+        if (bvxi_absolute(given->positions[i]) > SECTIONS_FARTHEST)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: the position of section %u is %g; the limit is %g", function, i,
+                                 given->positions[i], SECTIONS_FARTHEST);
+    for (uint64_t i = 0; i < 3 * given->point_count; i++)
+        if (bvxi_absolute(given->points[i]) > SECTIONS_FARTHEST)
+            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                                 "%s: point %u has a coordinate of %g; the limit is %g", function, i / 3,
+                                 given->points[i], SECTIONS_FARTHEST);
+    return BVX_OK;
+}
+
+/* The same at the other end: a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be
+ * much smaller than the widest one. */
+#define SECTIONS_NARROWEST 1e-70
+
+static bvx_status check_tiny_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
+{
+    double widest = 0.0;
+
+    for (uint64_t i = 0; i < given->loop_count; i++) {
+        const bvx_section_loop *const loop = &given->loops[i];
+        const double *const first = given->points + 3 * loop->first_point;
+
+        for (uint64_t k = 3; k < 3 * (uint64_t)loop->point_count; k++) {
+            double const width = bvxi_absolute(first[k] - first[k % 3]);
+            if (width > widest) widest = width;
+        }
+    }
+    /* All points of all loops at one place: each loop is refused by itself. */
+    if (widest == 0.0 || widest >= SECTIONS_NARROWEST) return BVX_OK;
+    return bvxi_fail_for(
+        ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
+        "%s: the widest loop spans %g; below %g areas and volumes round to 0: scale the contours", function,
+        widest, SECTIONS_NARROWEST);
+}
+
+bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)
+{
+    BVXI_TRY(check_far_contours(ctx, function, given));
+    return check_tiny_contours(ctx, function, given);
+}
+
+static bvx_status run_build_sections(bvx_context *context, const bvx_sections *sections,
+                                     const bvx_sections_options *options, bvx_mesh *mesh)
+{
+    bvx_sections_options o;
+    bvx_sections_report report;
+
+    if (context == NULL) return BVX_ERR_ARGUMENT;
+    if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
+    BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
+    BVXI_TRY(bvxi_section_options_check(context, sections_name, &o));
+    BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
+    BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
+    BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
+    /* Begun anew for each call; handed out only when all went well. */
+    memset(&report, 0, sizeof report);
+    BVXI_TRY(build_any(context, sections, &o, &report, mesh));
+    if (o.report != NULL) *o.report = report;
+    return BVX_OK;
+}
+
+bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
+                              const bvx_sections_options *options, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_build_sections(context, sections, options, mesh));
+}

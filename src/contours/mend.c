@@ -1,0 +1,235 @@
+/* mend.c - a stack in which loops touch or cross themselves or each other, made one that can be built.
+ *
+ * One rule: inside is what an odd number of loops enclose, as it is for loops in loops. That stays as it was.
+ * Loops that neither touch nor cross are copied as they are; the others are split where they meet
+ * (mend_split.c) and joined anew (mend_trace.c). Points that lie on no border any more are left out: those of
+ * slits, spikes and borders that two loops have in common. What is still not simple after that is refused by
+ * the checks of every stack. */
+#include "contours/mend.h"
+
+enum { MEND_COARSEST = 4 }; /* bits of a cell in fixed point */
+
+#define MEND_LEAST_STEP (1.0 / 4194304.0) /* of the contours' extent, on planes of any direction */
+
+/* ---- loops that are lines or points ---- */
+
+static int mend_has_three_points(const bvx_sections *given, const bvx_section_loop *l)
+{
+    const double *const p = given->points + 3 * l->first_point;
+    uint64_t different = 0;
+
+    for (uint64_t i = 0; i < l->point_count; i++) {
+        const double *const a = p + 3 * i, *const b = p + 3 * (i == 0 ? l->point_count - 1 : i - 1);
+        different += a[0] != b[0] || a[1] != b[1] || a[2] != b[2];
+    }
+    return different > 2;
+}
+
+/* The stack without loops of fewer than three different points; it shares all arrays but the loops. */
+static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                  bvx_sections *kept, uint64_t *dropped)
+{
+    /* Only the list of loops is new; points stay where they are. */
+    *kept = *given;
+    kept->loop_count = 0;
+    kept->loops = NULL;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *kept->loops, "the loops to mend",
+                        &kept->loops));
+    for (uint64_t i = 0; i < given->loop_count; i++)
+        if (mend_has_three_points(given, &given->loops[i])) kept->loops[kept->loop_count++] = given->loops[i];
+    *dropped = given->loop_count - kept->loop_count;
+    return kept->loop_count != 0
+               ? BVX_OK
+               : bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
+}
+
+/* ---- planes ---- */
+
+static bvx_status mend_copy_loop(bvx_context *ctx, const bvx_sections *given, uint64_t number, bvxi_mended *m)
+{
+    const bvx_section_loop *const l = &given->loops[number];
+
+    BVXI_TRY(bvxi_mended_add_loop(ctx, m, l->section, l->label));
+    for (uint64_t i = 0; i < l->point_count; i++)
+        BVXI_TRY(bvxi_mended_add_point(ctx, m, given->points + 3 * (l->first_point + i), 0, 0));
+    return BVX_OK;
+}
+
+/* Where splitting does not end, loops stay as they are and are refused later. */
+static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
+{
+    uint64_t changed = 0;
+    int done;
+
+    BVXI_TRY(bvxi_mend_split_plane(w, &done));
+    /* Loops that neither touch nor cross keep their points and their order. */
+    for (uint32_t i = 0; i < w->plane->contour_count; i++) {
+        if (w->changed[i] && done) changed++;
+        else BVXI_TRY(mend_copy_loop(w->s->ctx, w->s->given, w->plane->contour[i].given, m));
+    }
+    m->loops += changed;
+    return changed == 0 ? BVX_OK : bvxi_mend_trace(w, m);
+}
+
+static bvx_status mend_planes(bvxi_mend_work *w, bvxi_mended *m)
+{
+    bvxi_stack *const s = w->s;
+
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "mend", (double)i / s->plane_count));
+        bvxi_plane_snap(s, &s->plane[i]);
+        w->plane = &s->plane[i];
+        BVXI_TRY(mend_plane(w, m));
+    }
+    return BVX_OK;
+}
+
+static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
+{
+    bvxi_vertex_map map = {NULL, NULL, 0, 0};
+    bvxi_mend_work w;
+    uint64_t most = 1;
+
+    memset(&w, 0, sizeof w);
+    w.s = s;
+    w.map = &map;
+    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
+    BVXI_TRY(mend_planes(&w, m));
+    bvxi_drop(s->ctx, w.active);
+    bvxi_drop(s->ctx, w.order);
+    bvxi_drop(s->ctx, w.key);
+    bvxi_drop(s->ctx, w.split);
+    bvxi_drop(s->ctx, w.split_edge);
+    bvxi_drop(s->ctx, w.edge);
+    bvxi_drop(s->ctx, w.node);
+    bvxi_drop(s->ctx, w.changed);
+    bvxi_map_free(s, &map);
+    return BVX_OK;
+}
+
+/* The planes of the given stack, for loops of its own. */
+static void begin_mended(const bvx_sections *given, bvxi_mended *m)
+{
+    memset(m, 0, sizeof *m);
+    m->sections = *given;
+    m->sections.points = NULL;
+    m->sections.loops = NULL;
+    m->sections.point_count = m->sections.loop_count = m->sections.point_capacity =
+        m->sections.loop_capacity = 0;
+}
+
+/* The length of one step of fixed point, whose points are odd. */
+static double step_length(double cell, int32_t fine)
+{
+    return cell / (double)(1 << (fine - 1));
+}
+
+/* least: how long steps are at least. */
+static bvx_status mend_with_steps(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                  const bvx_sections_options *options, double least, bvxi_mended *m)
+{
+    bvx_sections kept;
+    bvxi_stack s;
+
+    begin_mended(given, m);
+    memset(&s, 0, sizeof s);
+    memset(&kept, 0, sizeof kept);
+    BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
+    BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
+    while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
+    /* The mended stack is built on this grid, whose fixed point the steps count in. */
+    bvxi_stack_give_grid(&s, &m->grid);
+    BVXI_TRY(mend_stack(&s, m));
+    bvxi_stack_close(&s);
+    bvxi_drop(ctx, kept.loops);
+    return BVX_OK;
+}
+
+bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
+                     const bvx_sections_options *options, bvxi_mended *m)
+{
+    return mend_with_steps(ctx, function, given, options, 0.0, m);
+}
+
+/* ---- planes of any direction ---- */
+
+/* Mended loops with their points where steps put them: bodies of such planes are made by places alone. */
+static bvx_status take_mended(bvx_context *ctx, const bvxi_mended *from, uint32_t section, bvxi_mended *m)
+{
+    const bvx_sections *const s = &from->sections;
+    double axis[3][3];
+
+    BVXI_TRY(bvxi_section_frame(ctx, "", s->normal, axis));
+    for (uint64_t i = 0; i < s->loop_count; i++) {
+        uint64_t const first = s->loops[i].first_point, end = first + s->loops[i].point_count;
+
+        BVXI_TRY(bvxi_mended_add_loop(ctx, m, section, s->loops[i].label));
+        for (uint64_t p = first; p < end; p++) {
+            double at[3];
+
+            memcpy(at, s->points + 3 * p, sizeof at);
+            for (int a = 0; a < 2; a++)
+                for (int k = 0; k < 3 && from->nudge[p][a] != 0; k++)
+                    at[k] += axis[a][k] * (from->nudge[p][a] * step_length(from->grid.step[a], from->grid.fine));
+            BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
+        }
+    }
+    m->loops += from->loops;
+    return BVX_OK;
+}
+
+/* The loops of one section as a stack of one plane, which holds them. */
+static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx_sections *one,
+                               uint32_t section, const bvx_sections_options *o, double least, bvxi_mended *m)
+{
+    bvxi_mended mended;
+    bvx_status status = mend_with_steps(ctx, function, one, o, least, &mended);
+
+    if (status == BVX_OK) status = take_mended(ctx, &mended, section, m);
+    bvxi_drop(ctx, mended.nudge);
+    bvxi_drop(ctx, mended.sections.loops);
+    bvxi_drop(ctx, mended.sections.points);
+    if (status != BVX_ERR_EMPTY) return status;
+    /* Nothing of them encloses an area. */
+    m->loops += one->loop_count;
+    return BVX_OK;
+}
+
+bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_sections *given,
+                            const bvx_sections_options *options, bvxi_mended *m)
+{
+    bvx_sections_options o = *options;
+    bvx_sections one = *given;
+    double widest = 0.0;
+
+    begin_mended(given, m);
+    /* A stack of one plane has no other to take its height from. */
+    o.thickness = 1.0;
+    if (o.label == BVXI_LABEL_ONLY) o.label = given->loops[0].label;
+    for (uint64_t i = 0; i < 3 * given->point_count; i++) {
+        double const width = bvxi_absolute(given->points[i] - given->points[i % 3]);
+        if (width > widest) widest = width;
+    }
+    one.normals = NULL;
+    one.section_count = 1;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend", &one.loops));
+    for (uint32_t k = 0; k < given->section_count; k++) {
+        one.loop_count = 0;
+        one.positions = given->positions + k;
+        memcpy(one.normal, given->normals + 3 * (uint64_t)k, sizeof one.normal);
+        for (uint64_t i = 0; i < given->loop_count; i++) {
+            if (given->loops[i].section != k) continue;
+            one.loops[one.loop_count] = given->loops[i];
+            one.loops[one.loop_count].section = 0;
+            if (given->loops[i].label == o.label) one.loop_count++;
+            else BVXI_TRY(mend_copy_loop(ctx, given, i, m));
+        }
+        if (one.loop_count != 0)
+            BVXI_TRY(mend_section(ctx, function, &one, k, &o, MEND_LEAST_STEP * widest, m));
+    }
+    bvxi_drop(ctx, one.loops);
+    return BVX_OK;
+}

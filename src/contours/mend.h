@@ -1,0 +1,98 @@
+/* mend.h - loops that touch or cross, split so that none do; paths along the edges of loops that touched
+ * or crossed, and their stops. Not installed. */
+#ifndef BVXI_MEND_H
+#define BVXI_MEND_H
+
+#include "contours/section.h"
+
+/* ---- Loops that touch or cross, split so that none do ---- */
+
+/* A stack whose loops neither cross nor touch, once its points are moved
+ * apart in fixed point by their nudges. */
+typedef struct bvxi_mended {
+    bvx_sections sections; /* arrays of its own, but for the positions */
+    int16_t (*nudge)[2];   /* of each point, in steps of its fixed point */
+    uint64_t nudge_room;
+    uint64_t loops;         /* that were changed or left out */
+    bvxi_section_grid grid; /* whose fixed point decided */
+} bvxi_mended;
+
+bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections *given,
+                     const bvx_sections_options *options, bvxi_mended *mended);
+/* The same for planes that each have a normal. Points are moved themselves; other labels stay as they are. */
+bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_sections *given,
+                            const bvx_sections_options *options, bvxi_mended *mended);
+
+/* ---- mend_split.c: a section's segments, split until they meet at their ends alone ---- */
+
+typedef struct bvxi_mend_node {
+    int32_t q[2];
+    double at[3];
+    uint32_t loop, visits; /* the first loop that comes here, and how often loops do */
+} bvxi_mend_node;
+
+typedef struct bvxi_mend_edge {
+    uint32_t node[2];
+    uint32_t loop;
+} bvxi_mend_edge;
+
+typedef struct bvxi_mend_split {
+    uint32_t edge, node;
+} bvxi_mend_split;
+
+typedef struct bvxi_mend_work {
+    bvxi_stack *s;
+    const bvxi_plane *plane;
+    uint8_t *changed; /* of each loop */
+    bvxi_mend_node *node;
+    bvxi_mend_edge *edge, *split_edge;
+    bvxi_mend_split *split;
+    uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count,
+        split_room;
+    uint32_t crossings; /* pairs that cross, in the last look */
+    int cross;          /* 1: they are split there, 0: only counted */
+    uint64_t *key;
+    uint32_t *order, *active;
+    uint32_t key_room, order_room, active_room;
+    struct bvxi_vertex_map *map; /* nodes by their places */
+} bvxi_mend_work;
+
+/* Fill in nodes, edges and the loops that change. *done is 0 where splitting does not end. */
+bvx_status bvxi_mend_split_plane(bvxi_mend_work *work, int *done);
+
+/* ---- mend_trace.c: loops along the edges that are left ---- */
+
+/* Edges of changed loops that lie on each other an even number of times go;
+ * what remains becomes loops of the stack. */
+bvx_status bvxi_mend_trace(bvxi_mend_work *work, bvxi_mended *mended);
+bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *mended, uint32_t section, int32_t label);
+bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *mended, const double at[3], int32_t u,
+                                 int32_t v);
+
+/* ---- Paths along the edges of loops that touched or crossed, and their stops ---- */
+
+/* A stop of a path: the node, and the ends of edges by which it came and went. */
+typedef struct bvxi_mend_stop {
+    uint32_t node, in, out;
+} bvxi_mend_stop;
+
+/* All paths of a plane: loops that come to no node twice. */
+typedef struct bvxi_mend_paths {
+    const bvxi_mend_work *w;
+    const uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
+    const uint32_t *rank; /* of each end: where it stands in its node's turn, counter-clockwise */
+    const bvxi_mend_stop *stop;
+    const uint32_t *loop; /* where each loop's stops begin */
+    uint32_t stop_count, loop_count;
+} bvxi_mend_paths;
+
+/* From an end of a kept edge to its other one. */
+void bvxi_mend_direction(const bvxi_mend_work *work, const uint32_t *edge, uint32_t end, int64_t d[2]);
+/* The middle of the angle from one end counter-clockwise to another, of length 1 or 0; returns
+ * the cosine of half of it. */
+double bvxi_mend_middle(const bvxi_mend_paths *paths, uint32_t from, uint32_t to, double middle[2]);
+
+/* By how many steps each stop moves. stays: of each node, the stop that does not. */
+bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2]);
+
+#endif

@@ -1,0 +1,244 @@
+/* simple.c - loops of a section neither cross nor touch, themselves or each other: quickly of most,
+ * exactly of all. */
+#include "contours/section.h"
+#include "mesh/mesh.h"
+
+/* ---- Most sections ---- */
+
+/* Most sections hold simple loops whose points are some way apart: these are found good
+ * without an allocation, side by side. Whatever is not surely good goes to the full check, which finds what
+ * is wrong and says so.
+ *
+ * Segments are put into buckets of their least u and then in order by insertion; each is held against the
+ * boxes of those that still reach so far, kept one after the other. */
+
+enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };
+
+static int box_segments(const bvxi_plane *p, bvxi_segment_box *box)
+{
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        bvxi_segment_box *const x = &box[i];
+        /* Points that snapped together are left to the full check. */
+        if (a[0] == b[0] && a[1] == b[1]) return 0;
+        x->left = a[0] < b[0] ? a[0] : b[0];
+        x->right = a[0] < b[0] ? b[0] : a[0];
+        x->low = a[1] < b[1] ? a[1] : b[1];
+        x->high = a[1] < b[1] ? b[1] : a[1];
+        x->segment = i;
+    }
+    return 1;
+}
+
+/* 0 when the order is so uneven that insertion would take long. */
+static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box *sorted)
+{
+    uint32_t start[QUICK_BUCKETS], shift = 0;
+    int32_t low = box[0].left, high = low;
+    uint64_t moves = (uint64_t)n * QUICK_MOST_MOVES;
+
+    for (uint32_t i = 1; i < n; i++) {
+        if (box[i].left < low) low = box[i].left;
+        if (box[i].left > high) high = box[i].left;
+    }
+    /* The fewest bits to take off, so that all buckets are used. */
+    while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
+    memset(start, 0, sizeof start);
+    for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;
+    bvxi_place_counts32(start, QUICK_BUCKETS);
+    for (uint32_t i = 0; i < n; i++) sorted[start[(uint32_t)(box[i].left - low) >> shift]++] = box[i];
+
+    /* Buckets are in order already; insertion orders each one, and counts what it costs. */
+    for (uint32_t i = 1; i < n; i++) {
+        bvxi_segment_box const x = sorted[i];
+        uint32_t j = i;
+        for (; j > 0 && sorted[j - 1].left > x.left; j--) sorted[j] = sorted[j - 1];
+        sorted[j] = x;
+        if (i - j > moves) return 0;
+        moves -= i - j;
+    }
+    return 1;
+}
+
+static int quick_pair_meets(const bvxi_plane *p, uint32_t i, uint32_t j)
+{
+    uint32_t const in = p->next[i], jn = p->next[j];
+    if (in == j) return jn == i || bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (jn == i) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
+    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+}
+
+int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_segment_box *active)
+{
+    uint32_t const n = p->point_count;
+    uint32_t reach = 0;
+
+    if (n == 0) return 1;
+    if (!box_segments(p, active) || !sort_boxes(active, n, sorted)) return 0;
+    for (uint32_t k = 0; k < n; k++) {
+        bvxi_segment_box const x = sorted[k];
+        for (uint32_t a = 0; a < reach;) {
+            const bvxi_segment_box *const y = &active[a];
+            /* It ended before this segment begins; the last one takes its place. */
+            if (y->right < x.left) {
+                active[a] = active[--reach];
+                continue;
+            }
+            if (y->high >= x.low && y->low <= x.high && quick_pair_meets(p, x.segment, y->segment)) return 0;
+            a++;
+        }
+        active[reach++] = x;
+    }
+    return 1;
+}
+
+/* ---- All sections ---- */
+
+/* Loops of a section neither cross nor touch, themselves or each other; decided exactly in fixed
+ * point.
+ *
+ * Segments in the order of their least u are held against those that still reach so far. Cost: O(n log n) and
+ * the pairs whose ranges of u overlap. Points of a loop that snap to one place count as one. */
+
+typedef struct simple_work {
+    uint64_t *key;
+    uint32_t *order, *active, *place; /* place: the first of the points before it that snapped to its place */
+} simple_work;
+
+static int at_one_place(const int32_t *a, const int32_t *b)
+{
+    return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Runs may go over the loop's end, so each is followed back from its last point. */
+static void find_places(const bvxi_plane *p, uint32_t *place)
+{
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const last = c->first + c->count - 1;
+
+        /* Points before the run's start belong to the run at the end. */
+        uint32_t start = c->first;
+        /* the run that goes over the end */
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
+        for (uint32_t i = c->first; i <= last; i++)
+            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
+        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
+    }
+}
+
+static int is_between(int32_t a, int32_t b, int32_t x)
+{
+    return a < b ? a <= x && x <= b : b <= x && x <= a;
+}
+
+/* c on the closed segment a b, known to be on its line. */
+static int is_on(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    return is_between(a[0], b[0], c[0]) && is_between(a[1], b[1], c[1]);
+}
+
+int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+{
+    int const ca = bvxi_turn_sign(a, b, c);
+    int const da = bvxi_turn_sign(a, b, d);
+    int const ac = bvxi_turn_sign(c, d, a);
+    int const bc = bvxi_turn_sign(c, d, b);
+    /* Each has its ends on both sides of the other; otherwise they meet only where an end lies on one. */
+    if (ca * da < 0 && ac * bc < 0) return 1;
+    return (ca == 0 && is_on(a, b, c)) || (da == 0 && is_on(a, b, d)) || (ac == 0 && is_on(c, d, a)) ||
+           (bc == 0 && is_on(c, d, b));
+}
+
+int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
+{
+    int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) +
+                        ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
+    return bvxi_turn_sign(shared, a, b) == 0 && dot > 0;
+}
+
+static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
+{
+    uint32_t const in = p->next[i], jn = p->next[j];
+    int const after = place[in] == place[j], before = place[jn] == place[i];
+    if (after && before) return 1; /* there and back: two different segments between the same two points */
+    if (after) return bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
+    if (before) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
+    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+}
+
+static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, uint32_t j)
+{
+    uint64_t const a = p->contour[bvxi_contour_of(p, i)].given, b = p->contour[bvxi_contour_of(p, j)].given;
+    const bvx_section_loop *const la = &s->given->loops[a], *const lb = &s->given->loops[b];
+    uint64_t const pa = p->given[i] - la->first_point, pb = p->given[j] - lb->first_point;
+
+    if (a == b)
+        return bvxi_fail_for(
+            s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            "%s: loop %i of section %u (position %g) crosses or touches itself, after its points %u and %u, near "
+            "(%g, %g, %g)",
+            s->function, a, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+            s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+    return bvxi_fail_for(
+        s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+        "%s: loops %i and %u of section %u (position %g) cross or touch, after their points %u and %u, near "
+        "(%g, %g, %g)",
+        s->function, a, b, (uint64_t)p->section, p->w, pa, pb, s->given->points[3 * p->given[i]],
+        s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
+}
+
+static inline int32_t least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t most(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w)
+{
+    uint32_t count = 0, reach = 0;
+
+    /* Segments by their least u; those without length are no segments. */
+    find_places(p, w->place);
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
+        w->key[count] = (uint64_t)(uint32_t)least(p->q[i][0], p->q[p->next[i]][0]);
+        w->order[count++] = i;
+    }
+    BVXI_TRY(bvxi_radix_sort(s->ctx, w->key, w->order, count));
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t const i = w->order[n], in = p->next[i];
+        int32_t const left = least(p->q[i][0], p->q[in][0]);
+        int32_t const low = least(p->q[i][1], p->q[in][1]), high = most(p->q[i][1], p->q[in][1]);
+
+        /* What ended before this one begins leaves the list; the rest is kept in place. */
+        uint32_t kept = 0;
+        for (uint32_t a = 0; a < reach; a++) {
+            uint32_t const j = w->active[a], jn = p->next[j];
+            if (most(p->q[j][0], p->q[jn][0]) < left) continue;
+            w->active[kept++] = j;
+            /* Apart along v. */
+            if (most(p->q[j][1], p->q[jn][1]) < low || least(p->q[j][1], p->q[jn][1]) > high) continue;
+            if (pair_meets(p, w->place, i, j)) return refuse_pair(s, p, i, j);
+        }
+        w->active[kept++] = i;
+        reach = kept;
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
+{
+    simple_work w = {NULL, NULL, NULL, NULL};
+    uint64_t const n = p->point_count, mark = bvxi_scratch_begin(s->ctx);
+
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place));
+    return bvxi_scratch_end(s->ctx, mark, check_pairs(s, p, &w));
+}

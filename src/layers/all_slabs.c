@@ -1,0 +1,327 @@
+/* all_slabs.c - the surface in all slabs, and the mesh of all of it.
+ *
+ * The exact way a slab needs its two planes only, so slabs are made side by side. Each has a stretch of
+ * arrays with room for what it can make by the count of its crossings, and a view of the stack into which its
+ * vertices go, numbered behind those of the rings. A slab that needs more, or in which anything fails, is
+ * made once more afterwards, in order, with arrays that grow. The meshes are then put one after the other:
+ * what comes of it does not show who made what. */
+#include "layers/trace.h"
+
+#include "mesh/mesh.h"
+
+enum {
+    SLAB_SPARE = 64,
+    SLAB_GRAIN = 4096 /* triangles */,
+    SLAB_COUNT_GRAIN = 65536 /* words of grid points */
+};
+
+typedef struct slabs_worker {
+    bvxi_stack view;
+    bvxi_slab_work work;
+} slabs_worker;
+
+typedef struct slabs_job {
+    bvxi_stack *s;
+    bvxi_slab *slab;
+    uint32_t count;
+    int32_t pieces, workers;
+    slabs_worker *worker;
+    uint8_t *again; /* a slab each */
+    uint64_t *room; /* vertices and triangles of each slab */
+    /* for joining */
+    bvx_mesh *mesh;
+    uint64_t *vertex, *triangle; /* where each slab's begin */
+} slabs_job;
+
+/* ---- how much ---- */
+
+/* Places of the ring and crossings; of a nesting level about those of its
+ * own loops, of which each arc ends at one crossing. */
+static uint64_t count_ring(const bvxi_plane *p)
+{
+    return p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
+                            : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
+}
+
+/* Vertices that all loops of the slab's cells have together, about: a
+ * ring's points once a cell, crossings twice, heights four times. */
+static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices, uint64_t *triangles)
+{
+    size_t const words = (size_t)(s->size[1] + 1) * (size_t)s->words;
+    const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
+    uint64_t rings = 0, heights;
+
+    slab->lines = 0;
+    /* A line of the grid bears a vertex where its point is inside on one plane only. */
+    for (size_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
+    heights = (uint64_t)slab->lines + slab->hanging_count;
+    for (int k = 0; k < 2; k++) rings += count_ring(slab->plane[k]);
+    *vertices = heights + rings / 16 + SLAB_SPARE;
+    *triangles = rings + 4 * heights + SLAB_SPARE;
+}
+
+static void count_slab_piece(void *user, int32_t index, int32_t worker)
+{
+    slabs_job *const job = user;
+    uint64_t begin, end;
+    (void)worker;
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++)
+        count_slab(job->s, &job->slab[i], &job->room[2 * i], &job->room[2 * i + 1]);
+}
+
+static bvx_status open_slab_meshes(slabs_job *job)
+{
+    bvxi_section_mesh *const all = &job->s->slab_mesh;
+    uint64_t vertex = 0, triangle = 0;
+
+    /* All slabs' arrays are one block, cut by what each may need. */
+    for (uint32_t i = 0; i < job->count; i++) {
+        all->vertex_room += job->room[2 * (size_t)i];
+        all->triangle_room += job->room[2 * (size_t)i + 1];
+    }
+    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->vertex_room * 24, "the vertices of a body",
+                        &all->position));
+    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->triangle_room * 12, "the triangles of a body",
+                        &all->triangle));
+    for (uint32_t i = 0; i < job->count; i++) {
+        bvxi_section_mesh *const m = &job->slab[i].mesh;
+        m->position = all->position + 3 * vertex;
+        m->triangle = all->triangle + 3 * triangle;
+        m->vertex_room = job->room[2 * (size_t)i];
+        m->triangle_room = job->room[2 * (size_t)i + 1];
+        vertex += m->vertex_room;
+        triangle += m->triangle_room;
+    }
+    return BVX_OK;
+}
+
+/* ---- side by side ---- */
+
+static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
+{
+    bvx_status status;
+
+    /* Counts of the view are the slab's own; they are summed up afterwards. */
+    w->view.mesh = slab->mesh;
+    w->view.report.distances = w->view.report.ambiguous_faces = w->view.report.inner_vertices =
+        w->view.report.crossed_cells = 0;
+    status = bvxi_slab_fill(&w->work, slab);
+    slab->mesh = w->view.mesh;
+    slab->distances = w->view.report.distances;
+    slab->ambiguous_faces = w->view.report.ambiguous_faces;
+    slab->inner_vertices = w->view.report.inner_vertices;
+    slab->crossed_cells = w->view.report.crossed_cells;
+    return status;
+}
+
+static void fill_slab_piece(void *user, int32_t index, int32_t worker)
+{
+    slabs_job *const job = user;
+    uint64_t begin, end;
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++)
+        job->again[i] = fill_in_view(&job->worker[worker], &job->slab[i]) != BVX_OK;
+}
+
+static bvx_status fill_again(slabs_job *job)
+{
+    slabs_worker *const w = &job->worker[0];
+
+    /* Afterwards, in order, with arrays that grow. */
+    w->view.fixed = 0;
+    for (uint32_t i = 0; i < job->count; i++) {
+        bvxi_slab *const slab = &job->slab[i];
+        if (!job->again[i]) continue;
+        BVXI_TRY(bvxi_progress(job->s->ctx, "surface", (double)i / (double)job->count));
+        memset(&slab->mesh, 0, sizeof slab->mesh);
+        slab->owns_mesh = 1;
+        BVXI_TRY(fill_in_view(w, slab));
+    }
+    return BVX_OK;
+}
+
+static bvx_status open_workers(slabs_job *job)
+{
+    bvxi_stack *const s = job->s;
+    uint32_t lines = 0, loop = 0;
+
+    /* Scratch for the largest slab, once a worker. */
+    for (uint32_t i = 0; i < job->count; i++) {
+        const bvxi_slab *const slab = &job->slab[i];
+        uint32_t const rings = slab->plane[0]->ring_count + slab->plane[1]->ring_count;
+        if (slab->lines > lines) lines = slab->lines;
+        if (rings > loop) loop = rings;
+    }
+    for (int32_t i = 0; i < job->workers; i++) {
+        slabs_worker *const w = &job->worker[i];
+        w->view = *s;
+        memset(&w->view.mesh, 0, sizeof w->view.mesh);
+        /* Vertices of rings are read from the stack; new ones are numbered after them. */
+        w->view.ring_position = s->mesh.position;
+        w->view.ring_vertices = (uint32_t)s->mesh.vertex_count;
+        BVXI_TRY(bvxi_slab_work_open(&w->work, &w->view, lines, loop));
+        w->view.fixed = 1;
+    }
+    return BVX_OK;
+}
+
+static bvx_status fill_side_by_side(slabs_job *job)
+{
+    bvxi_stack *const s = job->s;
+    uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
+    bvx_status status;
+
+    job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
+    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.0, 0.02, job->pieces, count_slab_piece, job));
+    /* Room for all slabs is made before the first is filled, so that workers never allocate. */
+    BVXI_TRY(open_slab_meshes(job));
+    job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
+    job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker,
+                             "the slabs' scratch", &job->worker));
+    status = open_workers(job);
+    if (status == BVX_OK)
+        status = bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job);
+    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
+    for (int32_t i = job->workers; i-- > 0;) bvxi_slab_work_close(&job->worker[i].work);
+    /* Sums of whole numbers: the order of workers does not show. */
+    for (uint32_t i = 0; i < job->count && status == BVX_OK; i++) {
+        s->report.distances += job->slab[i].distances;
+        s->report.ambiguous_faces += job->slab[i].ambiguous_faces;
+        s->report.inner_vertices += job->slab[i].inner_vertices;
+        s->report.crossed_cells += job->slab[i].crossed_cells;
+    }
+    return status;
+}
+
+static bvx_status fill_in_job(slabs_job *job)
+{
+    bvxi_stack *const s = job->s;
+    uint64_t const rooms = (uint64_t)job->count * 16;
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again));
+
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
+    BVXI_TRY(fill_side_by_side(job));
+    bvxi_drop(s->ctx, job->worker);
+    bvxi_drop(s->ctx, job->room);
+    bvxi_drop(s->ctx, job->again);
+    return BVX_OK;
+}
+
+/* ---- one after the other ---- */
+
+/* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
+static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
+{
+    uint32_t const lines = ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1);
+    bvxi_slab_work w;
+    bvx_status status = bvxi_slab_work_open(&w, s, lines, SLAB_SPARE);
+
+    for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
+        status = bvxi_progress(s->ctx, "surface", (double)i / count);
+        if (status == BVX_OK) status = bvxi_slab_fill(&w, &slabs[i]);
+    }
+    bvxi_slab_work_close(&w);
+    return status;
+}
+
+bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
+{
+    slabs_job job;
+
+    /* Other ways share vertices of planes as they come, so their slabs are made in order. */
+    if (s->options.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
+    memset(&job, 0, sizeof job);
+    job.s = s;
+    job.slab = slabs;
+    job.count = count;
+    return fill_in_job(&job);
+}
+
+/* ---- joining ---- */
+
+static void give_positions(const bvxi_stack *s, const double *from, uint64_t count, bvx_mesh *mesh,
+                           uint64_t first)
+{
+    float *const narrow = (float *)mesh->positions + 3 * first;
+    if (s->options.position_type == BVX_F64)
+        memcpy((double *)mesh->positions + 3 * first, from, (size_t)count * 24);
+    else
+        for (uint64_t i = 0; i < 3 * count; i++) narrow[i] = (float)from[i];
+}
+
+/* A piece of the rings' positions, and whole slabs. */
+static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
+{
+    const slabs_job *const job = user;
+    const bvxi_section_mesh *const rings = &job->s->mesh;
+
+    if (begin < end) give_positions(job->s, rings->position + 3 * begin, end - begin, job->mesh, begin);
+    bvxi_piece(job->count, job->pieces, index, &begin, &end);
+    for (uint64_t i = begin; i < end; i++) {
+        const bvxi_section_mesh *const m = &job->slab[i].mesh;
+        uint32_t *const to = job->mesh->triangles + 3 * job->triangle[i];
+        uint32_t const first = (uint32_t)rings->vertex_count;
+        uint32_t const shift = (uint32_t)(job->vertex[i] - rings->vertex_count);
+        if (m->vertex_count != 0)
+            give_positions(job->s, m->position, m->vertex_count, job->mesh, job->vertex[i]);
+        /* Vertices of rings keep their numbers; a slab's own are moved up by those of the slabs before it. */
+        for (uint64_t n = 0; n < 3 * m->triangle_count; n++)
+            to[n] = m->triangle[n] + (m->triangle[n] >= first ? shift : 0);
+    }
+}
+
+static bvx_status join_in_job(slabs_job *job)
+{
+    bvxi_stack *const s = job->s;
+    const bvxi_section_mesh *const own = &s->mesh;
+    uint64_t vertices = own->vertex_count, triangles = 0;
+    bvx_status status;
+
+    /* Places of vertices and triangles follow from the counts, in the order of the slabs. */
+    for (uint32_t i = 0; i < job->count; i++) {
+        job->vertex[i] = vertices;
+        job->triangle[i] = triangles;
+        vertices += job->slab[i].mesh.vertex_count;
+        triangles += job->slab[i].mesh.triangle_count;
+    }
+    triangles += own->triangle_count;
+    if (vertices > UINT32_MAX - 1)
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^32 vertices", s->function);
+    if (triangles > INT32_MAX)
+        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", s->function);
+    if (triangles == 0)
+        return bvxi_fail(s->ctx, BVX_ERR_EMPTY,
+                         "%s: no point of the grid of %d by %d cells lies inside; take a finer one",
+                         s->function, (int64_t)s->size[0], (int64_t)s->size[1]);
+    BVXI_TRY(
+        bvxi_mesh_open(s->ctx, s->function, s->options.position_type, 0, vertices, triangles, job->mesh));
+    /* Triangles that are no slab's come last. */
+    if (own->triangle_count != 0)
+        memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
+               (size_t)own->triangle_count * 12);
+    status = bvxi_for_pieces(s->ctx, "surface", 0.0, 1.0, job->pieces, job->s->mesh.vertex_count, join_piece,
+                             job);
+    if (status != BVX_OK) bvx_mesh_free(s->ctx, job->mesh);
+    return status;
+}
+
+bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh)
+{
+    uint64_t const firsts = (uint64_t)count * 8;
+    slabs_job job;
+
+    memset(&job, 0, sizeof job);
+    job.s = s;
+    job.slab = (bvxi_slab *)slabs;
+    job.count = count;
+    job.pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
+    job.mesh = mesh;
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
+    BVXI_TRY(join_in_job(&job));
+    return BVX_OK;
+}

@@ -1,0 +1,427 @@
+/* caps.c - a section's region as flat triangles, for bodies that end on their first or last section.
+ *
+ * The region is cut by its contours' points only, whose loops are known to be simple in fixed point: each
+ * outer loop is joined to the holes in it by bridges (the shortest segments between points that meet
+ * nothing), and the polygon that comes of it is cut into triangles. The crossings that the surface has on a
+ * contour's segment then divide the triangle behind it. */
+#include "contours/section.h"
+
+#include "mesh/polygon.h"
+
+/* A hole in no loop, as lines in the paper's way can make when contour
+ * points cross over: filled by itself, in its own direction. */
+#define CAP_ALONE    (UINT32_MAX - 1)
+#define CAP_STRAIGHT 1e-9 /* sine of the angle at a point that is no corner */
+
+typedef struct cap_work {
+    bvxi_stack *s;
+    const bvxi_plane *plane;
+    int32_t side;
+    int fixed;        /* 1: all points are corners, in fixed point */
+    uint32_t *after;  /* the next corner behind each point that is one, else none */
+    uint32_t *corner; /* points around the region, those at bridges twice */
+    uint32_t count;
+    uint32_t (*bridge)[2];
+    uint32_t bridge_count;
+    double (*at)[3];
+    uint32_t *cut; /* triangles of corners */
+    bvxi_polygon polygon;
+} cap_work;
+
+/* ---- bridges ---- */
+
+static int64_t cap_turn(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    return ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
+}
+
+static int cap_on(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    for (int k = 0; k < 2; k++)
+        if ((c[k] < a[k] && c[k] < b[k]) || (c[k] > a[k] && c[k] > b[k])) return 0;
+    return 1;
+}
+
+/* 1 when two closed segments meet anywhere but at an end that both share as a point. */
+static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    const int32_t *const p = w->plane->q[a];
+    const int32_t *const q = w->plane->q[b];
+    const int32_t *const r = w->plane->q[c];
+    const int32_t *const t = w->plane->q[d];
+    int64_t const pr = cap_turn(p, q, r);
+    int64_t const pt = cap_turn(p, q, t);
+    int64_t const rp = cap_turn(r, t, p);
+    int64_t const rq = cap_turn(r, t, q);
+
+    if (a == c || a == d || b == c || b == d) { /* a common end: the other one may not lie on the segment */
+        uint32_t const common = a == c || a == d ? a : b;
+        uint32_t const mine = common == a ? b : a;
+        uint32_t const other = common == c ? d : c;
+        const int32_t *const o = w->plane->q[common];
+        const int32_t *const m = w->plane->q[mine];
+        const int32_t *const n = w->plane->q[other];
+        int64_t dot;
+        if (mine == other) return 1;
+        dot = ((int64_t)m[0] - o[0]) * ((int64_t)n[0] - o[0]) +
+              ((int64_t)m[1] - o[1]) * ((int64_t)n[1] - o[1]);
+        return cap_turn(o, m, n) == 0 && dot > 0;
+    }
+    /* Proper crossings first; then ends that lie on the other segment. */
+    if (((pr > 0 && pt < 0) || (pr < 0 && pt > 0)) && ((rp > 0 && rq < 0) || (rp < 0 && rq > 0))) return 1;
+    return (pr == 0 && cap_on(p, q, r)) || (pt == 0 && cap_on(p, q, t)) || (rp == 0 && cap_on(r, t, p)) ||
+           (rq == 0 && cap_on(r, t, q));
+}
+
+static int is_free(const cap_work *w, uint32_t a, uint32_t b)
+{
+    const bvxi_plane *const p = w->plane;
+    /* Contours first, then bridges that were made before: a bridge may meet neither. */
+    for (uint32_t i = 0; i < p->point_count; i++)
+        if (cap_meets(w, a, b, i, p->next[i])) return 0;
+    for (uint32_t i = 0; i < w->bridge_count; i++)
+        if (cap_meets(w, a, b, w->bridge[i][0], w->bridge[i][1])) return 0;
+    return 1;
+}
+
+static uint64_t cap_square(const cap_work *w, uint32_t a, uint32_t b)
+{
+    int64_t const x = (int64_t)w->plane->q[a][0] - w->plane->q[b][0];
+    int64_t const y = (int64_t)w->plane->q[a][1] - w->plane->q[b][1];
+    return (uint64_t)(x * x) + (uint64_t)(y * y);
+}
+
+/* 1 when a point lies within the angle of a corner. */
+static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
+{
+    const int32_t *const o = w->plane->q[w->corner[i]];
+    const int32_t *const a = w->plane->q[w->corner[(i + w->count - 1) % w->count]];
+    const int32_t *const b = w->plane->q[w->corner[(i + 1) % w->count]], *const m = w->plane->q[point];
+    /* At a left turn the angle is what both edges have on their left; at a reflex corner, what either has. */
+    int const left_of_a = cap_turn(a, o, m) > 0, left_of_b = cap_turn(o, b, m) > 0;
+    return cap_turn(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
+}
+
+/* The nearest corner that a hole's point sees; corners are tried by their distance. */
+static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
+{
+    uint64_t last = 0;
+    uint32_t last_at = BVXI_NONE;
+
+    for (;;) {
+        uint64_t best = UINT64_MAX;
+        uint32_t at = BVXI_NONE;
+        /* The nearest corner after the last one tried; equal ones go by their place. */
+        for (uint32_t i = 0; i < w->count; i++) {
+            uint64_t const d = cap_square(w, from, w->corner[i]);
+            if (d < last || (d == last && last_at != BVXI_NONE && i <= last_at)) continue;
+            if (d < best) {
+                best = d;
+                at = i;
+            }
+        }
+        if (at == BVXI_NONE)
+            return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT,
+                             "%s: a hole of section %i cannot be joined to its loop", w->s->function,
+                             (uint64_t)w->plane->section);
+        /* It must see the corner from within the polygon, and nothing may lie between. */
+        if (is_in_corner(w, at, from) && is_free(w, from, w->corner[at])) {
+            *corner = at;
+            return BVX_OK;
+        }
+        last = best;
+        last_at = at;
+    }
+}
+
+/* Go around a hole from one of its points, entered and left over the bridge at a corner. */
+static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, uint32_t at)
+{
+    uint32_t i = from, k = at + 1, n = 2;
+
+    /* Room after the corner for the hole's points, its first once more, and the corner once more. */
+    for (uint32_t j = hole->first; j < hole->first + hole->count; j++) n += w->after[j] != BVXI_NONE;
+    memmove(w->corner + at + 1 + n, w->corner + at + 1, (size_t)(w->count - at - 1) * 4);
+    do {
+        w->corner[k++] = i;
+        i = w->after[i];
+    } while (i != from);
+    w->corner[k++] = from;
+    w->corner[k] = w->corner[at];
+    w->bridge[w->bridge_count][0] = from;
+    w->bridge[w->bridge_count++][1] = w->corner[at];
+    w->count += n;
+}
+
+/* ---- which holes ---- */
+
+static int cap_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
+{
+    int odd = 0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        /* Of the segments that pass the place's height, the parity of those to its right decides. */
+        if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
+        odd ^= (cap_turn(a, b, at) < 0) == (b[1] < a[1]);
+    }
+    return odd;
+}
+
+void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
+{
+    for (uint32_t h = 0; h < p->contour_count; h++) {
+        double best = 0.0;
+        owner[h] = BVXI_NONE;
+        /* The smallest outer loop around a hole is its own. */
+        if (!p->contour[h].hole) continue;
+        for (uint32_t o = 0; o < p->contour_count; o++) {
+            double area;
+            if (p->contour[o].hole || !cap_contains(p, &p->contour[o], p->q[p->contour[h].first])) continue;
+            area = bvxi_cap_area(p, &p->contour[o]);
+            if (owner[h] != BVXI_NONE && area >= best) continue;
+            owner[h] = o;
+            best = area;
+        }
+    }
+}
+
+/* The corner with the highest u. */
+static uint32_t rightmost(const cap_work *w, const bvxi_contour *c)
+{
+    uint32_t best = BVXI_NONE;
+    for (uint32_t i = c->first; i < c->first + c->count; i++)
+        if (w->after[i] != BVXI_NONE && (best == BVXI_NONE || w->plane->q[i][0] > w->plane->q[best][0]))
+            best = i;
+    return best;
+}
+
+/* 1 when a point lies on the straight line from the one before it to the
+ * next: no corner, but a vertex on a side as crossings are. */
+static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
+{
+    const double *const a = p->uv[before], *const o = p->uv[i], *const b = p->uv[p->next[i]];
+    double const x = o[0] - a[0], y = o[1] - a[1], u = b[0] - o[0], v = b[1] - o[1];
+    double const turn = x * v - y * u, along = x * u + y * v;
+    return along > 0.0 && (turn < 0.0 ? -turn : turn) <= CAP_STRAIGHT * along;
+}
+
+/* 1 when points are moved apart in fixed point from others that lie at
+ * their place: the region is simple there only. */
+static int has_moved_points(const cap_work *w)
+{
+    for (uint32_t i = 0; i < w->plane->point_count && w->s->nudge != NULL && !w->plane->lines; i++) {
+        const int16_t *const nudge = w->s->nudge[w->plane->given[i]];
+        if (nudge[0] != 0 || nudge[1] != 0) return 1;
+    }
+    return 0;
+}
+
+static void find_corners(cap_work *w)
+{
+    const bvxi_plane *const p = w->plane;
+
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const end = c->first + c->count;
+        uint32_t first = BVXI_NONE, last = BVXI_NONE, n = 0;
+        /* all are corners where fewer than three would be left */
+        for (int pass = 0; pass < 2 && n < 3; pass++) {
+            first = last = BVXI_NONE;
+            n = 0;
+            for (uint32_t i = c->first; i < end; i++) {
+                w->after[i] = BVXI_NONE;
+                if (pass == 0 && !p->lines && !w->fixed && is_straight(p, i == c->first ? end - 1 : i - 1, i))
+                    continue;
+                if (last == BVXI_NONE) first = i;
+                else w->after[last] = i;
+                last = i;
+                n++;
+            }
+        }
+        w->after[last] = first;
+    }
+}
+
+/* Holes from the right to the left: each then sees the outer loop or a hole that is joined already. */
+static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
+{
+    const bvxi_plane *const p = w->plane;
+
+    for (;;) {
+        uint32_t next = BVXI_NONE, from = 0, corner = 0;
+        /* The hole that reaches farthest to the right comes next. */
+        for (uint32_t h = 0; h < p->contour_count; h++) {
+            uint32_t r;
+            if (owner[h] != outer) continue;
+            r = rightmost(w, &p->contour[h]);
+            if (next != BVXI_NONE && p->q[r][0] <= p->q[from][0]) continue;
+            next = h;
+            from = r;
+        }
+        if (next == BVXI_NONE) return BVX_OK;
+        owner[next] = BVXI_NONE;
+        BVXI_TRY(find_bridge(w, from, &corner));
+        insert_hole(w, &p->contour[next], from, corner);
+    }
+}
+
+/* ---- triangles ---- */
+
+static bvx_status add_turned(const cap_work *w, uint32_t a, uint32_t b, uint32_t c)
+{
+    return w->side > 0 ? bvxi_section_add_triangle(w->s, a, b, c) : bvxi_section_add_triangle(w->s, a, c, b);
+}
+
+/* A side of a triangle: the vertices between its corners, which are a
+ * stretch of the ring that may go over its loop's end. */
+typedef struct cap_side {
+    uint32_t start, count; /* places after the first corner */
+    uint32_t low, end;     /* of the loop in the ring */
+} cap_side;
+
+static uint32_t side_vertex(const bvxi_plane *p, const cap_side *side, uint32_t i)
+{
+    uint32_t const at = side->start + i;
+    return p->vertex + (at < side->end ? at : at - (side->end - side->low));
+}
+
+/* None between corners that do not follow each other. */
+static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
+{
+    const bvxi_plane *const p = w->plane;
+    uint32_t low = 0, high = p->contour_count;
+
+    memset(side, 0, sizeof *side);
+    /* Only corners that follow each other have a stretch of the ring between them; bridges have none. */
+    if (p->lines || w->after[a] != b) return;
+    while (high - low > 1) {
+        uint32_t const middle = low + (high - low) / 2;
+        if (p->contour[middle].first <= a) low = middle;
+        else high = middle;
+    }
+    side->low = p->ring[p->contour[low].first];
+    side->end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
+    side->start = p->ring[a] + 1;
+    /* The stretch may go over the end of its loop. */
+    side->count = (p->ring[b] > p->ring[a] ? p->ring[b] : p->ring[b] + (side->end - side->low)) - p->ring[a] -
+                  1;
+}
+
+/* Triangles from a vertex to the part of a side between two vertices, over places begin to end of it. */
+static bvx_status fan_side(const cap_work *w, uint32_t apex, uint32_t from, const cap_side *side,
+                           uint32_t begin, uint32_t end, uint32_t to)
+{
+    for (uint32_t i = begin; i < end; i++) {
+        uint32_t const v = side_vertex(w->plane, side, i);
+        BVXI_TRY(add_turned(w, apex, from, v));
+        from = v;
+    }
+    return add_turned(w, apex, from, to);
+}
+
+/* A triangle with vertices on its sides: a side that has some is joined to the corner over it, and the two
+ * outer ones of the triangles that this makes are divided at the other sides. */
+static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
+{
+    const bvxi_plane *const p = w->plane;
+    uint32_t v[3], first, last;
+    cap_side side[3];
+    int turn = 0;
+
+    /* Turned so that the first side is one that has vertices, where there is one. */
+    for (int i = 0; i < 3; i++) find_side(w, point[i], point[(i + 1) % 3], &side[i]);
+    while (turn < 2 && side[turn].count == 0) turn++;
+    for (int i = 0; i < 3; i++) {
+        v[i] = p->vertex + p->ring[point[(i + turn) % 3]];
+        find_side(w, point[(i + turn) % 3], point[(i + turn + 1) % 3], &side[i]);
+    }
+    if (side[0].count == 0) return add_turned(w, v[0], v[1], v[2]);
+    first = side_vertex(p, &side[0], 0);
+    last = side_vertex(p, &side[0], side[0].count - 1);
+    /* Three fans: over the third side, over the first from the corner opposite, over the second. */
+    BVXI_TRY(fan_side(w, first, v[2], &side[2], 0, side[2].count, v[0]));
+    if (first != last) BVXI_TRY(fan_side(w, v[2], first, &side[0], 1, side[0].count - 1, last));
+    return fan_side(w, last, v[1], &side[1], 0, side[1].count, v[2]);
+}
+
+static bvx_status fill_region(cap_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++) {
+        /* points in line as given are in line here, which fixed point would not keep */
+        for (int k = 0; k < 2; k++)
+            w->at[i][k] = w->plane->lines || w->fixed ? w->plane->q[w->corner[i]][k]
+                                                      : w->plane->uv[w->corner[i]][k];
+        w->at[i][2] = 0.0;
+    }
+    BVXI_TRY(bvxi_polygon_cut(&w->polygon, (const double(*)[3])w->at, w->count, w->cut));
+    for (uint32_t i = 0; i + 2 < w->count; i++) {
+        uint32_t point[3];
+        for (int k = 0; k < 3; k++) point[k] = w->corner[w->cut[3 * i + (uint32_t)k]];
+        BVXI_TRY(divide_triangle(w, point));
+    }
+    return BVX_OK;
+}
+
+static bvx_status fill_regions(cap_work *w, uint32_t *owner)
+{
+    const bvxi_plane *const p = w->plane;
+
+    bvxi_plane_owners(p, owner);
+    find_corners(w);
+    /* Holes in no loop are filled by themselves. */
+    for (uint32_t h = 0; h < p->contour_count; h++)
+        if (p->contour[h].hole && owner[h] == BVXI_NONE) owner[h] = CAP_ALONE;
+    for (uint32_t o = 0; o < p->contour_count; o++) {
+        const bvxi_contour *const c = &p->contour[o];
+        if (c->hole && owner[o] != CAP_ALONE) continue;
+        w->count = 0;
+        for (uint32_t i = c->first; i < c->first + c->count; i++)
+            if (w->after[i] != BVXI_NONE) w->corner[w->count++] = i;
+        w->bridge_count = 0;
+        BVXI_TRY(join_holes(w, owner, o));
+        BVXI_TRY(fill_region(w));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
+{
+    uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
+    uint32_t *owner = NULL;
+    cap_work w;
+
+    memset(&w, 0, sizeof w);
+    w.s = s;
+    w.plane = plane;
+    w.side = side;
+    w.polygon.ctx = s->ctx;
+    w.fixed = has_moved_points(&w);
+    BVXI_TRY(
+        bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge,
+                        "the bridges of a cap", &w.bridge));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
+    BVXI_TRY(fill_regions(&w, owner));
+    bvxi_polygon_free(&w.polygon);
+    bvxi_drop(s->ctx, w.cut);
+    bvxi_drop(s->ctx, w.at);
+    bvxi_drop(s->ctx, w.bridge);
+    bvxi_drop(s->ctx, w.corner);
+    bvxi_drop(s->ctx, w.after);
+    bvxi_drop(s->ctx, owner);
+    return BVX_OK;
+}
+
+double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)
+{
+    double sum = 0.0;
+    for (uint32_t i = c->first; i < c->first + c->count; i++) {
+        /* About the first point, so that large coordinates do not take the digits. */
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]], *const o = p->q[c->first];
+        sum += ((double)a[0] - o[0]) * ((double)b[1] - o[1]) - ((double)a[1] - o[1]) * ((double)b[0] - o[0]);
+    }
+    return sum;
+}

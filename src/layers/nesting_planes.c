@@ -1,0 +1,207 @@
+/* nesting_planes.c - a nesting level of a section as a plane of its own.
+ *
+ * It shares points, crossings and ring with its section, so that whatever is made of it ends where the
+ * surface on the section's other side begins. Its own are what depends on which loops there are: arcs by
+ * cell, grid points inside, the tree for distances. A level of holes is turned: what its loops enclose is
+ * outside. Then its loops run with the inside on their left as they do in the section, and the triangles
+ * between two such levels face the way that the body's surface does. */
+#include "layers/slab.h"
+
+typedef struct nest_sizes {
+    uint32_t segments;
+    uint32_t arcs;
+    uint64_t groups, boxes, inside, bytes;
+} nest_sizes;
+
+/* The loop that an arc is a part of. */
+static uint32_t nest_contour_of_arc(const bvxi_plane *p, const bvxi_arc *arc)
+{
+    return bvxi_contour_of(p, arc->from == BVXI_NONE ? arc->point : p->cut[arc->from].segment);
+}
+
+static uint64_t level_inside_words(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+}
+
+static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, const uint8_t *level,
+                               uint32_t number, nest_sizes *size)
+{
+    memset(size, 0, sizeof *size);
+    /* Sizes of what depends on which loops there are; points and crossings are the section's. */
+    for (uint32_t c = 0; c < whole->contour_count; c++)
+        if (level[c] == number) size->segments += whole->contour[c].count;
+    for (uint32_t i = 0; i < whole->arc_count; i++)
+        size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
+
+    bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
+    size->inside = level_inside_words(s);
+    size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
+                  size->boxes * sizeof *whole->box + size->inside * sizeof *whole->inside +
+                  size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell +
+                                sizeof *whole->asking) +
+                  (uint64_t)size->segments * sizeof *whole->segment;
+}
+
+/* One block for all of them, eight bytes wide items first; it begins with the contours. */
+static void nest_place_level(bvxi_plane *p, unsigned char *at, const nest_sizes *size, uint32_t **segment)
+{
+    p->contour = (bvxi_contour *)(void *)at;
+    at += p->contour_count * sizeof *p->contour;
+    p->group = (bvxi_segment_group *)(void *)at;
+    at += size->groups * sizeof *p->group;
+    p->box = (double(*)[4])(void *)at;
+    at += size->boxes * sizeof *p->box;
+    p->inside = (uint64_t *)(void *)at;
+    at += size->inside * sizeof *p->inside;
+    p->arc = (bvxi_arc *)(void *)at;
+    at += size->arcs * sizeof *p->arc;
+    p->ring_arc = (bvxi_ring_arc *)(void *)at;
+    at += size->arcs * sizeof *p->ring_arc;
+    p->arc_cell = (uint32_t *)(void *)at;
+    at += size->arcs * sizeof *p->arc_cell;
+    p->asking = (uint32_t *)(void *)at;
+    at += size->arcs * sizeof *p->asking;
+    *segment = (uint32_t *)(void *)at;
+    p->segment = *segment;
+}
+
+/* A part that ends before the next section does so here too, unless one of its holes goes on. */
+static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number, uint32_t *part)
+{
+    const bvxi_plane *const whole = p->whole;
+
+    memcpy(p->contour, whole->contour, whole->contour_count * sizeof *p->contour);
+    p->ends[0] = p->ends[1] = 0;
+    if (!whole->ends[0] && !whole->ends[1]) return;
+
+    bvxi_plane_parts(whole, part);
+    /* A loop on another level than its part goes on: then the part does not end here. */
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        if (level[c] == level[part[c]]) continue;
+        for (uint32_t i = 0; i < p->contour_count; i++)
+            if (part[i] == part[c]) p->contour[i].end[0] = p->contour[i].end[1] = 0.0;
+    }
+    /* Which sides have parts that end, among the loops of this level. */
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        for (int k = 0; k < 2; k++) p->ends[k] |= level[c] == number && p->contour[c].end[k] > 0.0;
+}
+
+/* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
+static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
+{
+    memset(p->inside, 0, (size_t)level_inside_words(s) * 8);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
+        uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
+
+        /* Loops inside a cell and crossings of the other axis turn no row. */
+        if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
+        p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
+    }
+    bvxi_plane_fill_rows(s, p->inside);
+    /* A level of holes is inside where its loops are not. */
+    for (uint64_t i = 0; i < level_inside_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
+}
+
+static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
+                            uint32_t *segment)
+{
+    const bvxi_plane *const whole = p->whole;
+
+    p->segment_count = p->arc_count = p->asking_count = 0;
+
+    /* Segments and arcs of this level's loops, in the order of the section. */
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++)
+            segment[p->segment_count++] = p->contour[c].first + i;
+
+    for (uint32_t i = 0; i < whole->arc_count; i++) {
+        if (level[nest_contour_of_arc(whole, &whole->arc[i])] != number) continue;
+        p->arc[p->arc_count] = whole->arc[i];
+        p->arc_cell[p->arc_count++] = whole->arc_cell[i];
+    }
+
+    bvxi_plane_look_at_cells(s, p);
+    nest_set_inside(s, p);
+    bvxi_plane_tree(p);
+}
+
+/* side: 0 where the level lies between its section and the one above, 1
+ * where the one below. part: scratch, one a loop. */
+static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, uint32_t number, uint32_t *part)
+{
+    const uint8_t *const level = s->nesting.level[side] + (whole->contour - s->all.contour);
+    bvxi_plane *const p = &s->nesting.plane[s->nesting.plane_count];
+    unsigned char *block;
+    uint32_t *segment;
+    nest_sizes size;
+
+    nest_measure_level(s, whole, level, number, &size);
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, size.bytes, "the levels of loops", &block));
+    s->nesting.plane_count++;
+
+    /* All that is shared comes with the copy; what is its own is placed and filled. */
+    *p = *whole;
+    p->whole = whole;
+    p->level_bytes = size.bytes;
+    p->turned = (int)(number & 1);
+    nest_place_level(p, block, &size, &segment);
+    nest_copy_loops(p, level, number, part);
+    nest_fill_level(s, p, level, number, segment);
+    return BVX_OK;
+}
+
+static bvx_status nest_make_levels(bvxi_stack *s, uint32_t *part)
+{
+    bvxi_nesting *const n = &s->nesting;
+
+    for (uint32_t i = 0; i + 1 < s->plane_count; i++)
+        for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
+            for (int k = 0; k < 2; k++)
+                BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
+    return BVX_OK;
+}
+
+bvx_status bvxi_nesting_make(bvxi_stack *s)
+{
+    bvxi_nesting *const n = &s->nesting;
+    uint64_t most = 0;
+    uint32_t *part = NULL;
+
+    if (n->count == NULL) return BVX_OK;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        /* Two planes for each level between two sections, where there are several levels. */
+        if (i + 1 < s->plane_count && n->count[i] > 1) n->plane_room += 2 * (uint32_t)n->count[i];
+        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
+    }
+    if (n->plane_room == 0) return BVX_OK;
+
+    BVXI_TRY(
+        bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
+    BVXI_TRY(nest_make_levels(s, part));
+    bvxi_drop(s->ctx, part);
+    return BVX_OK;
+}
+
+void bvxi_nesting_refresh(bvxi_plane *p)
+{
+    const bvxi_plane *const whole = p->whole;
+
+    if (whole == NULL) return;
+    p->cut = whole->cut;
+    p->cut_count = whole->cut_count;
+    p->ring_count = whole->ring_count;
+    p->vertex = whole->vertex;
+}
+
+void bvxi_nesting_drop(bvxi_stack *s)
+{
+    bvxi_nesting *const n = &s->nesting;
+
+    for (uint32_t i = n->plane_count; i-- > 0;) bvxi_drop(s->ctx, n->plane[i].contour);
+    bvxi_drop(s->ctx, n->plane);
+    n->plane = NULL;
+    n->plane_count = n->plane_room = 0;
+}

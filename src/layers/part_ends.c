@@ -1,0 +1,232 @@
+/* part_ends.c - parts of a section that end before the next one: they narrow to a ridge half a spacing
+ * beyond.
+ *
+ * A part is a loop with the holes in it. All parts end towards a section without loops and, where ends taper,
+ * beyond the first and the last section. Where ends taper, a part also ends towards a section that it has
+ * nothing in common with: no point of the grid lies inside both, none of its contours' points inside the
+ * section, none of the section's inside it. The blend of both sections' distances would end it there too, but
+ * sooner the farther off that section's other parts are. */
+#include "layers/slab.h"
+
+#include <math.h>
+
+typedef struct ends_work {
+    bvxi_stack *s;
+    bvxi_plane *plane; /* whose parts are looked at */
+    const bvxi_plane *other;
+    uint32_t *owner; /* of each loop: the outer loop of its part */
+    uint8_t *met;    /* of outer loops */
+    uint32_t left;   /* outer loops that are not met yet */
+    uint32_t hint;   /* segment last found nearest, see bvxi_plane_distance */
+} ends_work;
+
+double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
+{
+    uint32_t segment;
+    double d;
+    *contour = 0;
+    if (p->contour_count == 1) return bvxi_plane_distance(p, u, v, hint); /* which segment does not matter */
+    d = bvxi_plane_nearest(p, u, v, &segment);
+    *contour = bvxi_contour_of(p, segment);
+    return d;
+}
+
+/* The part that a place inside the plane lies in: the one whose contour is nearest. */
+static uint32_t part_of_place(ends_work *w, double u, double v, double *distance)
+{
+    uint32_t contour;
+    *distance = bvxi_contour_distance(w->plane, u, v, &w->hint, &contour);
+    w->s->report.distances++;
+    return w->owner[contour];
+}
+
+static void meet_part(ends_work *w, uint32_t part)
+{
+    if (w->met[part]) return;
+    w->met[part] = 1;
+    w->left--;
+}
+
+/* Grid points inside both planes, at the ends of runs along the rows: enough to meet what most parts are. */
+static void meet_by_grid(ends_work *w)
+{
+    const bvxi_stack *const s = w->s;
+
+    for (int32_t j = 0; j <= s->size[1] && w->left != 0; j++) {
+        int was_inside = 0;
+        for (int32_t i = 0; i <= s->size[0] + 1; i++) {
+            int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
+                               bvxi_grid_bit(s, w->other, i, j);
+            double d;
+            /* Only the ends of runs are looked at. What a run passes over is left to is_met_by_points. */
+            if (inside != was_inside)
+                meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
+                                           s->origin[1] + j * s->step[1], &d));
+            was_inside = inside;
+        }
+    }
+}
+
+/* Contour points: of the part inside the other plane, of the other plane inside the part. */
+static int is_met_by_points(ends_work *w, uint32_t part)
+{
+    const bvxi_plane *const p = w->plane, *const other = w->other;
+    const bvxi_contour *const outer = &p->contour[part];
+    double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
+
+    /* The part's box, to leave out most of the other plane's points. */
+    for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
+        for (int k = 0; k < 2; k++) {
+            if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
+            if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
+        }
+    /* Points of the other plane in this part, then those of the part in the other plane. */
+    for (uint32_t i = 0; i < other->point_count; i++) {
+        const double *const at = other->uv[i];
+        if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
+        if (bvxi_plane_inside(w->s, p, at[0], at[1]) && part_of_place(w, at[0], at[1], &d) == part) return 1;
+    }
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        if (w->owner[c] != part) continue;
+        for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
+            if (bvxi_plane_inside(w->s, other, p->uv[i][0], p->uv[i][1])) return 1;
+    }
+    return 0;
+}
+
+/* The rows and columns of the grid that parts reach which are not met yet. */
+static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
+{
+    const bvxi_plane *const p = w->plane;
+
+    low[0] = low[1] = INT32_MAX;
+    high[0] = high[1] = 0;
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        if (w->met[w->owner[c]]) continue;
+        for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
+            for (int k = 0; k < 2; k++) {
+                /* q: fixed point; >> fine: the grid line below it. */
+                int32_t const line = p->q[i][k] >> w->s->fine;
+
+                if (line < low[k]) low[k] = line;
+                if (line > high[k]) high[k] = line;
+            }
+    }
+}
+
+/* Only grid points inside count; each deepens the part it lies in. */
+static void depth_by_grid(ends_work *w, double *depth)
+{
+    const bvxi_stack *const s = w->s;
+    int32_t low[2], high[2];
+
+    box_of_unmet(w, low, high);
+    for (int32_t j = low[1]; j <= high[1]; j++)
+        for (int32_t i = low[0]; i <= high[0]; i++) {
+            double d;
+            uint32_t part;
+
+            if (!bvxi_grid_bit(s, w->plane, i, j)) continue;
+            part = part_of_place(w, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], &d);
+            if (!w->met[part] && d > depth[part]) depth[part] = d;
+        }
+}
+
+/* Parts that hold no grid point: by the area and border of their outer loops. */
+static void depth_by_area(const ends_work *w, double *depth)
+{
+    const bvxi_plane *const p = w->plane;
+
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        const bvxi_contour *const l = &p->contour[c];
+        const double *const first = p->uv[l->first];
+        double twice_area = 0.0, border = 0.0;
+
+        if (w->owner[c] != c || w->met[c] || depth[c] > 0.0) continue;
+        for (uint32_t i = l->first; i < l->first + l->count; i++) {
+            const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
+
+            twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
+            border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+        }
+        /* 2 * area / border: the radius where the part is a disc. */
+        depth[c] = twice_area / border;
+    }
+}
+
+/* How deep inside their part the grid's points lie at most; for a part that holds none, an estimate. */
+static void measure_depths(ends_work *w, double *depth)
+{
+    depth_by_grid(w, depth);
+    depth_by_area(w, depth);
+}
+
+void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
+{
+    bvxi_plane_owners(p, part);
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        if (!p->contour[c].hole || part[c] == BVXI_NONE) part[c] = c;
+}
+
+/* Sets end[side] of every contour whose part meets nothing of other: the section on that side, or NULL where
+ * there is none. */
+static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, double *depth)
+{
+    bvxi_plane *const p = w->plane;
+
+    bvxi_plane_parts(p, w->owner);
+    w->other = other;
+    w->left = w->hint = 0;
+    for (uint32_t c = 0; c < p->contour_count; c++) {
+        w->met[c] = 0;
+        depth[c] = 0.0;
+        w->left += w->owner[c] == c;
+    }
+    /* The grid meets most parts; only the others are looked at point by point. */
+    if (other != NULL) {
+        meet_by_grid(w);
+        for (uint32_t c = 0; c < p->contour_count && w->left != 0; c++)
+            if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
+    }
+    if (w->left == 0) return;
+    /* What is left ends towards this side. */
+    measure_depths(w, depth);
+    for (uint32_t c = 0; c < p->contour_count; c++)
+        if (!w->met[w->owner[c]]) p->contour[c].end[side] = depth[w->owner[c]];
+    p->ends[side] = 1;
+}
+
+/* side: 0 below, 1 above. */
+static void mark_parts_on(ends_work *w, uint32_t number, int side, double *depth)
+{
+    bvxi_stack *const s = w->s;
+    int const taper = s->options.caps == BVX_CAPS_TAPER, last = number == (side ? s->plane_count - 1 : 0);
+    const bvxi_plane *const other = last ? NULL : &s->plane[side ? number + 1 : number - 1];
+    w->plane = &s->plane[number];
+    if (w->plane->contour_count == 0) return;
+    /* All parts end towards a section without loops; towards others only where ends taper. */
+    if (!last && other->contour_count == 0) mark_part_ends(w, side, NULL, depth);
+    else if (taper) mark_part_ends(w, side, other, depth);
+}
+
+bvx_status bvxi_stack_ends(bvxi_stack *s)
+{
+    uint64_t const mark = bvxi_scratch_begin(s->ctx);
+    uint64_t most = 0;
+    double *depth = NULL;
+    ends_work w;
+
+    memset(&w, 0, sizeof w);
+    w.s = s;
+    /* Arrays for the section with the most loops. */
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "ends", (double)i / s->plane_count));
+        for (int side = 0; side < 2; side++) mark_parts_on(&w, i, side, depth);
+    }
+    return bvxi_scratch_end(s->ctx, mark, BVX_OK);
+}

@@ -1,0 +1,458 @@
+/* section_field.c - signed distances where the surface requires them, and its crossings of the lines between
+ * two planes.
+ *
+ * A line over a grid point (or a corner of a subdivided cell) is crossed where the point is inside on one
+ * plane and outside on the other: at the share of both distances, kept a little off the planes. Over a part
+ * that ends (part_ends.c) the other plane counts as so deep outside as the part's widest place is inside: the
+ * body narrows to a ridge there.
+ *
+ * A cubic blend (blend.c) takes the distances on the planes beyond the slab too. Those need signs alone of
+ * which no connectivity follows: it has one zero where the linear one has, and none where that has none. */
+#include "layers/section_field.h"
+
+#define FIELD_MARGIN (1.0 / 1024.0)
+
+/* ---- distances ---- */
+
+double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
+{
+    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
+}
+
+static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
+{
+    size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
+
+    /* Without an array of distances each is measured when it is needed. */
+    if (p->distance == NULL) {
+        f->s->report.distances++;
+        return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
+                                   f->s->origin[1] + j * f->s->step[1], &p->hint);
+    }
+    /* A bit for each grid point: an array of distances need not be cleared for a new plane. */
+    if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
+        p->known[n >> 6] |= UINT64_C(1) << (n & 63);
+        p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
+                                             f->s->origin[1] + j * f->s->step[1], &p->hint);
+        f->s->report.distances++;
+    }
+    return p->distance[n];
+}
+
+/* Unsigned, on a plane with loops. */
+static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
+{
+    bvxi_plane_field *const p = &f->plane[k];
+    int32_t const fine = f->s->fine, part = (1 << fine) - 1;
+    /* Grid points share what is known; corners of subdivided cells lie between them. */
+    if ((at[0] & part) == 0 && (at[1] & part) == 0) return grid_distance(f, p, at[0] >> fine, at[1] >> fine);
+    f->s->report.distances++;
+    return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]),
+                               &p->hint);
+}
+
+static int is_nothing(const bvxi_field *f, int k)
+{
+    return bvxi_plane_is_nothing(f->slab->plane[k]);
+}
+
+/* Where the part of plane k that is nearest to a place ends before the
+ * other plane: its depth, and the distance to it; else 0. */
+static double ending_part(bvxi_field *f, int k, double u, double v, double *distance)
+{
+    const bvxi_plane *const p = f->slab->plane[k];
+    uint32_t contour;
+    /* Most planes have no part that ends on this side, and need no search. */
+    if (!p->ends[1 - k]) return 0.0;
+    f->s->report.distances++;
+    *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
+    return p->contour[contour].end[1 - k];
+}
+
+/* How deep outside on plane k the inside of a part is that ends, so that its deepest places end half way
+ * between two sections: a plane without loops lies there already. */
+static double ending_depth(const bvxi_field *f, int k, double off, double depth)
+{
+    return (is_nothing(f, k) ? depth : 2.0 * depth) - (off < depth ? off : depth);
+}
+
+/* The value on plane k at a place outside, which lies d from its contours, if it has some. */
+static double outside_value(bvxi_field *f, int k, double u, double v, double d)
+{
+    double off, mine, depth = ending_part(f, 1 - k, u, v, &off);
+    /* No part ends here: plain distance. */
+    if (!(depth > 0.0)) return -d;
+    if (bvxi_plane_inside(f->s, f->slab->plane[1 - k], u, v)) return -ending_depth(f, k, off, depth);
+    /* a part that ends the other way is nearer */
+    if (!is_nothing(f, k) && d < off && ending_part(f, k, u, v, &mine) > 0.0) return -d;
+    return -off - (is_nothing(f, k) ? depth : 2.0 * depth);
+}
+
+double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
+{
+    double const d = is_nothing(f, k) ? 0.0 : corner_distance(f, at, k);
+    return inside ? d : outside_value(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]), d);
+}
+
+static double plane_at(bvxi_field *f, int k, double u, double v)
+{
+    double d;
+    if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
+    f->s->report.distances++;
+    d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
+    return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
+}
+
+/* On a plane beyond the slab; 0 where there is none. */
+static double far_at(bvxi_field *f, int k, double u, double v)
+{
+    const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
+    double d;
+
+    if (p == NULL) return 0.0;
+    f->s->report.distances++;
+    d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
+    return bvxi_plane_encloses(p, u, v) ? d : -d;
+}
+
+static double far_corner(bvxi_field *f, const int32_t at[2], int k)
+{
+    const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
+    int32_t const fine = f->s->fine, part = (1 << fine) - 1;
+    double d;
+
+    if (p == NULL) return 0.0;
+    if ((at[0] & part) != 0 || (at[1] & part) != 0)
+        return far_at(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]));
+    d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
+    return bvxi_grid_bit(f->s, p, at[0] >> fine, at[1] >> fine) ? d : -d;
+}
+
+double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t inside[2], double t)
+{
+    double value[BVXI_BLEND_SECTIONS];
+
+    for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
+    /* The linear blend needs no plane beyond, and stays as it always was. */
+    if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
+    for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
+    return bvxi_blend_value(&f->blend, value, t);
+}
+
+double bvxi_field_at(bvxi_field *f, double u, double v, double t)
+{
+    if (f->cubic && t > 0.0 && t < 1.0) {
+        double value[BVXI_BLEND_SECTIONS];
+        for (int k = 0; k < 2; k++) value[k] = plane_at(f, k, u, v);
+        for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_at(f, k, u, v);
+        return bvxi_blend_value(&f->blend, value, t);
+    }
+    /* At an end only that end's plane is measured. */
+    double const below = t < 1.0 ? plane_at(f, 0, u, v) : 0.0, above = t > 0.0 ? plane_at(f, 1, u, v) : 0.0;
+    return (1.0 - t) * below + t * above;
+}
+
+/* ---- crossings of lines ---- */
+
+/* Both distances on the line over a place in a part that ends before the
+ * other plane, which it is inside on; 0 for other places. */
+static int ending_line(bvxi_field *f, int from, double u, double v, double d[2])
+{
+    double off, depth = ending_part(f, from, u, v, &off);
+    if (!(depth > 0.0)) return 0;
+    d[from] = off;
+    d[1 - from] = ending_depth(f, 1 - from, off, depth);
+    return 1;
+}
+
+/* Where the blend is 0, as a share of the way: distances on both planes, with signs on those beyond. from:
+ * the plane on which the place is inside. */
+static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND_SECTIONS])
+{
+    double value[BVXI_BLEND_SECTIONS];
+
+    if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
+    memcpy(value, d, sizeof value);
+
+    /* The place is inside on one plane and outside on the other, so one distance is negative. */
+    value[1 - from] = -value[1 - from];
+    return bvxi_blend_zero(&f->blend, value);
+}
+
+/* Kept a little off the planes of cells; and between which levels it is. */
+static double line_share(const bvxi_field *f, double t, uint8_t *layer)
+{
+    int32_t l = 0;
+
+    /* Of several layers each has its own margins, so that no crossing lies on a level between two. */
+    if (f->layers > 1) {
+        t *= f->layers;
+        l = t >= f->layers ? f->layers - 1 : t > 0.0 ? (int32_t)t : 0;
+        t -= l;
+    }
+    if (!(t > FIELD_MARGIN)) t = FIELD_MARGIN;
+    if (t > 1.0 - FIELD_MARGIN) t = 1.0 - FIELD_MARGIN;
+    *layer = (uint8_t)l;
+    return (l + t) / f->layers;
+}
+
+static bvx_status cross_over(bvxi_field *f, double u, double v, int from, const double d[BVXI_BLEND_SECTIONS],
+                             uint8_t *layer, uint32_t *vertex)
+{
+    const double *const w = f->slab->w;
+    double const t = line_share(f, line_zero(f, from, d), layer);
+    double place[3];
+    bvxi_section_place(f->s, u, v, w[0] + t * (w[1] - w[0]), place);
+    return bvxi_section_add_vertex(f->s, place, vertex);
+}
+
+/* From what was nearest to the last place of this column or one beside it; columns are numbered from 1. */
+static void start_near(bvxi_plane_field *p, int32_t i)
+{
+    const bvxi_column_hint *best = &p->column[i + 1];
+    if (p->column[i].row > best->row) best = &p->column[i];
+    if (p->column[i + 2].row > best->row) best = &p->column[i + 2];
+    if (best->row >= 0) p->hint = best->segment;
+}
+
+/* Distances on the lines over parts that end; those of other lines are left less than 0, to be measured. */
+static void measure_ends(bvxi_field *f)
+{
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+
+    /* Only set bits are gone over; n counts them, since arrays hold crossed lines alone. */
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                double d[2] = {-1.0, -1.0};
+                for (int k = 0; k < 2; k++)
+                    if (is_nothing(f, k)) d[k] = 0.0;
+                (void)ending_line(f, !bvxi_grid_bit(s, f->slab->plane[0], i, j),
+                                  s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], d);
+                f->line[0][n] = d[0];
+                f->line[1][n] = d[1];
+            }
+}
+
+/* Distances of all crossed lines on one plane. The search begins at what was nearest to the place just
+ * before, or above, so it seldom goes far. ends: some are known. */
+static void measure_lines(bvxi_field *f, int k, int ends)
+{
+    bvxi_stack *const s = f->s;
+    bvxi_plane_field *const p = &f->plane[k];
+    double *const d = f->line[k];
+    uint32_t n = 0;
+
+    /* No place of this plane was measured yet. */
+    for (int32_t i = 0; i <= s->size[0] + 2; i++) p->column[i].row = -1;
+    for (int32_t j = 0; j <= s->size[1]; j++) {
+        int32_t last = INT32_MIN / 2;
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                /* Known by the part that ends. */
+                if (ends && d[n] >= 0.0) continue;
+                /* Beside the last place its hint is still near; after
+                 * a gap a neighbour in the row below is better. */
+                if (i - last > 1) start_near(p, i);
+                d[n] = grid_distance(f, p, i, j);
+                if (k >= BVXI_BLEND_FAR_BELOW && !bvxi_grid_bit(s, p->plane, i, j)) d[n] = -d[n];
+                p->column[i + 1].segment = p->hint;
+                p->column[i + 1].row = j;
+                last = i;
+            }
+    }
+}
+
+static bvx_status cross_grid_lines(bvxi_field *f)
+{
+    bvxi_stack *const s = f->s;
+    uint32_t n = 0;
+
+    /* Numbers follow from the order of the lines, so a vertex is found by counting. */
+    f->first = s->ring_vertices + (uint32_t)s->mesh.vertex_count;
+    for (int32_t j = 0; j <= s->size[1]; j++)
+        for (int32_t word = 0; word < s->words; word++)
+            for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
+                 bits &= bits - 1, n++) {
+                int32_t const i = 64 * word + bvxi_lowest(bits);
+                int const from = !bvxi_grid_bit(s, f->slab->plane[0], i, j);
+                double d[BVXI_BLEND_SECTIONS] = {f->line[0][n], f->line[1][n], 0.0, 0.0};
+                uint32_t vertex;
+                uint8_t layer;
+                for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+                    if (f->plane[k].plane != NULL) d[k] = f->line[k][n];
+                BVXI_TRY(cross_over(f, s->origin[0] + i * s->step[0], s->origin[1] + j * s->step[1], from, d,
+                                    &layer, &vertex));
+                if (f->layers > 1) f->layer[n] = layer;
+            }
+    return BVX_OK;
+}
+
+static bvx_status cross_hanging_lines(bvxi_field *f)
+{
+    bvxi_slab *const slab = f->slab;
+
+    for (uint32_t i = 0; i < slab->hanging_count; i++) {
+        bvxi_hanging *const h = &slab->hanging[i];
+        double const u = bvxi_fixed_u(f->s, 0, h->at[0]), v = bvxi_fixed_u(f->s, 1, h->at[1]);
+        double d[BVXI_BLEND_SECTIONS] = {0.0, 0.0, 0.0, 0.0};
+        /* Inside on both or outside on both: not crossed. */
+        if (h->inside[0] == h->inside[1]) continue;
+        if (!ending_line(f, !h->inside[0], u, v, d))
+            for (int k = 0; k < 2; k++)
+                if (!is_nothing(f, k)) d[k] = corner_distance(f, h->at, k);
+        for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+            d[k] = far_corner(f, h->at, k);
+        BVXI_TRY(cross_over(f, u, v, !h->inside[0], d, &h->layer, &h->vertex));
+    }
+    return BVX_OK;
+}
+
+static bvx_status cross_lines(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+    size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
+    int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
+
+    /* Crossed where both planes differ; before[] is what lines are numbered by. */
+    f->lines = 0;
+    for (size_t i = 0; i < words; i++) {
+        f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
+        f->before[i] = f->lines;
+        f->lines += bvxi_popcount(f->crossed[i]);
+    }
+    if (ends) measure_ends(f);
+    for (int k = 0; k < 2; k++)
+        if (!is_nothing(f, k)) measure_lines(f, k, ends);
+    for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS && f->cubic; k++)
+        if (f->plane[k].plane != NULL) measure_lines(f, k, 0);
+    BVXI_TRY(cross_grid_lines(f));
+    return cross_hanging_lines(f);
+}
+
+/* ---- slabs ---- */
+
+static uint64_t known_bytes(const bvxi_stack *s)
+{
+    return (((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1) + 63) / 64 * 8;
+}
+
+static uint64_t column_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[0] + 3) * sizeof(bvxi_column_hint);
+}
+
+static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plane)
+{
+    p->plane = plane;
+    p->hint = 0;
+    if (p->known != NULL) memset(p->known, 0, (size_t)known_bytes(f->s));
+}
+
+static void index_hanging(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+
+    for (int k = 0; k < 2; k++) {
+        uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
+        uint32_t n = 0;
+
+        /* Where the corners of each column and row of cells begin in their order. */
+        for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
+            while (n < slab->hanging_count &&
+                   slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
+                n++;
+            start[i] = n;
+        }
+    }
+}
+
+/* Over parts that end between two sections the blend stays linear, as their ridges are. */
+static void set_blend(bvxi_field *f)
+{
+    const bvxi_slab *const slab = f->slab;
+
+    f->cubic = slab->far[0] != NULL || slab->far[1] != NULL;
+    if (is_nothing(f, 0) || is_nothing(f, 1) || slab->plane[0]->ends[1] || slab->plane[1]->ends[0])
+        f->cubic = 0;
+    if (!f->cubic) return;
+
+    /* Heights of the planes beyond, from those of the slab; 0 stands for none. */
+    f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
+    f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
+    f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
+    for (int k = 0; k < 2; k++) set_plane(f, &f->plane[BVXI_BLEND_FAR_BELOW + k], slab->far[k]);
+}
+
+bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
+{
+    f->slab = slab;
+    /* A plane without loops has nothing that levels could blend. */
+    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
+    /* What was above is below now: its distances and hints
+     * stay valid, so both are swapped, not measured again. */
+    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
+        bvxi_plane_field const up = f->plane[1];
+        f->plane[1] = f->plane[0];
+        f->plane[0] = up;
+    } else {
+        set_plane(f, &f->plane[0], slab->plane[0]);
+    }
+    set_plane(f, &f->plane[1], slab->plane[1]);
+    set_blend(f);
+    if (slab->hanging_count != 0) index_hanging(f);
+    return cross_lines(f);
+}
+
+bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
+{
+    uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
+    uint64_t const words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+
+    memset(f, 0, sizeof *f);
+    f->s = s;
+    f->line_room = lines;
+    for (int k = 0; k < (s->options.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
+                            &f->plane[k].column));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
+                                 &f->line[k]));
+        /* Each line is measured once then; keeping distances would only cost memory. */
+        if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
+                            &f->plane[k].distance));
+        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section",
+                                 &f->plane[k].known));
+    }
+    if (s->options.layers > 1)
+        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells",
+                        &f->hanging_column));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells",
+                        &f->hanging_row));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
+    return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
+}
+
+void bvxi_field_close(bvxi_field *f)
+{
+    bvxi_stack *const s = f->s;
+
+    bvxi_drop(s->ctx, f->crossed);
+    bvxi_drop(s->ctx, f->before);
+    bvxi_drop(s->ctx, f->hanging_row);
+    bvxi_drop(s->ctx, f->hanging_column);
+    bvxi_drop(s->ctx, f->layer);
+    for (int k = BVXI_BLEND_SECTIONS; k-- > 0;) {
+        bvxi_drop(s->ctx, f->plane[k].known);
+        bvxi_drop(s->ctx, f->plane[k].distance);
+        bvxi_drop(s->ctx, f->line[k]);
+        bvxi_drop(s->ctx, f->plane[k].column);
+    }
+    memset(f, 0, sizeof *f);
+}

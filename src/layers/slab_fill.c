@@ -1,0 +1,286 @@
+/* slab_fill.c - the surface between two sections: every cell that it may cross, layer by layer, in the order
+ * of the grid.
+ *
+ * Arcs of both planes and crossings of lines lie in the order of the cells, so a row of cells takes them one
+ * after the other. */
+#include "layers/trace.h"
+
+static uint64_t row_word_up(const uint64_t *row, int32_t i, int32_t words)
+{
+    return row[i] >> 1 | (i + 1 < words ? row[i + 1] << 63 : 0);
+}
+
+/* Cells of a row that the surface may cross: corners whose line is crossed,
+ * contours, corners unlike each other where the field decides. */
+static void find_active(bvxi_slab_work *w, int32_t j)
+{
+    bvxi_stack *const s = w->s;
+    int32_t const words = s->words, last = s->size[0] >> 6;
+    size_t const low = (size_t)j * (size_t)words, high = low + (size_t)words;
+    const uint64_t *const c = w->field.crossed;
+
+    /* A word for 64 cells: a cell is active when any of its four corner lines is, two of which are its
+     * neighbour's bits shifted by one. */
+    for (int32_t i = 0; i < words; i++)
+        w->row[i] = c[low + (size_t)i] | c[high + (size_t)i] | row_word_up(c + low, i, words) |
+                    row_word_up(c + high, i, words);
+    for (int k = 0; k < 2; k++) {
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        if (s->options.crossings == BVX_CROSSINGS_EXACT) {
+            for (uint32_t a = w->arc[k]; a < p->arc_count && p->arc_cell[a] >> 16 == (uint32_t)j; a++)
+                w->row[(p->arc_cell[a] & 0xffff) >> 6] |= UINT64_C(1) << (p->arc_cell[a] & 63);
+            continue;
+        }
+        for (int32_t i = 0; i < words; i++) {
+            uint64_t const a = p->inside[low + (size_t)i], b = p->inside[high + (size_t)i];
+            uint64_t const x = row_word_up(p->inside + low, i, words);
+            uint64_t const y = row_word_up(p->inside + high, i, words);
+            w->row[i] |= (a | b | x | y) & ~(a & b & x & y);
+        }
+    }
+
+    /* There is one corner more than there are cells. */
+    w->row[last] &= (UINT64_C(1) << (s->size[0] & 63)) - 1;
+}
+
+static int is_split(const bvxi_slab_work *w, int32_t i, int32_t j)
+{
+    if (i < 0 || j < 0 || i >= w->s->size[0] || j >= w->s->size[1]) return 0;
+    return (int)(w->split_bit[(size_t)j * (size_t)w->s->words + (size_t)(i >> 6)] >> (i & 63) & 1);
+}
+
+static void mark_split(bvxi_slab_work *w, int set)
+{
+    const bvxi_slab *const slab = w->field.slab;
+    /* Cleared by whole words: nothing else is set in them. */
+    for (uint32_t n = 0; n < slab->split_count; n++) {
+        uint32_t const x = slab->split[n].cell & 0xffff, y = slab->split[n].cell >> 16;
+        uint64_t *const word = &w->split_bit[(size_t)y * (size_t)w->s->words + (x >> 6)];
+        if (set) *word |= UINT64_C(1) << (x & 63);
+        else *word = 0;
+    }
+}
+
+/* ---- cells ---- */
+
+/* How many arcs lie in the cell on either plane; they are the next ones. */
+static void count_arcs(const bvxi_slab_work *w, uint32_t key, uint32_t count[2])
+{
+    for (int k = 0; k < 2; k++) {
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        uint32_t a = w->arc[k];
+        while (a < p->arc_count && p->arc_cell[a] == key) a++;
+        count[k] = a - w->arc[k];
+    }
+}
+
+/* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left
+ * corners was met at the right ones of the cell before, which it makes one to look at too. */
+static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], uint32_t line[4])
+{
+    static const uint8_t left[2] = {0, 3}, right[2] = {1, 2};
+    uint32_t const crossed = inside[0] ^ inside[1];
+
+    /* Lines are numbered by rows of corners, so two running counts per row of cells replace a look-up. */
+    for (int k = 0; k < 2; k++) {
+        line[left[k]] = line[right[k]] = BVXI_NONE;
+        if ((crossed >> left[k] & 1) != 0)
+            line[left[k]] = w->field.first + (i == 0 ? w->line[k]++ : w->line[k] - 1);
+        if ((crossed >> right[k] & 1) != 0) line[right[k]] = w->field.first + w->line[k]++;
+    }
+}
+
+/* Corners inside on a plane, counter-clockwise. */
+static uint32_t inside_corners(const bvxi_stack *s, const bvxi_plane *p, int32_t i, int32_t j)
+{
+    const uint64_t *const low = p->inside + (size_t)j * (size_t)s->words, *const high = low + s->words;
+    uint32_t const a = (uint32_t)(low[i >> 6] >> (i & 63) & 1);
+    uint32_t const b = (uint32_t)(low[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
+    uint32_t const c = (uint32_t)(high[(i + 1) >> 6] >> ((i + 1) & 63) & 1);
+    uint32_t const d = (uint32_t)(high[i >> 6] >> (i & 63) & 1);
+    return a | b << 1 | c << 2 | d << 3;
+}
+
+static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)
+{
+    bvxi_trace *const t = &w->trace;
+    const bvxi_slab *const slab = w->field.slab;
+
+    t->beside_split = 1;
+    for (uint32_t n = split->leaf; n < split->leaf + split->leaf_count; n++) {
+        const bvxi_leaf *const leaf = &slab->leaf[n];
+        t->low[0] = leaf->low[0];
+        t->low[1] = leaf->low[1];
+        t->size = leaf->size;
+        for (int k = 0; k < 2; k++) {
+            t->arc[k] = slab->arc + leaf->arc[k];
+            t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? leaf->arc_count[k] : 0;
+        }
+        BVXI_TRY(bvxi_trace_slab_cell(t));
+    }
+    return BVX_OK;
+}
+
+static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
+{
+    bvxi_trace *const t = &w->trace;
+    const bvxi_slab *const slab = w->field.slab;
+    int32_t const fine = w->s->fine;
+
+    t->key = bvxi_cell_key(i, j);
+
+    /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
+    if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
+        return fill_leaves(w, &slab->split[w->split++]);
+    t->low[0] = (int32_t)((uint32_t)i << fine);
+    t->low[1] = (int32_t)((uint32_t)j << fine);
+    t->size = 1 << fine;
+    t->beside_split = slab->split_count != 0 && (is_split(w, i - 1, j) || is_split(w, i + 1, j) ||
+                                                 is_split(w, i, j - 1) || is_split(w, i, j + 1));
+    for (int k = 0; k < 2; k++) {
+        t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
+        t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
+    }
+    return bvxi_trace_slab_cell(t);
+}
+
+static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
+{
+    return w->field.slab->split_count != 0 &&
+           (is_split(w, i, j) || is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) ||
+            is_split(w, i, j + 1));
+}
+
+static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
+{
+    bvxi_trace *const t = &w->trace;
+    uint32_t arcs[2] = {0, 0};
+    int done = 0;
+
+    if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
+
+    /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
+     * full. */
+    if (w->plain) {
+        uint32_t line[4];
+        uint32_t const inside[2] = {inside_corners(w->s, w->field.slab->plane[0], i, j),
+                                    inside_corners(w->s, w->field.slab->plane[1], i, j)};
+        next_lines(w, i, inside, line);
+
+        /* Beside a subdivided cell there may be points on the common side, which only the trace looks for. */
+        if (!is_beside_split(w, i, j)) {
+            t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
+            t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
+            t->size = 1 << w->s->fine;
+            BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
+        }
+    }
+    if (!done) BVXI_TRY(fill_traced_cell(w, i, j, arcs));
+    for (int k = 0; k < 2; k++) w->arc[k] += arcs[k];
+    return BVX_OK;
+}
+
+static bvx_status fill_layer(bvxi_slab_work *w)
+{
+    bvxi_stack *const s = w->s;
+
+    w->split = w->arc[0] = w->arc[1] = 0;
+    for (int32_t j = 0; j < s->size[1]; j++) {
+        find_active(w, j);
+        for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
+        for (int32_t k = 0; k < s->words; k++)
+            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
+                BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
+    }
+    return BVX_OK;
+}
+
+/* ---- levels ---- */
+
+static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
+{
+    const bvxi_slab *const slab = w->field.slab;
+    int const k = number == 0 ? 0 : number == w->field.layers ? 1 : -1;
+
+    memset(level, 0, sizeof *level);
+    level->t = (double)number / w->field.layers;
+    level->w = k >= 0 ? slab->w[k] : slab->w[0] + level->t * (slab->w[1] - slab->w[0]);
+    level->k = k;
+    level->kind = BVXI_PLANE_FIELD;
+    if (k < 0) return;
+    level->plane = slab->plane[k];
+    if (bvxi_plane_is_nothing(level->plane)) level->kind = BVXI_PLANE_EMPTY;
+    else if (w->s->options.crossings == BVX_CROSSINGS_EXACT) level->kind = BVXI_PLANE_EXACT;
+    else if (w->s->options.crossings == BVX_CROSSINGS_PAPER) level->inserts = 1;
+}
+
+static bvx_status fill_layers(bvxi_slab_work *w)
+{
+    bvxi_trace *const t = &w->trace;
+
+    for (int32_t layer = 0; layer < w->field.layers; layer++) {
+        /* The top of a layer is the bottom of the next one: its vertices are kept, and the older map is used
+         * again. */
+        w->map_top = 1 - w->map_top;
+        bvxi_map_clear(&w->map[w->map_top]);
+        set_level(w, &t->level[0], layer);
+        set_level(w, &t->level[1], layer + 1);
+        t->level[0].edges = &w->map[1 - w->map_top];
+        t->level[1].edges = &w->map[w->map_top];
+        t->low_w = t->level[0].w;
+        t->high_w = t->level[1].w;
+        t->layer = layer;
+        BVXI_TRY(fill_layer(w));
+    }
+    return BVX_OK;
+}
+
+/* The field's crossings on a plane are kept for the slab above it: in the field's way slabs come in order. */
+bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
+{
+    bvx_status status;
+
+    if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
+    bvxi_map_clear(&w->trace.folds);
+    BVXI_TRY(bvxi_field_set(&w->field, slab));
+    w->plain = !w->only_traced && w->s->options.crossings == BVX_CROSSINGS_EXACT && w->field.layers == 1;
+
+    /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
+     * time. */
+    mark_split(w, 1);
+    status = fill_layers(w);
+    mark_split(w, 0);
+    return status;
+}
+
+/* ---- memory ---- */
+
+static uint64_t split_bytes(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
+}
+
+bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines, uint32_t loop)
+{
+    memset(w, 0, sizeof *w);
+    w->s = s;
+    w->trace.s = s;
+    w->trace.field = &w->field;
+    BVXI_TRY(bvxi_field_open(s, &w->field, lines));
+    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)s->words * 8, "the cells of a row", &w->row));
+    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, split_bytes(s), "the subdivided cells", &w->split_bit));
+    return bvxi_trace_open(&w->trace, loop);
+}
+
+void bvxi_slab_work_close(bvxi_slab_work *w)
+{
+    bvxi_stack *const s = w->s;
+
+    if (s == NULL) return;
+    for (int k = 2; k-- > 0;) bvxi_map_free(s, &w->map[k]);
+    bvxi_trace_free(&w->trace);
+    bvxi_drop(s->ctx, w->split_bit);
+    bvxi_drop(s->ctx, w->row);
+    bvxi_field_close(&w->field);
+    memset(w, 0, sizeof *w);
+}

@@ -1,0 +1,166 @@
+/* trace.h - the loops in which the surface meets one cell's faces; the surface of one slab as it is made,
+ * cell by cell. Not installed. */
+#ifndef BVXI_TRACE_H
+#define BVXI_TRACE_H
+
+#include "layers/section_field.h"
+
+/* ---- The loops in which the surface meets one cell's faces ---- */
+
+/* Cell faces as bits: a loop's vertices say on which they lie. Sides are counter-clockwise from low v. */
+enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };
+
+/* A plane from cell to cell. */
+typedef struct bvxi_level {
+    int kind;          /* BVXI_PLANE_EXACT, _FIELD or _EMPTY */
+    int k;             /* FIELD: on a section, 0 or 1; else -1, a blend */
+    bvxi_plane *plane; /* EXACT, and FIELD on a section */
+    double t, w;
+    bvxi_vertex_map *edges; /* FIELD: crossings by edge */
+    int inserts;            /* FIELD on a section: contour points are put into its lines */
+} bvxi_level;
+
+/* A corner of the cell, or of a finer one on its side. */
+typedef struct bvxi_trace_node {
+    int32_t at[2];
+    uint32_t vertex;   /* where the surface crosses the cell's height over it */
+    uint8_t inside[2]; /* on the level below, above */
+    uint8_t on[2];     /* on the planes of the slab */
+    uint8_t faces;
+} bvxi_trace_node;
+
+enum { BVXI_LINK_STRAIGHT, BVXI_LINK_ARC, BVXI_LINK_ARC_BACK, BVXI_LINK_FIELD, BVXI_LINK_FIELD_BACK };
+
+/* A vertex where the surface meets an edge of the cell; every one has one successor. */
+typedef struct bvxi_trace_point {
+    uint32_t vertex, next;
+    uint32_t arc; /* of a link along a contour */
+    uint8_t faces, link, seen;
+} bvxi_trace_point;
+
+typedef struct bvxi_trace_end {
+    uint32_t arc, cut, point;
+    uint8_t is_to, side, k;
+} bvxi_trace_end;
+
+typedef struct bvxi_trace {
+    bvxi_stack *s;
+    bvxi_field *field;
+    bvxi_level level[2];
+    double low_w, high_w;
+    int32_t layer;
+    bvxi_vertex_map folds; /* vertices on sides where a contour comes back */
+    /* the cell */
+    int32_t low[2], size;
+    uint32_t key;     /* of the grid cell */
+    int beside_split; /* 1: it or a cell beside it was subdivided */
+    const bvxi_arc *arc[2];
+    uint32_t arc_count[2];
+    bvxi_trace_node *node;
+    uint32_t node_count, node_room;
+    bvxi_trace_point *point;
+    uint32_t point_count, point_room;
+    bvxi_trace_end *end;
+    uint32_t end_count, end_room;
+    uint32_t *row[2]; /* crossings of one side in order, below and above */
+    uint32_t row_room;
+    uint32_t *cross[2]; /* FIELD: crossings around the cell */
+    uint32_t cross_count[2], cross_room;
+    struct bvxi_trace_insert {
+        double along;
+        uint32_t point;
+    } * insert; /* contour points of one line */
+    uint32_t insert_room;
+    /* a loop */
+    uint32_t loop_count, strips; /* so far in the cell */
+    uint32_t choice;             /* how each is filled */
+    uint32_t loop_room;
+    uint32_t *vertex;
+    uint8_t *faces;
+    const double **at;
+    uint32_t *next, *before;
+} bvxi_trace;
+
+/* Room for what most cells need, so that arrays seldom grow. loop: vertices
+ * of the longest loop that is likely. */
+bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
+/* Room for a loop of count vertices; for the crossings of the cell. */
+bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
+bvx_status bvxi_trace_open_rows(bvxi_trace *t);
+/* trace_loops.c: the loops of the cell, once its points are linked. */
+bvx_status bvxi_trace_loops(bvxi_trace *t);
+/* How much there was before a cell's loops were filled. */
+typedef struct bvxi_trace_made {
+    uint64_t triangles, vertices, inner;
+    uint32_t cap_edges[2];
+} bvxi_trace_made;
+/* Before the loops of a cell are filled; choice: how each is, digits to the base of three. */
+void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made);
+/* As if they had not been. */
+void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
+/* 1 when triangles of the cell cross. */
+int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
+/* trace_loops.c: 1 when triangles from a number on cross. */
+int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
+void bvxi_trace_free(bvxi_trace *t);
+/* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
+bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
+/* Where a contour's stretch of the ring that holds a place begins and ends. */
+void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);
+/* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
+bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
+/* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
+bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5]);
+/* A strip of a side between two nodes. */
+typedef struct bvxi_strip {
+    const bvxi_trace_node *left, *right;
+    const uint32_t *row[2]; /* crossings (points) below and above, in order [Size: count] */
+    uint32_t count[2];
+    uint32_t left_point, right_point;
+    int side;
+} bvxi_strip;
+/* Its links. */
+bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip);
+bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
+bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
+/* Field levels: the crossing of an edge between two nodes, as a vertex. */
+bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
+                           uint32_t *vertex);
+/* Field levels: links across the cell's face. */
+bvx_status bvxi_trace_face(bvxi_trace *t, int k);
+/* Contour points between two points of a section in the field's way, appended to the loop at *count. */
+bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, int back, uint32_t *count);
+
+/* ---- The surface of one slab as it is made, cell by cell ---- */
+
+typedef struct bvxi_slab_work {
+    bvxi_stack *s; /* the stack, or a view of it */
+    bvxi_field field;
+    bvxi_trace trace;
+    bvxi_vertex_map map[2];
+    uint64_t *row;       /* cells of one row of the grid that the surface may cross */
+    uint64_t *split_bit; /* the subdivided cells, in rows of words */
+    uint32_t split;      /* the next subdivided cell */
+    uint32_t map_top;    /* the map of the level above */
+    uint32_t arc[2];     /* the next arc of either plane */
+    uint32_t line[2];    /* the next crossing of a line on the low side of the row and on the high one */
+    int plain;           /* 1: cells of this slab may be plain */
+    int only_traced;     /* 1: no cell is taken as plain; what comes of it is the same */
+} bvxi_slab_work;
+
+/* lines: the most crossings of lines of a slab; loop: vertices of the
+ * longest loop that is likely. Close it also after a failure. */
+bvx_status bvxi_slab_work_open(bvxi_slab_work *work, bvxi_stack *stack, uint32_t lines, uint32_t loop);
+void bvxi_slab_work_close(bvxi_slab_work *work);
+/* The surface between two planes, into the mesh of the work's stack. */
+bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
+
+/* A cell that no contour crosses twice on one side, alone with itself: see
+ * plain_cell.c. arc: how many on either plane; line: the vertices over its corners,
+ * counter-clockwise. *done is 0, and nothing was made, where the cell is not plain. */
+bvx_status bvxi_slab_plain_cell(bvxi_slab_work *work, const uint32_t arcs[2], const uint32_t inside[2],
+                                const uint32_t line[4], int *done);
+
+/* ---- all_slabs.c: all of them ---- */
+
+#endif

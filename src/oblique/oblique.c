@@ -1,0 +1,51 @@
+/* oblique.c - the closed surface of a body through contours on planes of any position.
+ *
+ * A smooth number at every place has the planes' signed distances on them (oblique_field.c); where the
+ * lattice's vertices change sign there is the surface. Cells that planes and surface share become
+ * tetrahedra, which the planes split (oblique_cells.c), and in which the contours become edges
+ * (oblique_contours.c); signs there are those of the contours' regions, so the surface meets each plane in
+ * its contours and nowhere else. All of it is a matter of who is next to whom: however it is rounded, the
+ * surface is closed. */
+#include "oblique/oblique.h"
+
+static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
+{
+    /* What contours say where planes cross is settled before anything is measured from them. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.02, bvxi_oblique_take_planes(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.02, 0.05, bvxi_oblique_settle(o)));
+
+    /* The number between the planes: distances on them, the plate through these, and what it leaves of
+     * them. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.15, bvxi_oblique_raster(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.15, 0.2, bvxi_oblique_smooth(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.25, bvxi_oblique_rest(o)));
+
+    /* Then the cells that the surface may meet, and the tetrahedra of those with planes in them. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.25, 0.4, bvxi_oblique_lattice(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_cells(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.6, bvxi_oblique_split_planes(o)));
+
+    /* Signs come last of all, once every contour's edge is one of a tetrahedron. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, bvxi_oblique_contours(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.7, 0.8, bvxi_oblique_signs(o)));
+    return BVXI_SHARE(o->ctx, 0.8, 1.0, bvxi_oblique_surface(o, mesh));
+}
+
+bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_sections *given,
+                             const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
+{
+    uint64_t const mark = bvxi_scratch_begin(ctx);
+    bvxi_oblique o;
+    bvx_status status;
+
+    memset(&o, 0, sizeof o);
+    o.ctx = ctx;
+    o.function = function;
+    o.given = given;
+    o.options = *options;
+    status = make_oblique(&o, mesh);
+
+    /* A failure leaves the caller's report as it was. */
+    if (status == BVX_OK) *report = o.report;
+    return bvxi_scratch_end(ctx, mark, status);
+}

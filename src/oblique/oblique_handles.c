@@ -1,0 +1,529 @@
+/* oblique_handles.c - handles of the surface that no contour needs are cut or filled.
+ *
+ * What of the surface lies between the same contours is a patch. A patch that is a disc with a handle, or a
+ * tube with one, has it from the lattice: tetrahedra between planes that are close together may have all
+ * corners on planes, whose signs are fixed, so that a bridge of the body runs along an edge from plane to
+ * plane and nothing can be changed. Such edges get a vertex. Then one side of the patch, the body or what is
+ * outside, is thinned: vertices on no plane whose numbers are small change to the other side one by one, as
+ * long as nothing opens, joins or parts. A handle is a thread then; it is cut at the vertex with the smallest
+ * number that leaves the side in as many stretches as before. Last all that was thinned comes back, but for
+ * what would close the cut: little more than the cut has changed.
+ *
+ * Source: Bertrand, Malandain. A new characterization of three-dimensional simple points. 1994 (the numbers
+ * of stretches on both sides around a point say what its change does to the Euler number).
+ *
+ * No vertex of a plane or contour changes; a cut that would tear a contour's surface is taken back. A handle
+ * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
+#include "oblique/oblique.h"
+
+#define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
+
+enum { HANDLE_TETRA = 20000, HANDLE_DEPTHS = 3, HANDLE_TRIES = 64 };
+
+/* Between two reports: so many corners of triangles, or looks around a vertex. */
+enum { PATCH_REPORT = 131072, LOOK_REPORT = 256 };
+
+typedef struct handle_work {
+    bvxi_oblique *o;
+    /* the surface's triangles: patches of them, fans of their corners */
+    uint32_t *vertex_of, *patch, *fan, *loop;
+    uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
+    int32_t *euler, *loops;
+    bvxi_edge_map pair;
+    uint64_t triangles;
+    uint64_t settled[2]; /* handles filled, cut */
+    /* what is looked at around a patch */
+    uint32_t *number, *tetra, *member, *joined, *flip;
+    uint64_t *loose; /* vertices that may change, by the size of their numbers */
+    uint8_t *back;   /* of each in flip: it came back */
+    uint64_t tetra_room, member_room, joined_room, flip_room, back_room, loose_room, loose_count;
+    uint32_t tetras, members, flips;
+    int strict; /* contours hold at every step, else at the end */
+    bvxi_look look;
+    uint32_t looks; /* around vertices, so far */
+    double done;    /* of the patches */
+} handle_work;
+
+static bvx_status report_patches(const handle_work *w, double from, uint32_t corner)
+{
+    if (corner % PATCH_REPORT != 0) return BVX_OK;
+    return bvxi_progress(w->o->ctx, "surface", from + 0.2 * corner / (3.0 * (double)w->triangles));
+}
+
+/* A patch may have a million vertices, each of which is looked at many times. */
+static bvx_status report_look(handle_work *w)
+{
+    if (++w->looks % LOOK_REPORT != 0) return BVX_OK;
+    return bvxi_progress(w->o->ctx, "surface", w->done);
+}
+
+static uint32_t handle_next_corner(uint32_t c)
+{
+    return c % 3 == 2 ? c - 2 : c + 1;
+}
+
+/* ---- patches ---- */
+
+static int is_contours_edge(const handle_work *w, uint32_t a, uint32_t b)
+{
+    uint32_t const x = w->vertex_of[a], y = w->vertex_of[b];
+
+    return x != BVXI_NONE && y != BVXI_NONE && bvxi_edge_find(&w->o->contour_edge, x, y) != BVXI_NONE;
+}
+
+static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
+{
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
+        uint32_t const a = corner[c], b = corner[handle_next_corner(c)];
+        uint32_t *first;
+
+        BVXI_TRY(report_patches(w, 0.0, c));
+        /* Patches end at contours, whatever the surface does beyond them. */
+        if (is_contours_edge(w, a, b)) continue;
+        BVXI_TRY(bvxi_edge_add(w->o, &w->pair, a, b, &first));
+        if (*first == BVXI_NONE) {
+            *first = c;
+            continue;
+        }
+        /* Seen from the other triangle the edge runs the other way; anything else is a tear, found later. */
+        if (w->side[*first] != 0 || corner[*first] != b) continue;
+        w->side[*first] = 1;
+        w->side[c] = 2;
+        bvxi_join(w->patch, *first / 3, c / 3);
+        bvxi_join(w->fan, *first, handle_next_corner(c));
+        bvxi_join(w->fan, handle_next_corner(*first), c);
+    }
+    return BVX_OK;
+}
+
+/* Of each patch its Euler number and how many loops its border is, at its root. */
+static bvx_status count_surface_patches(handle_work *w)
+{
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
+        int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
+
+        BVXI_TRY(report_patches(w, 0.2, c));
+        /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
+         * sides. */
+        if (c % 3 == 0) ++*euler;
+        if (bvxi_root(w->fan, c) == c) ++*euler;
+        if (w->side[c] != 2) --*euler;
+        /* Border edges that share a vertex of the patch are one loop. */
+        if (w->side[c] == 0)
+            bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, handle_next_corner(c)));
+    }
+    /* Each loop once, at the fan that is its root, which a border edge begins at. */
+    for (uint32_t c = 0; c < 3 * w->triangles; c++) {
+        uint32_t const f = bvxi_root(w->fan, c);
+        BVXI_TRY(report_patches(w, 0.4, c));
+        if (w->side[c] != 0 || w->loop[f] != f) continue;
+        w->loops[bvxi_root(w->patch, c / 3)]++;
+        w->loop[f] = BVXI_NONE;
+    }
+    return BVX_OK;
+}
+
+static bvx_status find_surface_patches(handle_work *w)
+{
+    static const char what[] = "the patches of the surface";
+    bvxi_oblique *const o = w->o;
+    bvx_context *const ctx = o->ctx;
+    uint64_t const n = w->triangles;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->position_count * 4, what, &w->vertex_of));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, what, &w->patch));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->fan));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->loop));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 3, what, &w->side));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->euler));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->loops));
+
+    memset(w->vertex_of, 0xff, (size_t)o->position_count * 4);
+    /* Back from vertices of the surface to those of the tetrahedra, which contours' edges are kept by. */
+    for (uint64_t v = 0; v < o->output_room; v++)
+        if (o->output[v] != BVXI_NONE) w->vertex_of[o->output[v]] = (uint32_t)v;
+    for (uint32_t t = 0; t < n; t++) w->patch[t] = t;
+    for (uint32_t c = 0; c < 3 * n; c++) w->fan[c] = c;
+    BVXI_TRY(join_surface_patches(w, o->triangle));
+    return count_surface_patches(w);
+}
+
+/* ---- vertices that may be on either side ---- */
+
+static int is_either_side(const bvxi_oblique *o, uint32_t v)
+{
+    return o->vertex[v].sign != 0 && bvxi_first_plane(o, v) == BVXI_NONE;
+}
+
+/* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
+static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
+{
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++) {
+            uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
+            int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
+            uint64_t shared = 0;
+            double at[3];
+            uint32_t m;
+
+            /* An edge within a plane must not be cut: what is on the plane is fixed. */
+            for (uint32_t k = 0; k < o->plane_words; k++)
+                shared |= bvxi_tetra_on(o, x)[k] & bvxi_tetra_on(o, y)[k];
+            if (shared != 0 || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+                bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
+                continue;
+            for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[x].at[k] + o->vertex[y].at[k]);
+            BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
+            o->vertex[m].sign = inside ? 1 : -1;
+            o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
+        }
+    return BVX_OK;
+}
+
+/* ---- what lies around ---- */
+
+static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
+{
+    bvxi_oblique *const o = w->o;
+
+    if (o->stamp[t] == o->stamps) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, "the tetrahedra of a handle"));
+    o->stamp[t] = o->stamps;
+    w->tetra[w->tetras++] = t;
+    return BVX_OK;
+}
+
+/* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
+static int is_face_on_plane(const bvxi_oblique *o, const bvxi_tetra *t, int corner)
+{
+    uint64_t on_plane = 0;
+
+    for (uint32_t word = 0; word < o->plane_words; word++) {
+        uint64_t on = UINT64_MAX;
+        for (int c = 0; c < 4; c++)
+            if (c != corner) on &= bvxi_tetra_on(o, t->v[c])[word];
+        on_plane |= on;
+    }
+    return on_plane != 0;
+}
+
+/* The tetrahedra that a patch runs through, and others between the same planes, the nearest first. */
+static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t most;
+
+    w->tetras = 0;
+    bvxi_tetra_new_stamp(o);
+    for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
+        if (bvxi_root(w->patch, (uint32_t)t) == patch)
+            BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
+    most = w->tetras + HANDLE_TETRA;
+    for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
+            if (next != BVXI_NONE && !is_face_on_plane(o, &o->tetra[t], k))
+                BVXI_TRY(add_handle_tetra(w, next));
+        }
+    return BVX_OK;
+}
+
+/* The same, with a vertex in all edges from plane to plane; their vertices get numbers. */
+static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
+{
+    static const char what[] = "the vertices of a handle";
+    bvxi_oblique *const o = w->o;
+    uint64_t const before = o->vertex_count;
+
+    BVXI_TRY(gather_patch(w, owner, patch));
+    for (uint32_t i = 0; i < w->tetras; i++) BVXI_TRY(loosen_tetrahedron(o, w->tetra[i]));
+    /* Halves of tetrahedra that were split are no part of what was gathered. */
+    if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
+    bvxi_drop(o->ctx, w->number);
+    w->number = NULL;
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, what, &w->number));
+    memset(w->number, 0xff, (size_t)o->vertex_count * 4);
+    w->members = 0;
+    for (uint32_t i = 0; i < 4 * w->tetras; i++) {
+        uint32_t const x = o->tetra[w->tetra[i / 4]].v[i % 4];
+        if (w->number[x] != BVXI_NONE) continue;
+        BVXI_TRY(bvxi_oblique_grow(o, &w->member, w->members, &w->member_room, 4, what));
+        BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->members, &w->joined_room, 4, what));
+        w->member[w->members] = x;
+        w->number[x] = w->members++;
+    }
+    return BVX_OK;
+}
+
+/* Stretches of a side in what was looked at. */
+static uint32_t count_handle_stretches(handle_work *w, int inside)
+{
+    const bvxi_oblique *const o = w->o;
+    uint32_t stretches = 0;
+
+    for (uint32_t i = 0; i < w->members; i++) w->joined[i] = i;
+    for (uint32_t i = 0; i < w->tetras; i++) {
+        const uint32_t *const v = o->tetra[w->tetra[i]].v;
+        uint32_t last = BVXI_NONE;
+        /* Vertices of one side that share an edge are one stretch: in a tetrahedron the surface parts the
+         * sides. */
+        for (int k = 0; k < 4; k++) {
+            if ((o->vertex[v[k]].sign > 0) != inside) continue;
+            if (last != BVXI_NONE) bvxi_join(w->joined, w->number[last], w->number[v[k]]);
+            last = v[k];
+        }
+    }
+    for (uint32_t i = 0; i < w->members; i++)
+        stretches += w->joined[i] == i && (o->vertex[w->member[i]].sign > 0) == inside;
+    return stretches;
+}
+
+/* ---- changes ---- */
+
+/* Whether the surface meets the contours around a vertex once, as before. */
+static bvx_status contours_hold(handle_work *w, uint32_t v, int *hold)
+{
+    bvxi_oblique *const o = w->o;
+
+    BVXI_TRY(report_look(w));
+    BVXI_TRY(bvxi_tetra_star(o, v));
+    for (uint64_t i = 0; i < o->star_count && *hold; i++) {
+        const uint32_t *const x = o->tetra[o->star[i]].v;
+        for (int a = 0; a < 4 && *hold; a++) {
+            if (o->vertex[x[a]].sign != 0) continue;
+            /* A contour's point must lie on the surface once, and its edges too. */
+            *hold = bvxi_look_link(o, &w->look, x[a]) && !bvxi_look_torn(o, &w->look, x[a]);
+            for (int b = a + 1; b < 4 && *hold; b++) {
+                uint32_t changes = 0;
+                if (bvxi_edge_find(&o->contour_edge, x[a], x[b]) == BVXI_NONE) continue;
+                *hold = bvxi_look_edge(o, &w->look, x[a], x[b], &changes) && changes <= 2;
+            }
+        }
+    }
+    return BVX_OK;
+}
+
+/* Changes the side of a vertex that has so many stretches of its own side around it, two being more, and one
+ * of the other: with one nothing is opened, joined or parted. *around: how many; 0: nothing changes, as it is
+ * not so or, where they are to hold at every step, contours would not. */
+static bvx_status change_side(handle_work *w, uint32_t v, uint32_t wanted, uint32_t *around)
+{
+    bvxi_oblique *const o = w->o;
+    int const inside = o->vertex[v].sign > 0;
+    uint32_t stretches[2];
+    int hold = 1;
+
+    *around = 0;
+    BVXI_TRY(report_look(w));
+    if (!bvxi_look_link(o, &w->look, v)) return BVX_OK;
+    bvxi_look_stretches(o, &w->look, v, stretches);
+    if (stretches[!inside] != 1 || (wanted == 1 ? stretches[inside] != 1 : stretches[inside] < 2))
+        return BVX_OK;
+    bvxi_flip_sign(o, v);
+    if (w->strict) BVXI_TRY(contours_hold(w, v, &hold));
+    if (hold) *around = stretches[inside];
+    else bvxi_flip_sign(o, v);
+    return BVX_OK;
+}
+
+/* Vertices of a side that may change and have small numbers, the smallest first. */
+static bvx_status list_loose(handle_work *w, double depth, int inside)
+{
+    bvxi_oblique *const o = w->o;
+    uint64_t n = 0;
+
+    for (uint32_t i = 0; i < w->members; i++) {
+        uint32_t const x = w->member[i];
+        float const size = (float)bvxi_absolute(o->vertex[x].value);
+        uint32_t bits;
+
+        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth) continue;
+        BVXI_TRY(report_look(w));
+        if (!bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x)) continue;
+        BVXI_TRY(bvxi_oblique_grow(o, &w->loose, n, &w->loose_room, 8, "the vertices of a handle"));
+        /* Floats from 0 on have the order of their bits. */
+        memcpy(&bits, &size, 4);
+        w->loose[n++] = (uint64_t)bits << 32 | x;
+    }
+    w->loose_count = n;
+    /* By insertion with growing steps back (Shell 1959). */
+    for (uint64_t gap = n / 2; gap > 0; gap /= 2)
+        for (uint64_t i = gap; i < n; i++) {
+            uint64_t const x = w->loose[i];
+            uint64_t j = i;
+            for (; j >= gap && w->loose[j - gap] > x; j -= gap) w->loose[j] = w->loose[j - gap];
+            w->loose[j] = x;
+        }
+    return BVX_OK;
+}
+
+/* Takes the side's vertices away one by one while that changes nothing but where the surface is: what stays
+ * of a bridge is a thread of vertices. */
+static bvx_status thin_side(handle_work *w, int inside)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t before;
+
+    w->flips = 0;
+    do {
+        before = w->flips;
+        for (uint64_t i = 0; i < w->loose_count; i++) {
+            uint32_t const v = (uint32_t)w->loose[i];
+            uint32_t around = 0;
+
+            if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
+            if (around == 0) continue;
+            BVXI_TRY(bvxi_oblique_grow(o, &w->flip, w->flips, &w->flip_room, 4, "the vertices of a handle"));
+            BVXI_TRY(bvxi_oblique_grow(o, &w->back, w->flips, &w->back_room, 1, "the vertices of a handle"));
+            w->flip[w->flips++] = v;
+        }
+    } while (w->flips > before);
+    return BVX_OK;
+}
+
+/* What was taken away comes back, the last first, but for what would close a cut again. */
+static bvx_status thicken_side(handle_work *w)
+{
+    memset(w->back, 0, w->flips);
+    for (int again = 1; again;) {
+        again = 0;
+        for (uint32_t i = w->flips; i-- > 0;) {
+            uint32_t around = 0;
+            if (!w->back[i]) BVXI_TRY(change_side(w, w->flip[i], 1, &around));
+            if (around == 0) continue;
+            w->back[i] = 1;
+            again = 1;
+        }
+    }
+    return BVX_OK;
+}
+
+/* Whether contours hold round a vertex that was cut and those that did not come back. */
+static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
+{
+    *hold = 1;
+    BVXI_TRY(contours_hold(w, v, hold));
+    for (uint32_t i = 0; i < w->flips && *hold; i++)
+        if (!w->back[i]) BVXI_TRY(contours_hold(w, w->flip[i], hold));
+    return BVX_OK;
+}
+
+/* A thread whose cut leaves as many stretches as there were was a handle. It is cut where that moves the
+ * surface least, and thickened again; one that the contours would not bear is left. */
+static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
+{
+    bvxi_oblique *const o = w->o;
+    uint32_t const stretches = count_handle_stretches(w, inside);
+    int tries = 0;
+
+    for (uint64_t i = 0; i < w->loose_count && tries < HANDLE_TRIES; i++) {
+        uint32_t const v = (uint32_t)w->loose[i];
+        uint32_t around;
+        int hold = 0;
+
+        if ((o->vertex[v].sign > 0) != inside) continue;
+        BVXI_TRY(change_side(w, v, 2, &around));
+        if (around == 0) continue;
+        tries++;
+        BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
+        if (count_handle_stretches(w, inside) == stretches) {
+            BVXI_TRY(thicken_side(w));
+            BVXI_TRY(cut_holds(w, v, &hold));
+            if (hold) {
+                *gain = (int32_t)around - 1;
+                return BVX_OK;
+            }
+            for (uint32_t k = 0; k < w->flips; k++)
+                if (w->back[k]) bvxi_flip_sign(o, w->flip[k]);
+        }
+        bvxi_flip_sign(o, v);
+    }
+    for (uint32_t k = 0; k < w->flips; k++) bvxi_flip_sign(o, w->flip[k]);
+    *gain = 0;
+    return BVX_OK;
+}
+
+/* Small numbers first: as little as possible changes. */
+static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
+{
+    static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
+
+    for (int k = 0; k < 4 * HANDLE_DEPTHS && handles > 0;) {
+        int const inside = (k & 1) == 0;
+        int32_t gain;
+
+        w->strict = (k & 2) == 0;
+        BVXI_TRY(list_loose(w, depth[k / 4], inside));
+        BVXI_TRY(thin_side(w, inside));
+        BVXI_TRY(cut_thread(w, inside, &gain));
+        handles -= gain;
+        w->settled[inside] += (uint64_t)gain;
+        if (gain == 0) k++;
+    }
+    return BVX_OK;
+}
+
+/* Vertices put into edges that stayed on their side get the number between their ends': with the small one,
+ * which let them change first, the surface would reach out to them. */
+static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
+{
+    for (uint64_t v = first; v < o->vertex_count; v++) {
+        bvxi_tetra_vertex *const x = &o->vertex[v];
+        float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
+
+        if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
+    }
+}
+
+static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *found)
+{
+    BVXI_TRY(find_surface_patches(w));
+    for (uint32_t t = 0; t < w->triangles; t++) {
+        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
+         * each handle. */
+        int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
+        uint64_t const vertices = w->o->vertex_count;
+
+        /* Without a border it is a body that no contour touches, which goes. */
+        if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
+        *found += (uint64_t)handles;
+        BVXI_TRY(look_around_patch(w, owner, t));
+        w->done = 0.6 + 0.4 * t / (double)w->triangles;
+        BVXI_TRY(settle_surface_patch(w, handles));
+        give_middle_numbers(w->o, vertices);
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
+{
+    handle_work w;
+    bvx_status status;
+    uint64_t found = 0;
+
+    memset(&w, 0, sizeof w);
+    w.o = o;
+    w.triangles = o->triangle_count;
+    status = settle_handles(&w, owner, &found);
+    *settled = w.settled[0] + w.settled[1];
+    o->report.handles_filled += w.settled[0];
+    o->report.handles_cut += w.settled[1];
+    o->report.handles_left = found > *settled ? found - *settled : 0;
+    bvxi_edge_free(o, &w.pair);
+    bvxi_drop(o->ctx, w.loose);
+    bvxi_drop(o->ctx, w.back);
+    bvxi_drop(o->ctx, w.flip);
+    bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.member);
+    bvxi_drop(o->ctx, w.tetra);
+    bvxi_drop(o->ctx, w.number);
+    bvxi_drop(o->ctx, w.loops);
+    bvxi_drop(o->ctx, w.euler);
+    bvxi_drop(o->ctx, w.side);
+    bvxi_drop(o->ctx, w.loop);
+    bvxi_drop(o->ctx, w.fan);
+    bvxi_drop(o->ctx, w.patch);
+    bvxi_drop(o->ctx, w.vertex_of);
+    return status;
+}

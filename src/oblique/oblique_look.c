@@ -1,0 +1,187 @@
+/* oblique_look.c - what lies round vertices and edges, looked at by several threads at once.
+ *
+ * tetrahedra.c walks with scratch arrays that there is one of. Here all that is gathered lies in the
+ * caller's frame, so that many vertices can be judged side by side; what is larger than that is left to
+ * the walk. Nothing is changed. */
+#include "oblique/oblique.h"
+
+/* A free place in a table of numbers that is never full, or the number's own. */
+static uint32_t look_slot(const uint32_t *table, uint32_t size, uint32_t number)
+{
+    uint32_t at = number * UINT32_C(0x9e3779b1) >> 7 & (size - 1);
+
+    while (table[at] != BVXI_NONE && table[at] != number) at = (at + 1) & (size - 1);
+    return at;
+}
+
+static int look_add_tetra(bvxi_look *l, uint32_t tetra)
+{
+    uint32_t const at = look_slot(l->seen, BVXI_LOOK_SEEN, tetra);
+
+    if (l->seen[at] == tetra) return 1;
+    if (l->count == BVXI_LOOK_TETRA) return 0;
+    l->seen[at] = tetra;
+    l->tetra[l->count++] = tetra;
+    return 1;
+}
+
+static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
+{
+    /* All bits set: a free place, as no tetrahedron has that number. */
+    memset(l->seen, 0xff, sizeof l->seen);
+    l->count = 0;
+    if (!look_add_tetra(l, o->vertex[vertex].tetra)) return 0;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const bvxi_tetra *const t = &o->tetra[l->tetra[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != vertex && t->n[k] != BVXI_NONE && !look_add_tetra(l, t->n[k])) return 0;
+    }
+    return 1;
+}
+
+/* The number of a vertex among those of the star. */
+static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
+{
+    return l->place[look_slot(l->key, BVXI_LOOK_SEEN, vertex)];
+}
+
+int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
+{
+    if (!look_star(o, l, vertex)) return 0;
+    memset(l->key, 0xff, sizeof l->key);
+    l->vertices = 0;
+    for (uint32_t i = 0; i < l->count; i++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const v = o->tetra[l->tetra[i]].v[k];
+            uint32_t const at = look_slot(l->key, BVXI_LOOK_SEEN, v);
+            if (v == vertex || l->key[at] == v) continue;
+            if (l->vertices == BVXI_LOOK_VERTICES) return 0;
+            l->key[at] = v;
+            l->place[at] = l->vertices;
+            l->sign[l->vertices] = o->vertex[v].sign;
+            l->joined[l->vertices] = l->vertices;
+            l->vertices++;
+        }
+    return 1;
+}
+
+/* Stretches of one sign in the link, of inside and of outside: more than one of either. */
+int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
+{
+    uint32_t stretches[2] = {0, 0};
+
+    /* Each vertex is a stretch of its own at first, and each join takes one away. */
+    for (uint32_t i = 0; i < l->vertices; i++)
+        if (l->sign[i] != 0) stretches[l->sign[i] > 0]++;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const bvxi_tetra *const t = &o->tetra[l->tetra[i]];
+        uint32_t number[4];
+        for (int k = 0; k < 4; k++) number[k] = t->v[k] == vertex ? BVXI_NONE : look_vertex(l, t->v[k]);
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t x, y;
+                if (number[a] == BVXI_NONE || number[b] == BVXI_NONE || l->sign[number[a]] == 0 ||
+                    l->sign[number[a]] != l->sign[number[b]])
+                    continue;
+                x = bvxi_root(l->joined, number[a]);
+                y = bvxi_root(l->joined, number[b]);
+                if (x == y) continue;
+                /* The lower number becomes the root: the same whatever comes first. */
+                l->joined[x > y ? x : y] = x > y ? y : x;
+                stretches[l->sign[x] > 0]--;
+            }
+    }
+    return stretches[0] > 1 || stretches[1] > 1;
+}
+
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, uint32_t stretches[2])
+{
+    stretches[0] = stretches[1] = 0;
+    for (uint32_t i = 0; i < l->vertices; i++) stretches[l->sign[i] > 0]++;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const uint32_t *const v = o->tetra[l->tetra[i]].v;
+        uint32_t last[2] = {BVXI_NONE, BVXI_NONE};
+
+        /* Of a tetrahedron's three other corners those on one side hang together. */
+        for (int k = 0; k < 4; k++) {
+            uint32_t own, x, y;
+            int inside;
+            if (v[k] == vertex) continue;
+            own = look_vertex(l, v[k]);
+            inside = l->sign[own] > 0;
+            x = bvxi_root(l->joined, own);
+            y = last[inside] == BVXI_NONE ? x : bvxi_root(l->joined, last[inside]);
+            last[inside] = own;
+            if (x == y) continue;
+            l->joined[x > y ? x : y] = x > y ? y : x;
+            stretches[inside]--;
+        }
+    }
+}
+
+int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *l, uint32_t vertex, int *any, int *all)
+{
+    int64_t corners = 0, edges = 0, faces = 0;
+
+    for (uint32_t i = 0; i < l->vertices; i++) corners += l->sign[i] > 0;
+    for (uint32_t i = 0; i < l->count; i++) {
+        const bvxi_tetra *const t = &o->tetra[l->tetra[i]];
+        int n = 0;
+        for (int k = 0; k < 4; k++) n += t->v[k] != vertex && o->vertex[t->v[k]].sign > 0;
+        edges += n == 3 ? 3 : n == 2; /* each is in two of them */
+        faces += n == 3;
+    }
+    *any = corners > 0;
+    *all = corners == l->vertices;
+    return corners - edges / 2 + faces;
+}
+
+int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *l, uint32_t vertex)
+{
+    for (uint32_t i = 0; i < l->count; i++) {
+        const bvxi_tetra *const t = &o->tetra[l->tetra[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != vertex && t->n[k] == BVXI_NONE) return 0;
+    }
+    return 1;
+}
+
+/* How often the sign changes round an edge: 0 where the tetrahedra do not go all the way round. */
+static uint32_t changes_round(const bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t b)
+{
+    uint32_t changes = 0, at = start, stay = BVXI_NONE, left = BVXI_NONE;
+
+    /* The two corners off the edge: over the face without the first one the walk begins. */
+    for (int k = 0; k < 4; k++) {
+        uint32_t const v = o->tetra[start].v[k];
+        if (v == a || v == b) continue;
+        if (left == BVXI_NONE) left = v;
+        else stay = v;
+    }
+    do {
+        /* Over the face opposite the vertex that is left; the one that stayed is left next. */
+        uint32_t const next = o->tetra[at].n[bvxi_corner_of(&o->tetra[at], left)];
+        changes += o->vertex[left].sign != o->vertex[stay].sign;
+        /* A border: no plane's contour is settled there, as by the walk that changes things. */
+        if (next == BVXI_NONE) return 0;
+        left = stay;
+        for (int k = 0; k < 4; k++) {
+            uint32_t const v = o->tetra[next].v[k];
+            if (v != a && v != b && v != left) stay = v;
+        }
+        at = next;
+    } while (at != start);
+    return changes;
+}
+
+int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *l, uint32_t a, uint32_t b, uint32_t *changes)
+{
+    *changes = 0;
+    if (!look_star(o, l, a)) return 0;
+    for (uint32_t i = 0; i < l->count; i++)
+        if (bvxi_corner_of(&o->tetra[l->tetra[i]], b) < 4) {
+            *changes = changes_round(o, l->tetra[i], a, b);
+            break;
+        }
+    return 1;
+}

@@ -1,0 +1,412 @@
+/* oblique_planes.c - planes of any position with their contours, in cells of the lattice over all of them.
+ *
+ * Each plane has a frame of its own. What section.h says of fixed point holds on each: loops that cross or
+ * touch, or enclose nothing, are refused, and run with the inside on their left. A section without loops is a
+ * plane on which there is no body. */
+#include "oblique/oblique.h"
+
+#include <math.h>
+
+enum { OBLIQUE_CELLS = 64, OBLIQUE_MOST_CELLS = 1024, OBLIQUE_FINE = 29 };
+
+#define OBLIQUE_OFF 1e-3 /* of the longest side: how far a point may lie off its plane */
+
+/* ---- which loops, and where ---- */
+
+static bvx_status choose_oblique_label(bvxi_oblique *o)
+{
+    const bvx_sections *const g = o->given;
+    uint64_t found = 0;
+
+    /* Without a label all loops must be of one body: which of several is meant cannot be guessed. */
+    if (o->options.label == BVXI_LABEL_ONLY) {
+        o->options.label = g->loops[0].label;
+        for (uint64_t i = 1; i < g->loop_count; i++)
+            if (g->loops[i].label != o->options.label)
+                return bvxi_fail_for(
+                    o->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
+                    "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
+                    o->function, (int64_t)o->options.label, (int64_t)g->loops[i].label);
+    }
+
+    /* A label that no loop has would give a body of nothing. */
+    for (uint64_t i = 0; i < g->loop_count; i++) found += g->loops[i].label == o->options.label;
+    if (found != 0) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: no loop has the label %d", o->function,
+                         (int64_t)o->options.label);
+}
+
+/* The lattice covers the contours' box and an eighth of its longest side around it. */
+static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double high[3])
+{
+    static const double shift[3] = {0.3137, 0.1429, 0.2253}; /* round coordinates on no lattice plane */
+    double longest = 0.0, cells, largest = 0.0;
+    int32_t pad;
+
+    for (int k = 0; k < 3; k++) {
+        double const side = high[k] - low[k];
+        longest = side > longest ? side : longest;
+        largest = bvxi_absolute(low[k]) > largest ? bvxi_absolute(low[k]) : largest;
+        largest = bvxi_absolute(high[k]) > largest ? bvxi_absolute(high[k]) : largest;
+    }
+
+    /* Written so that a NaN fails too. */
+    if (!(longest > 0.0))
+        return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: all points are one", o->function);
+
+    /* Contours far from the origin have few digits left for their extent; beyond this, places in a cell are
+     * noise. */
+    if (!(longest > 1e-9 * largest) || !(longest < 1e300))
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the contours' extent %g is too small beside their coordinates", o->function,
+                             longest);
+
+    /* The spacing, where one is given, decides; both at once were refused before. */
+    cells = o->options.cells != 0 ? (double)o->options.cells : OBLIQUE_CELLS;
+    if (o->options.spacing > 0.0) cells = longest / o->options.spacing;
+    if (!(cells >= 1.0 && cells <= OBLIQUE_MOST_CELLS))
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: a spacing of %g makes %g cells along an extent of %g; 1 to %d are possible",
+                             o->function, o->options.spacing, cells, longest, (int64_t)OBLIQUE_MOST_CELLS);
+    o->step = o->options.spacing > 0.0 ? o->options.spacing : longest / cells;
+    o->longest = cells;
+
+    /* The body may bulge beyond its contours by an eighth; three cells more keep the lattice's border outside
+     * of it. */
+    pad = (int32_t)(cells / 8.0) + 3;
+    for (int k = 0; k < 3; k++) {
+        /* Whole blocks, so that no block needs a look at where the lattice ends. */
+        int32_t const least = (int32_t)((high[k] - low[k]) / o->step) + 2 + 2 * pad;
+        o->blocks[k] = (least + BVXI_BLOCK_SIDE - 1) / BVXI_BLOCK_SIDE;
+        o->side[k] = o->blocks[k] * BVXI_BLOCK_SIDE;
+        o->origin[k] = low[k] - (pad + shift[k]) * o->step;
+        o->low[k] = (low[k] - o->origin[k]) / o->step;
+        o->high[k] = (high[k] - o->origin[k]) / o->step;
+        o->near_low[k] = 0.0;
+        o->near_high[k] = o->side[k];
+    }
+
+    /* One number for both, as cells are cubes; the report has two for grids over sections. */
+    o->report.cell[0] = o->report.cell[1] = o->step;
+    o->report.grid[0] = o->side[0] - 1;
+    o->report.grid[1] = o->side[1] - 1;
+    return BVX_OK;
+}
+
+static bvx_status bound_contours(bvxi_oblique *o)
+{
+    const bvx_sections *const g = o->given;
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
+
+    for (uint64_t i = 0; i < g->loop_count; i++) {
+        /* Other bodies neither widen the lattice nor make its cells coarser. */
+        if (g->loops[i].label != o->options.label && !o->of_all) continue;
+        for (uint64_t n = 0; n < g->loops[i].point_count; n++)
+            for (int k = 0; k < 3; k++) {
+                double const x = g->points[3 * (g->loops[i].first_point + n) + (uint64_t)k];
+                low[k] = x < low[k] ? x : low[k];
+                high[k] = x > high[k] ? x : high[k];
+            }
+    }
+    return lay_lattice(o, low, high);
+}
+
+/* ---- planes ---- */
+
+static bvx_status frame_plane(bvxi_oblique *o, uint32_t i)
+{
+    bvxi_oblique_plane *const p = &o->plane[i];
+    double axis[3][3], world;
+
+    BVXI_TRY(bvxi_section_frame(o->ctx, o->function, o->given->normals + 3 * (uint64_t)i, axis));
+    memcpy(p->axis, axis, sizeof p->axis);
+    memcpy(p->normal, axis[2], sizeof p->normal);
+
+    /* The plane in cells: its offset is counted from the lattice's origin, whose own height is taken off
+     * first. */
+    world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
+    p->offset = (o->given->positions[i] - world) / o->step;
+
+    /* Crossings with other planes are found later, when all planes are known. */
+    p->knot = BVXI_NONE;
+    p->plane.section = i;
+    p->plane.w = o->given->positions[i];
+    return BVX_OK;
+}
+
+static int one_place(const double *a, const double *b)
+{
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static bvx_status take_oblique_loop(bvxi_oblique *o, bvxi_plane *p, uint64_t number)
+{
+    const bvx_section_loop *const l = &o->given->loops[number];
+    bvxi_contour *const c = &p->contour[p->contour_count++];
+
+    memset(c, 0, sizeof *c);
+
+    /* Of points at one place that follow each other one is enough: segments have a length. */
+    c->first = p->point_count;
+    c->given = (uint32_t)number;
+    for (uint64_t i = 0; i < l->point_count; i++) {
+        uint64_t const at = l->first_point + i;
+        uint64_t const before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
+        if (l->point_count > 1 && one_place(o->given->points + 3 * at, o->given->points + 3 * before)) {
+            o->report.repeated_points++;
+            continue;
+        }
+        p->given[p->point_count++] = (uint32_t)at;
+    }
+    c->count = p->point_count - c->first;
+    o->report.loops++;
+    o->report.points += l->point_count;
+
+    /* A loop of equal points kept none of them, yet has one place: the message counts that. */
+    if (c->count >= 3) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT,
+                         "%s: loop %i of section %u has %u different point%s; a loop needs three",
+                         o->function, number, (uint64_t)p->section, (uint64_t)(c->count == 0 ? 1 : c->count),
+                         c->count <= 1 ? "" : "s");
+}
+
+static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
+{
+    bvxi_plane *const p = &f->plane;
+
+    /* An empty box, which any point opens. */
+    for (int k = 0; k < 2; k++) {
+        f->low[k] = 1e300;
+        f->high[k] = -1e300;
+    }
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        double at[3], off;
+
+        bvxi_oblique_in_cells(o, o->given->points + 3 * (uint64_t)p->given[i], at);
+        bvxi_oblique_uv(f, at, p->uv[i]);
+        /* A point beside its plane counts as its foot on it, but keeps its coordinates as a vertex: it may
+         * not be far. */
+        off = bvxi_absolute(bvxi_oblique_height(f, at));
+        if (off > OBLIQUE_OFF * o->longest)
+            return bvxi_fail_for(
+                o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
+                "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed", o->function,
+                (uint64_t)p->given[i], (uint64_t)p->section, p->w, off * o->step,
+                OBLIQUE_OFF * o->longest * o->step);
+        for (int k = 0; k < 2; k++) {
+            f->low[k] = p->uv[i][k] < f->low[k] ? p->uv[i][k] : f->low[k];
+            f->high[k] = p->uv[i][k] > f->high[k] ? p->uv[i][k] : f->high[k];
+        }
+    }
+
+    /* Loops close: the last point leads to the first. */
+    for (uint32_t i = 0; i < p->contour_count; i++)
+        for (uint32_t j = 0; j < p->contour[i].count; j++)
+            p->next[p->contour[i].first + j] = p->contour[i].first +
+                                               (j + 1 == p->contour[i].count ? 0 : j + 1);
+    return BVX_OK;
+}
+
+/* Fixed point over the plane's own contours, in one cell of it. */
+static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
+{
+    bvxi_stack *const s = &f->frame;
+    double const wide = f->high[0] - f->low[0], tall = f->high[1] - f->low[1];
+    double const side = wide > tall ? wide : tall;
+    int32_t(*box)[4] = NULL;
+    uint64_t const boxes = (uint64_t)f->plane.contour_count * sizeof *box;
+    bvx_status status;
+
+    if (f->plane.contour_count == 0) return BVX_OK;
+
+    /* A stack of one plane and one cell: all that is known of loops in fixed point holds as it stands. */
+    s->ctx = o->ctx;
+    s->function = o->function;
+    s->given = o->given;
+    s->fine = OBLIQUE_FINE;
+    for (int k = 0; k < 2; k++) {
+        /* A margin, so that no contour point lies on the cell's border. */
+        s->origin[k] = f->low[k] - 1e-3 * side;
+        s->step[k] = 1.01 * side;
+        s->size[k] = 1;
+    }
+    if (!(side > 0.0))
+        return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
+                             "%s: loop %i of section %u encloses no area", o->function,
+                             (uint64_t)f->plane.contour[0].given, (uint64_t)f->plane.section);
+
+    /* What crosses or touches is refused before directions are given, which only simple loops have. */
+    bvxi_plane_snap(s, &f->plane);
+    BVXI_TRY(bvxi_plane_check_simple(s, &f->plane));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, boxes, "the boxes of loops", &box));
+    status = bvxi_plane_direct(s, &f->plane, box);
+    bvxi_drop(o->ctx, box);
+    if (status != BVX_OK) return status;
+
+    /* Which loops are holes is known from here on; distances follow last, as they need the directed loops. */
+    for (uint32_t i = 0; i < f->plane.contour_count; i++)
+        o->report.holes += (uint64_t)f->plane.contour[i].hole;
+    bvxi_plane_tree(&f->plane);
+    return BVX_OK;
+}
+
+/* ---- arrays of all planes ---- */
+
+bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops)
+{
+    bvxi_plane *const all = &o->all;
+    uint64_t point = 0, loop = 0, group = 0, box = 0, groups, boxes;
+
+    /* One array of each kind for all planes: thousands of small planes cost no block each. */
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        bvxi_plane_tree_size((uint32_t)points[i], &groups, &boxes);
+        all->point_room += points[i];
+        all->contour_room += loops[i];
+        o->group_room += groups;
+        o->box_room += boxes;
+    }
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
+                        "the loops of sections", &all->contour));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->group_room * sizeof *all->group, "the segments of contours",
+                        &all->group));
+    BVXI_TRY(
+        bvxi_alloc(o->ctx, BVXI_SCRATCH, o->box_room * sizeof *all->box, "the boxes of contours", &all->box));
+
+    /* Each plane's stretches, in the order of the planes. */
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        bvxi_plane *const p = &o->plane[i].plane;
+        bvxi_plane_tree_size((uint32_t)points[i], &groups, &boxes);
+        p->given = all->given + point;
+        p->q = all->q + point;
+        p->uv = all->uv + point;
+        p->next = all->next + point;
+        p->contour = all->contour + loop;
+        p->group = all->group + group;
+        p->box = all->box + box;
+        point += points[i];
+        loop += loops[i];
+        group += groups;
+        box += boxes;
+    }
+    return BVX_OK;
+}
+
+static bvx_status gather_oblique(bvxi_oblique *o, uint64_t *points, uint64_t *loops)
+{
+    const bvx_sections *const g = o->given;
+
+    memset(points, 0, (size_t)o->plane_count * 8);
+    memset(loops, 0, (size_t)o->plane_count * 8);
+
+    /* Counted first, so that the arrays are taken once and never grow. */
+    for (uint64_t i = 0; i < g->loop_count; i++)
+        if (g->loops[i].label == o->options.label) {
+            loops[g->loops[i].section]++;
+            points[g->loops[i].section] += g->loops[i].point_count;
+        }
+    BVXI_TRY(bvxi_oblique_open_arrays(o, points, loops));
+    for (uint64_t i = 0; i < g->loop_count; i++)
+        if (g->loops[i].label == o->options.label)
+            BVXI_TRY(take_oblique_loop(o, &o->plane[g->loops[i].section].plane, i));
+
+    /* In the order of the sections, so that of several wrong ones the first is named. */
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        BVXI_TRY(place_points(o, &o->plane[i]));
+        BVXI_TRY(ready_plane(o, &o->plane[i]));
+        o->point_count += o->plane[i].plane.point_count;
+        if (loops[i] == 0) o->report.empty_sections++;
+        else o->report.sections++;
+    }
+    return BVX_OK;
+}
+
+/* Two sections on one plane would have to agree everywhere. */
+static bvx_status refuse_one_plane(bvxi_oblique *o)
+{
+    for (uint32_t i = 0; i < o->plane_count; i++)
+        for (uint32_t j = 0; j < i; j++) {
+            const double *const a = o->plane[i].normal, *const b = o->plane[j].normal;
+            double most = 0.0;
+
+            /* the longest way between them inside the lattice, from one of its corners */
+            for (int corner = 0; corner < 8; corner++) {
+                double const at[3] = {corner & 1 ? o->side[0] : 0.0, corner & 2 ? o->side[1] : 0.0,
+                                      corner & 4 ? o->side[2] : 0.0};
+                double const dot = (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+                double const one = bvxi_oblique_height(&o->plane[i], at);
+                double const two = bvxi_oblique_height(&o->plane[j], at);
+                double const apart = bvxi_absolute(dot < 0.0 ? one + two : one - two);
+                most = apart > most ? apart : most;
+            }
+            /* A thousandth of a cell: less apart than that, no tetrahedron could lie between them. */
+            if (most < 1e-3)
+                return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_DAMAGED,
+                                     "%s: sections %u and %u lie on one plane, position %g", o->function,
+                                     (uint64_t)j, (uint64_t)i, o->given->positions[j]);
+        }
+    return BVX_OK;
+}
+
+bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
+{
+    uint64_t const n = o->given->section_count;
+
+    if (n > BVXI_OBLIQUE_PLANES)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: %u planes that are not parallel; %u is the limit", o->function, n,
+                             (uint64_t)BVXI_OBLIQUE_PLANES);
+
+    /* The lattice comes first: planes, points and distances are all kept in its cells. */
+    BVXI_TRY(bound_contours(o));
+    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * sizeof *o->plane, "the planes of a body", &o->plane));
+    o->plane_count = (uint32_t)n;
+    o->plane_words = (o->plane_count + 63) / 64;
+    o->report.planes = n;
+
+    /* In cells as well; a hundredth of the longest side where nothing is said. */
+    o->agree = o->options.agree > 0.0 ? o->options.agree / o->step : 0.01 * o->longest;
+    for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(frame_plane(o, i));
+    return refuse_one_plane(o);
+}
+
+bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
+{
+    uint64_t const n = o->given->section_count;
+    uint64_t *count = NULL;
+    bvx_status status;
+
+    BVXI_TRY(choose_oblique_label(o));
+    BVXI_TRY(bvxi_oblique_lay_planes(o));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
+    status = gather_oblique(o, count, count + n);
+    bvxi_drop(o->ctx, count);
+    return status;
+}
+
+double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3])
+{
+    const bvxi_oblique_plane *const p = &o->plane[plane];
+    uint32_t hint = 0;
+    double uv[2], d;
+
+    if (p->plane.contour_count == 0) return -0.25 * o->longest;
+    bvxi_oblique_uv(p, at, uv);
+    d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
+    return bvxi_oblique_encloses(o, plane, uv) ? d : -d;
+}
+
+int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
+{
+    const bvxi_plane *const p = &o->plane[plane].plane;
+
+    /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
+    for (uint32_t i = 0; i < o->body_count; i++)
+        if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&
+            bvxi_oblique_encloses(&o->body[i], plane, uv))
+            return 1;
+    return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
+}

@@ -1,0 +1,571 @@
+/* oblique_signs.c - inside or outside for every vertex of the tetrahedra, such that the surface is a manifold
+ * through the contours.
+ *
+ * A vertex on a plane has the sign of its region there, on the left or right of its contours; one on a
+ * contour has none. The surface is to run through
+ * a contour's edges and nothing else of a plane, once, and through a contour's vertex once. So:
+ * - an edge between two contour vertices that is no contour's, and a face between three, gets a vertex;
+ * - a vertex on two planes whose contours contradict each other there, or on none next to the surface, has the
+ *   sign that makes no bridge and no hole of what lies round it, where there is one;
+ * - round a contour's edge, inside and outside must each be one stretch: a vertex in between that is not gets
+ *   one of the other sign between itself and the edge;
+ * - round a contour's vertex inside and outside must each hang together: what does not is parted from it in
+ *   the same way.
+ * Each step leaves what the ones before it made. */
+#include "oblique/oblique.h"
+
+#define FREE_VALUE 0.1F /* cells: a vertex of the lattice no farther from the surface may be on either side */
+
+/* What all vertices or edges are judged for at once, by several threads. Those that are wrong are settled
+ * after that one by one, in order, and so are those of which something has changed since then: the result
+ * is that of going through all of them. */
+typedef struct signs_job {
+    bvxi_oblique *o;
+    uint8_t *wrong; /* of each */
+    uint8_t *again; /* [vertices] something round a vertex has changed */
+    uint64_t vertices;
+} signs_job;
+
+static void change_round(const signs_job *job, uint32_t v)
+{
+    /* Vertices that are added on the way lie on no contour, and are not gone through. */
+    if (v < job->vertices) job->again[v] = 1;
+}
+
+static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
+{
+    /* On a plane its contours decide, off all planes the smooth number. */
+    double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
+                                            : bvxi_oblique_number(o, x->at);
+
+    x->sign = value > 0.0 ? 1 : -1;
+    x->value = (float)value;
+}
+
+static void signs_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const signs_job *const job = user;
+    bvxi_oblique *const o = job->o;
+
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_tetra_vertex *const x = &o->vertex[i];
+        /* Vertices of contours have no sign, and those of the lattice have theirs from it. */
+        if (x->sign == 0) x->value = 0.0F;
+        else if (!x->lattice) give_sign(o, x, bvxi_first_plane(o, (uint32_t)i));
+    }
+}
+
+/* ---- edges and faces between contours ---- */
+
+void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double at[3])
+{
+    for (int k = 0; k < 3; k++) {
+        at[k] = 0.0;
+        for (int i = 0; i < n; i++) at[k] += o->vertex[v[i]].at[k];
+        at[k] /= n;
+    }
+}
+
+static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
+{
+    int on_contours = 0;
+
+    for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
+    if (on_contours < 2) return BVX_OK;
+    for (int a = 0; a < 4; a++)
+        for (int b = a + 1; b < 4; b++) {
+            uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
+            double at[3];
+            uint32_t m;
+            if (o->vertex[v[0]].sign != 0 || o->vertex[v[1]].sign != 0) continue;
+            /* A contour's own edge stays: the surface runs along it. */
+            if (bvxi_edge_find(&o->contour_edge, v[0], v[1]) != BVXI_NONE) continue;
+            bvxi_oblique_middle(o, v, 2, at);
+            BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
+            give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+        }
+
+    /* Then faces, as the edges that were split above may have left none between three. */
+    for (int k = 0; k < 4; k++) {
+        uint32_t v[3], m;
+        double at[3];
+        int n = 0;
+        for (int j = 0; j < 4; j++)
+            if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
+        if (n < 3) continue;
+        bvxi_oblique_middle(o, v, 3, at);
+        BVXI_TRY(bvxi_tetra_split_face(o, t, k, at, &m));
+        give_sign(o, &o->vertex[m], bvxi_first_plane(o, m));
+    }
+    return BVX_OK;
+}
+
+/* ---- the vertices round a vertex ---- */
+
+/* Each once, and which of them hang together with the same sign. */
+typedef struct link_work {
+    uint32_t *vertex, *joined, *number; /* number: [vertex of the tetrahedra] */
+    uint64_t room[2], number_room;
+    uint32_t count;
+} link_work;
+
+static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    /* The number says that it is there already, without a search. */
+    if (w->number[v] != BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
+    BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
+    w->number[v] = w->count;
+    w->vertex[w->count] = v;
+    w->joined[w->count] = w->count;
+    w->count++;
+    return BVX_OK;
+}
+
+static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
+{
+    /* First all vertices around, so that each has a number before any two are joined. */
+    w->count = 0;
+    BVXI_TRY(bvxi_tetra_star(o, v));
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != v) BVXI_TRY(link_add(o, w, t->v[k]));
+    }
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int a = 0; a < 4; a++)
+            for (int b = a + 1; b < 4; b++) {
+                uint32_t x, y;
+                if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
+                    o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
+                    continue;
+                /* The lower number is the root, whatever came first. */
+                x = bvxi_root(w->joined, w->number[t->v[a]]);
+                y = bvxi_root(w->joined, w->number[t->v[b]]);
+                w->joined[x > y ? x : y] = x > y ? y : x;
+            }
+    }
+    return BVX_OK;
+}
+
+static void close_link(link_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
+}
+
+/* ---- signs that nothing else decides ---- */
+
+static int has_inside(const bvxi_oblique *o, const link_work *w)
+{
+    for (uint32_t i = 0; i < w->count; i++)
+        if (o->vertex[w->vertex[i]].sign > 0) return 1;
+    return 0;
+}
+
+/* The Euler number of what is inside round a vertex: 1 where its own sign opens and closes nothing. *all:
+ * there is nothing else. */
+static bvx_status euler_round(bvxi_oblique *o, link_work *w, uint32_t v, int64_t *euler, int *all)
+{
+    int64_t corners = 0, edges = 0, faces = 0;
+
+    *all = 1;
+    BVXI_TRY(open_link(o, w, v));
+    for (uint32_t i = 0; i < w->count; i++) {
+        corners += o->vertex[w->vertex[i]].sign > 0;
+        *all &= o->vertex[w->vertex[i]].sign > 0;
+    }
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        int n = 0;
+        for (int k = 0; k < 4; k++) n += t->v[k] != v && o->vertex[t->v[k]].sign > 0;
+        edges += n == 3 ? 3 : n == 2; /* each is in two of them */
+        faces += n == 3;
+    }
+    *euler = corners - edges / 2 + faces;
+    return BVX_OK;
+}
+
+static int has_whole_star(const bvxi_oblique *o, uint32_t v)
+{
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra *const t = &o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t->v[k] != v && t->n[k] == BVXI_NONE) return 0;
+    }
+    return 1;
+}
+
+/* The sign that makes no bridge and no hole, where one does and the other does not. Those around a vertex
+ * that gets another sign are to be looked at again. */
+static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+{
+    int64_t euler = 1;
+    int all = 0, inside;
+    bvx_status const status = euler_round(o, w, v, &euler, &all);
+
+    inside = all || (euler <= 0 && has_inside(o, w));
+    if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v)) {
+        bvxi_flip_sign(o, v);
+        for (uint32_t i = 0; i < w->count; i++) change_round(job, w->vertex[i]);
+    }
+    close_link(w);
+    return status;
+}
+
+/* Vertices on no plane that the smooth number has next to no say of. */
+static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
+{
+    const bvxi_tetra_vertex *const x = &o->vertex[v];
+
+    if (x->sign == 0 || bvxi_first_plane(o, v) != BVXI_NONE) return 0;
+    return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
+}
+
+/* The same verdict as settle_sign, for all vertices as they are. */
+static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    bvxi_look look;
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t const v = (uint32_t)i;
+        int any, all, inside;
+        int64_t euler;
+
+        job->wrong[i] = 0;
+        if (!is_loose_sign(o, v)) continue;
+        job->wrong[i] = 1;
+        /* A star too large to be looked at here is judged when its turn comes. */
+        if (!bvxi_look_link(o, &look, v)) continue;
+        euler = bvxi_look_euler(o, &look, v, &any, &all);
+        inside = all || (euler <= 0 && any);
+        job->wrong[i] = euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, &look, v);
+    }
+}
+
+/* Vertices of which two planes say different things get the sign that leaves the body simple, whosever it is;
+ * so do those off all planes that lie between contours or next to the surface. */
+static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *torn, uint64_t torn_count)
+{
+    link_work w;
+
+    memset(&w, 0, sizeof w);
+    w.number_room = o->vertex_count;
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
+    memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
+    /* All are judged at once; what changes from here on is marked, to be looked at again. */
+    memset(job->again, 0, (size_t)job->vertices);
+    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
+    for (uint32_t v = 0; v < job->vertices; v++)
+        if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
+    bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.vertex);
+    bvxi_drop(o->ctx, w.number);
+    return BVX_OK;
+}
+
+/* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
+ * it is told by the tetrahedra, from the direction in which the contours' edges run. */
+static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
+{
+    uint32_t *torn = NULL;
+    uint64_t count = 0;
+
+    /* Vertices that planes contradict each other of come first: others look at their signs. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count)));
+    bvxi_drop(o->ctx, torn);
+    return BVX_OK;
+}
+
+/* ---- contours' edges ---- */
+
+/* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
+static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
+{
+    /* Half as far on the other side; a value of 0 would have no crossing beside it. */
+    o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
+    o->vertex[m].value = -0.5F * o->vertex[of].value;
+    if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
+}
+
+/* The vertex of a ring's tetrahedron that the next one has too. */
+static uint32_t shared_in_ring(const bvxi_oblique *o, uint32_t t, uint32_t next, uint32_t a, uint32_t b)
+{
+    for (int k = 0; k < 4; k++) {
+        uint32_t const v = o->tetra[t].v[k];
+        if (v != a && v != b && bvxi_corner_of(&o->tetra[next], v) < 4) return v;
+    }
+    return BVXI_NONE;
+}
+
+static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_job *job)
+{
+    for (int k = 0; k < 4; k++) change_round(job, o->tetra[tetra].v[k]);
+}
+
+static bvx_status part_from_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t u, const signs_job *job)
+{
+    int closed;
+    uint32_t t = BVXI_NONE, m;
+    double at[3];
+
+    /* Of the tetrahedra around the edge two have the vertex; one face between them is split for both. */
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        const bvxi_tetra *const x = &o->tetra[o->ring[i]];
+        if (bvxi_corner_of(x, u) == 4) continue;
+        /* Near the edge rather than in the middle: what lies beyond keeps most of its room. */
+        for (int k = 0; k < 3; k++)
+            at[k] = 0.4 * (o->vertex[a].at[k] + o->vertex[b].at[k]) + 0.2 * o->vertex[u].at[k];
+        for (int k = 0; k < 4; k++)
+            if (x->v[k] != a && x->v[k] != b && x->v[k] != u) {
+                change_corners(o, o->ring[i], job);
+                if (x->n[k] != BVXI_NONE) change_corners(o, x->n[k], job);
+                BVXI_TRY(bvxi_tetra_split_face(o, o->ring[i], k, at, &m));
+                set_opposite(o, m, u);
+                return BVX_OK;
+            }
+    }
+    return BVX_OK;
+}
+
+/* Vertices around the edge, into o->star as scratch; their number, or 0 when the ring is open. */
+static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_t *count)
+{
+    uint32_t t;
+    int closed;
+
+    *count = 0;
+    BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
+    if (t == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_tetra_ring(o, t, a, b, &closed));
+    if (!closed) return BVX_OK;
+
+    /* Of each two neighbours in the ring the vertex that both have: so each comes once, in turn. */
+    o->star_count = 0;
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        BVXI_TRY(
+            bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the vertices round an edge"));
+        o->star[o->star_count++] = shared_in_ring(o, o->ring[i], o->ring[(i + 1) % o->ring_count], a, b);
+    }
+    *count = o->star_count;
+    return BVX_OK;
+}
+
+/* Inside and outside as one stretch each: from the plane's vertex inside on, both ways, the first change is
+ * the only one. The vertices that stand against that are parted from the edge. */
+static bvx_status settle_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t plane, const signs_job *job)
+{
+    uint64_t n, start, end, wrong;
+
+    do {
+        uint64_t changes = 0;
+        BVXI_TRY(ring_vertices(o, a, b, &n));
+        if (n < 3) return BVX_OK;
+        start = end = n;
+        for (uint64_t i = 0; i < n; i++) {
+            uint32_t const v = o->star[i], w = o->star[(i + 1) % n];
+            changes += o->vertex[v].sign != o->vertex[w].sign;
+            if (!bvxi_is_on(o, v, plane)) continue;
+            if (o->vertex[v].sign > 0 && start == n) start = i;
+            if (o->vertex[v].sign < 0 && end == n) end = i;
+        }
+        if (changes <= 2) return BVX_OK;
+        for (uint64_t i = 0; i < n; i++) { /* contours that contradict each other leave the plane no say */
+            if (o->vertex[o->star[i]].sign > 0 && start == n) start = i;
+            if (o->vertex[o->star[i]].sign < 0 && end == n) end = i;
+        }
+        wrong = n;
+        for (int way = 0; way < 2 && wrong == n; way++) {
+            int left = 0;
+            for (uint64_t k = 1; k < n && wrong == n; k++) {
+                uint64_t const i = way == 0 ? (start + k) % n : (start + n - k) % n;
+                if (i == end) break;
+                if (o->vertex[o->star[i]].sign < 0) left = 1;
+                else if (left && o->vertex[o->star[i]].sign > 0) wrong = i;
+            }
+        }
+        if (wrong == n) return BVX_OK;
+        BVXI_TRY(part_from_edge(o, a, b, o->star[wrong], job));
+    } while (wrong < n);
+    return BVX_OK;
+}
+
+static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    const bvxi_edge_map *const m = &o->contour_edge;
+    bvxi_look look;
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t changes;
+        job->wrong[i] = 0;
+        if (m->key[i] == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        job->wrong[i] = !bvxi_look_edge(o, &look, (uint32_t)(m->key[i] >> 32), (uint32_t)m->key[i],
+                                        &changes) ||
+                        changes > 2;
+    }
+}
+
+static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
+{
+    const bvxi_edge_map *const m = &o->contour_edge;
+
+    memset(job->again, 0, (size_t)job->vertices);
+    BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
+    for (uint64_t i = 0; i < m->room; i++) {
+        uint64_t const key = m->key[i];
+        uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
+        if (key == UINT64_MAX || m->value[i] == BVXI_NONE) continue;
+        if (!job->wrong[i] && !job->again[a] && !job->again[b]) continue;
+        BVXI_TRY(settle_edge(o, a, b, m->value[i] / 2, job));
+    }
+    return BVX_OK;
+}
+
+/* ---- contours' vertices ---- */
+
+/* The stretch of a sign that the vertex keeps: one on its first plane, where the contour bounds it. */
+static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, uint32_t plane)
+{
+    uint32_t found = BVXI_NONE;
+
+    for (uint32_t i = 0; i < w->count; i++) {
+        if (o->vertex[w->vertex[i]].sign != sign) continue;
+        if (found == BVXI_NONE) found = bvxi_root(w->joined, i);
+        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return bvxi_root(w->joined, i);
+    }
+    return found;
+}
+
+static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+{
+    uint32_t const plane = bvxi_first_plane(o, v);
+    uint32_t keep[2], wrong = BVXI_NONE, t, m;
+    double at[3];
+
+    do {
+        bvx_status const status = open_link(o, w, v);
+        wrong = BVXI_NONE;
+        if (status == BVX_OK) {
+            keep[0] = main_root(o, w, -1, plane);
+            keep[1] = main_root(o, w, 1, plane);
+            /* those inside first: to part them opens and closes nothing, to part others may */
+            for (int sign = 1; sign >= -1 && wrong == BVXI_NONE; sign -= 2)
+                for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++)
+                    if (o->vertex[w->vertex[i]].sign == sign && bvxi_root(w->joined, i) != keep[sign > 0])
+                        wrong = w->vertex[i];
+        }
+        close_link(w);
+        if (status != BVX_OK) return status;
+        if (wrong == BVXI_NONE) return BVX_OK;
+        for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
+        BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
+        if (t == BVXI_NONE) return BVX_OK;
+        /* The star of v is still there from the search; the ring that is split is in it. */
+        for (uint64_t i = 0; i < o->star_count; i++) change_corners(o, o->star[i], job);
+        BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
+        set_opposite(o, m, wrong);
+        if (w->number_room <= m) {
+            uint64_t const room = o->vertex_room;
+            BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &w->number, w->number_room * 4, room * 4,
+                                 "the vertices round a vertex"));
+            memset(w->number + w->number_room, 0xff, (size_t)(room - w->number_room) * 4);
+            w->number_room = room;
+        }
+    } while (wrong != BVXI_NONE);
+    return BVX_OK;
+}
+
+static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    bvxi_look look;
+
+    for (uint64_t i = begin; i < end; i++) {
+        job->wrong[i] = 0;
+        if (o->vertex[i].sign != 0) continue;
+        job->wrong[i] = !bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i);
+    }
+}
+
+static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
+{
+    link_work w;
+
+    memset(&w, 0, sizeof w);
+    w.number_room = o->vertex_room;
+    memset(job->again, 0, (size_t)job->vertices);
+    BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
+    memset(w.number, 0xff, (size_t)w.number_room * 4);
+    for (uint64_t v = 0; v < job->vertices; v++)
+        if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
+            BVXI_TRY(oblique_settle_vertex(o, &w, (uint32_t)v, job));
+    bvxi_drop(o->ctx, w.joined);
+    bvxi_drop(o->ctx, w.vertex);
+    bvxi_drop(o->ctx, w.number);
+    return BVX_OK;
+}
+
+/* Tetrahedra with two or more vertices on contours: those that are split become no others. */
+static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
+{
+    const signs_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+
+    for (uint64_t t = begin; t < end; t++) {
+        int on_contours = 0;
+        for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
+        o->mark[t] = on_contours >= 2;
+    }
+}
+
+static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
+{
+    uint64_t const marked = o->tetra_count;
+
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &o->mark, o->tetra_room[0], &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
+    for (uint64_t t = 0; t < o->tetra_count; t++)
+        if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
+    return bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra");
+}
+
+/* The ends of all are known now: later vertices lie on no contour. */
+static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
+{
+    uint64_t const most = job->vertices > o->contour_edge.room ? job->vertices : o->contour_edge.room;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most, "the vertices to settle", &job->wrong));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, job->vertices, "the vertices to settle", &job->again));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, settle_regions(o, job)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.7, settle_edges(o, job)));
+    return BVXI_SHARE(o->ctx, 0.7, 1.0, settle_vertices(o, job));
+}
+
+bvx_status bvxi_oblique_signs(bvxi_oblique *o)
+{
+    bvx_status status;
+    signs_job job;
+
+    memset(&job, 0, sizeof job);
+    job.o = o;
+    BVXI_TRY(
+        BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
+    job.vertices = o->vertex_count;
+    status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
+    bvxi_drop(o->ctx, job.again);
+    bvxi_drop(o->ctx, job.wrong);
+    return status;
+}

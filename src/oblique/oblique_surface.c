@@ -1,0 +1,432 @@
+/* oblique_surface.c - the surface between inside and outside, tetrahedron by tetrahedron.
+ *
+ * Source: Doi, Koide. An efficient method of triangulating equi-valued surfaces by using tetrahedral cells.
+ * 1991 (marching tetrahedra), over split cells and over the six of each other cell alike.
+ *
+ * A contour's vertex counts as outside, and all crossings next to it are at its place, as one vertex: what is
+ * left of a triangle then has three different ones or goes. Signs are such that this keeps a manifold
+ * (oblique_signs.c). Bodies that no contour touches are left out. */
+#include "oblique/oblique.h"
+
+#include "mesh/mesh.h"
+
+enum { HANDLE_ROUNDS = 3 };
+
+#define ONE_PLACE 1e-12 /* of the contours' longest side */
+
+/* ---- vertices ---- */
+
+static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *number)
+{
+    BVXI_TRY(bvxi_oblique_grow(o, &o->position, o->position_count, &o->position_room, 24,
+                               "the vertices of the surface"));
+    BVXI_TRY(
+        bvxi_oblique_grow(o, &o->kept, o->position_count, &o->kept_room, 1, "the vertices of the surface"));
+    for (int k = 0; k < 3; k++)
+        o->position[3 * o->position_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
+    o->kept[o->position_count] = 0;
+    *number = (uint32_t)o->position_count++;
+    return BVX_OK;
+}
+
+static bvx_status contour_vertex(bvxi_oblique *o, uint32_t v, uint32_t *number)
+{
+    if (o->output[v] == BVXI_NONE) BVXI_TRY(add_position(o, o->vertex[v].at, &o->output[v]));
+    *number = o->output[v];
+    return BVX_OK;
+}
+
+/* The vertex that plain cells have on an edge of the lattice, or BVXI_NONE. */
+static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
+{
+    const bvxi_tetra_vertex *const x = &o->vertex[a], *const y = &o->vertex[b];
+    uint32_t const one = x->parent[1], two = y->parent[1];
+    int32_t place[2][3];
+    int up = 0, down = 0;
+    uint32_t slot;
+
+    if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
+
+    /* The place of each in the lattice, from the slot of its block. */
+    for (int e = 0; e < 2; e++) {
+        slot = e == 0 ? one : two;
+        bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
+        for (int k = 0; k < 3; k++) place[e][k] += (int32_t)(slot >> 2 * k & 3);
+    }
+    /* All edges between vertices of the lattice run one step along some axes at once, up or down. */
+    for (int k = 0; k < 3; k++) {
+        up |= (place[1][k] > place[0][k]) << k;
+        down |= (place[1][k] < place[0][k]) << k;
+    }
+
+    /* Edges belong to their lower end, and are numbered there by the axes that they run along. */
+    slot = up != 0 ? one : two;
+    return bvxi_oblique_plain_vertex(o, slot / BVXI_BLOCK_SIZE, (int)(slot % BVXI_BLOCK_SIZE), up | down);
+}
+
+/* Where an edge from inside to outside is crossed. */
+static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32_t *number)
+{
+    const bvxi_tetra_vertex *const a = &o->vertex[in], *const b = &o->vertex[out];
+    uint32_t *found;
+
+    if (b->sign == 0) return contour_vertex(o, out, number);
+
+    /* Plain cells beside this one have made the vertex, and both must take the same. */
+    *number = vertex_of_plain(o, in, out);
+    if (*number != BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_edge_add(o, &o->crossing, in, out, &found));
+    if (*found == BVXI_NONE) {
+        double at[3];
+        bvxi_oblique_cross_edge(a->at, bvxi_absolute(a->value), b->at, bvxi_absolute(b->value), at);
+        bvxi_oblique_cross_again(a->at, bvxi_absolute(a->value), b->at, bvxi_absolute(b->value),
+                                 bvxi_oblique_number(o, at), at);
+        BVXI_TRY(add_position(o, at, found));
+    }
+    *number = *found;
+    return BVX_OK;
+}
+
+/* ---- triangles ---- */
+
+static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t *t;
+
+    /* Corners on a contour may be one vertex: what is left of such a triangle is an edge. */
+    if (a == b || b == c || c == a) return BVX_OK;
+    BVXI_TRY(bvxi_oblique_grow(o, &o->triangle, o->triangle_count, &o->triangle_room, 12,
+                               "the triangles of the surface"));
+    t = o->triangle + 3 * o->triangle_count++;
+    t[0] = a;
+    t[1] = b;
+    t[2] = c;
+    return BVX_OK;
+}
+
+/* Corners may be one vertex of a contour: a triangle is left then, or nothing. */
+static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
+{
+    uint32_t v[4];
+    uint8_t edge[4][2];
+    uint32_t number[4];
+    int const n = bvxi_oblique_case(inside, edge);
+    uint64_t t = o->triangle_count - o->plain_triangles;
+
+    memcpy(v, o->tetra[tetra].v, sizeof v);
+    for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
+    for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
+    for (; t < o->triangle_count - o->plain_triangles; t++) {
+        BVXI_TRY(bvxi_oblique_grow(o, &o->owner, t, &o->owner_room, 4, "the triangles of the surface"));
+        o->owner[t] = tetra;
+    }
+    return BVX_OK;
+}
+
+typedef struct march_job {
+    bvxi_oblique *o;
+    int32_t pieces;
+    uint64_t triangles[BVXI_MOST_PIECES];
+} march_job;
+
+/* Which corners are inside, and how many triangles that makes at most. */
+static void mark_inside_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
+{
+    march_job *const job = user;
+    const bvxi_oblique *const o = job->o;
+    uint64_t triangles = 0;
+
+    for (uint64_t t = begin; t < end; t++) {
+        static const uint8_t many[16] = {0, 1, 1, 2, 1, 2, 2, 1, 1, 2, 2, 1, 2, 1, 1, 0};
+        int inside = 0;
+        for (int k = 0; k < 4; k++) inside |= (o->vertex[o->tetra[t].v[k]].sign > 0) << k;
+        o->mark[t] = (uint8_t)inside;
+        triangles += many[inside];
+    }
+    job->triangles[index] = triangles;
+}
+
+/* Signs of lattice vertices that were settled are those of the lattice too. */
+static void give_settled_signs(bvxi_oblique *o)
+{
+    for (uint64_t i = 0; i < o->vertex_count; i++) {
+        const bvxi_tetra_vertex *const x = &o->vertex[i];
+        if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
+    }
+}
+
+static bvx_status march_all(bvxi_oblique *o)
+{
+    march_job job;
+    uint64_t more = 0;
+
+    job.o = o;
+
+    /* Counted first, so that the arrays of triangles are taken once. */
+    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
+    give_settled_signs(o);
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
+                        bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
+                                        mark_inside_piece, &job)));
+    for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
+
+    /* The tetrahedra's own after those of plain cells, whose vertices they share. */
+    /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
+    o->crossing.near = o->point_count < o->vertex_count / 8;
+    BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
+    for (uint64_t t = 0; t < o->tetra_count; t++) {
+        if (t % 262144 == 0)
+            BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
+        /* All corners on one side: most of them, and nothing else of them is looked at. */
+        if (o->mark[t] == 0 || o->mark[t] == 15) continue;
+        BVXI_TRY(march_tetrahedron(o, (uint32_t)t, o->mark[t]));
+    }
+    return BVX_OK;
+}
+
+/* ---- what is kept ---- */
+
+/* Handles of all bodies, of a closed surface: V - E + F = 2 (parts - handles), E = 3 F / 2. */
+static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
+{
+    int64_t parts = (int64_t)o->position_count;
+    uint32_t *joined;
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->position_count * 4, "the parts of the surface", &joined));
+    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
+    for (uint64_t t = 0; t < o->triangle_count; t++)
+        for (int k = 1; k < 3; k++)
+            parts -= bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
+    bvxi_drop(o->ctx, joined);
+    *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
+    return BVX_OK;
+}
+
+static bvx_status march_again(bvxi_oblique *o)
+{
+    bvx_context *const ctx = o->ctx;
+
+    bvxi_edge_free(o, &o->crossing);
+    bvxi_drop(ctx, o->position);
+    bvxi_drop(ctx, o->triangle);
+    bvxi_drop(ctx, o->kept);
+    bvxi_drop(ctx, o->crossed);
+    o->position = NULL;
+    o->triangle = NULL;
+    o->kept = NULL;
+    o->crossed = NULL;
+    o->position_count = o->position_room = o->triangle_count = o->triangle_room = o->kept_room = 0;
+    BVXI_TRY(
+        bvxi_oblique_reserve(o, &o->output, o->vertex_count, &o->output_room, 4, "the vertices on contours"));
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    memset(o->output, 0xff, (size_t)o->output_room * 4);
+    return march_all(o);
+}
+
+/* Most bodies have no handle, and then nothing of this is done. */
+static bvx_status close_handles(bvxi_oblique *o)
+{
+    int64_t handles;
+    uint64_t settled = 1;
+
+    for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
+        uint64_t const vertices = o->vertex_count;
+
+        BVXI_TRY(count_handles(o, &handles));
+        if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
+        BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
+                            bvxi_oblique_handles(o, o->owner, &settled)));
+        if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
+        /* Vertices may have been added, which change nothing but must be marched over. */
+        BVXI_TRY(
+            BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
+    }
+    return BVX_OK;
+}
+
+/* Contours' points have the coordinates given. */
+static void give_contour_points(bvxi_oblique *o)
+{
+    uint32_t first = 0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            uint32_t const v = o->point_vertex[first + n];
+            /* A contour point that the surface does not reach is counted later. */
+            if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
+            o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
+            memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
+                   24);
+        }
+        first += p->point_count;
+    }
+}
+
+/* Points of two planes may be one place but for rounding: the first one's coordinates are those of both. */
+static int is_there(const bvxi_oblique *o, const double a[3], const double b[3])
+{
+    double const most = ONE_PLACE * o->longest * o->step;
+
+    for (int k = 0; k < 3; k++)
+        if (!(bvxi_absolute(a[k] - b[k]) <= most)) return 0;
+    return 1;
+}
+
+static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
+{
+    uint32_t first = 0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t n = 0; n < p->point_count; n++) {
+            uint32_t const v = o->point_vertex[first + n];
+            const double *const given = o->given->points + 3 * (uint64_t)p->given[n];
+            if (v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE &&
+                is_there(o, o->position + 3 * (uint64_t)o->output[v], given))
+                continue;
+            o->report.unkept_points++;
+            if (o->report.located < BVX_SECTIONS_LOCATED)
+                memcpy(o->report.unkept[o->report.located++], given, 24);
+        }
+        first += p->point_count;
+    }
+}
+
+/* Whether a contour fits into a cell, wherever it begins. */
+static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_contour *loop)
+{
+    double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
+
+    for (uint32_t n = 0; n < loop->count; n++)
+        for (int k = 0; k < 3; k++) {
+            double const x = o->given->points[3 * (uint64_t)p->given[loop->first + n] + (uint64_t)k];
+            low[k] = x < low[k] ? x : low[k];
+            high[k] = x > high[k] ? x : high[k];
+            if (high[k] - low[k] > o->step) return 0;
+        }
+    return 1;
+}
+
+/* Bodies that hold most of some contour are marked at their roots: 2 for a small one alone, else 1. */
+static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
+{
+    uint32_t first = 0;
+
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        const bvxi_plane *const p = &o->plane[i].plane;
+        for (uint32_t c = 0; c < p->contour_count; c++) {
+            const bvxi_contour *const loop = &p->contour[c];
+            uint32_t most = BVXI_NONE, lead = 0;
+            /* the one with more than half of the points, if any (Boyer, Moore 1981), is the last to lead */
+            for (uint32_t n = 0; n < loop->count; n++) {
+                uint32_t const v = o->point_vertex[first + loop->first + n];
+                uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
+                                                                                  : joined[o->output[v]];
+                if (lead == 0) most = root;
+                lead = root == most ? lead + 1 : lead - 1;
+            }
+            if (lead == 0) continue;
+            if (most == BVXI_NONE) o->report.lost_loops++;
+            else o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
+        }
+        first += p->point_count;
+    }
+    for (uint64_t i = 0; i < o->position_count; i++) o->report.specks += o->kept[i] == 2;
+}
+
+/* Bodies with contours on them, their vertices numbered anew; joined becomes the new numbers. */
+static void keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *vertices)
+{
+    uint64_t kept = 0;
+
+    /* What hangs together by triangles is one body. */
+    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
+    for (uint64_t t = 0; t < o->triangle_count; t++)
+        for (int k = 1; k < 3; k++) bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
+    for (uint64_t i = 0; i < o->position_count; i++) joined[i] = bvxi_root(joined, (uint32_t)i);
+    memset(o->kept, 0, (size_t)o->position_count);
+    mark_bodies(o, joined);
+
+    /* Triangles of the others go; the order of those that stay is as it was. */
+    for (uint64_t t = 0; t < o->triangle_count; t++) {
+        if (!o->kept[joined[o->triangle[3 * t]]]) continue;
+        if (kept != t) memcpy(o->triangle + 3 * kept, o->triangle + 3 * t, 12);
+        kept++;
+    }
+    o->triangle_count = kept;
+
+    /* Vertices in the order in which triangles come to them; those of none have no number. */
+    memset(joined, 0xff, (size_t)o->position_count * 4);
+    *vertices = 0;
+    for (uint64_t t = 0; t < 3 * o->triangle_count; t++) {
+        uint32_t *const number = &joined[o->triangle[t]];
+        if (*number == BVXI_NONE) *number = (uint32_t)(*vertices)++;
+        o->triangle[t] = *number;
+    }
+}
+
+/* In plain cells the surface is closed whatever the signs are; where tetrahedra have been split it is
+ * looked at: contours that are far from agreeing may leave a tear there. */
+static bvx_status refuse_torn(bvxi_oblique *o)
+{
+    uint64_t broken = 0;
+
+    /* Plain cells' vertices count where a tetrahedron's triangle meets them: all their triangles are
+     * looked at. */
+    memset(o->kept, 0, (size_t)o->position_count);
+    for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
+    BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));
+    if (broken == 0) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours contradict each other too much for a closed, manifold mesh; move "
+                         "those apart that cross where their planes meet, or take a smaller agree",
+                         o->function);
+}
+
+static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mesh)
+{
+    uint64_t vertices;
+
+    BVXI_TRY(refuse_torn(o));
+    memset(o->kept, 0, (size_t)o->position_count);
+    give_contour_points(o);
+    keep_bodies(o, joined, &vertices);
+    oblique_count_unkept(o, joined);
+    if (o->triangle_count == 0)
+        return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
+                             "%s: no point of the lattice lies inside; take more cells", o->function);
+    if (o->triangle_count > INT32_MAX)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: the surface has more than 2^31 triangles", o->function);
+    BVXI_TRY(
+        bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, o->triangle_count, mesh));
+    memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
+    for (uint64_t i = 0; i < o->position_count; i++) {
+        if (joined[i] == BVXI_NONE) continue;
+        for (uint64_t k = 0; k < 3; k++) {
+            double const x = o->position[3 * i + k];
+            if (o->options.position_type == BVX_F64)
+                ((double *)mesh->positions)[3 * (uint64_t)joined[i] + k] = x;
+            else ((float *)mesh->positions)[3 * (uint64_t)joined[i] + k] = (float)x;
+        }
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
+{
+    uint32_t *joined = NULL;
+    uint64_t bytes;
+
+    o->output_room = o->vertex_count;
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
+    memset(o->output, 0xff, (size_t)o->output_room * 4);
+    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
+    bytes = o->position_count * 4;
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
+    return write_surface(o, joined, mesh);
+}

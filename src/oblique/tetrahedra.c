@@ -1,0 +1,385 @@
+/* tetrahedra.c - tetrahedra that fill cells, changed by two operations: a new vertex in an edge, a new vertex
+ * in a face.
+ *
+ * Every tetrahedron knows the ones across its faces. A vertex put into an edge halves all tetrahedra round
+ * it, one put into a face parts the two beside it into three each; nothing else changes, so tetrahedra that
+ * meet in whole faces before do so after, whatever the places of the vertices are. */
+#include "oblique/oblique.h"
+
+/* block: address of the array's pointer; room: its capacity in items; item: bytes of one. */
+bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                             const char *what)
+{
+    /* Half as much again, so that adding one at a time stays cheap. */
+    uint64_t const larger = *room < 256 ? 256 : *room + *room / 2;
+
+    if (count < *room) return BVX_OK;
+    if (larger >= UINT32_MAX)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                             "%s: more than 2^32 of %s; take fewer cells", o->function, what);
+    BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
+    *room = larger;
+    return BVX_OK;
+}
+
+bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                                const char *what)
+{
+    if (count <= *room) return BVX_OK;
+    BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, block, *room * item, count * item, what));
+    *room = count;
+    return BVX_OK;
+}
+
+/* ---- edges by their ends ---- */
+
+static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+/* near: the key's first end picks the neighbourhood, so vertices in order touch memory in order; else spread
+ * by hash. */
+static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
+{
+    uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
+    uint64_t i = (m->near ? (key >> 32) * 4 + (mixed & 63) : mixed) & (m->room - 1);
+    while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
+    return i;
+}
+
+static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
+{
+    bvxi_edge_map larger = {NULL, NULL, room, m->count, m->near};
+
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra", &larger.key));
+    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 4, "the edges of tetrahedra", &larger.value));
+    /* All bits set: a free place. */
+    memset(larger.key, 0xff, (size_t)(larger.room * 8));
+    for (uint64_t i = 0; i < m->room; i++)
+        if (m->key[i] != UINT64_MAX) {
+            uint64_t const at = edge_slot(&larger, m->key[i]);
+            larger.key[at] = m->key[i];
+            larger.value[at] = m->value[i];
+        }
+    bvxi_edge_free(o, m);
+    *m = larger;
+    return BVX_OK;
+}
+
+bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *m, uint64_t count)
+{
+    uint64_t room = 1024;
+
+    while (room < 2 * count) room *= 2;
+    return room > m->room ? edge_more(o, m, room) : BVX_OK;
+}
+
+bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *m, uint32_t a, uint32_t b, uint32_t **value)
+{
+    uint64_t const key = oblique_edge_key(a, b);
+    uint64_t at;
+
+    /* At most half full, so that searches are short and always end. */
+    if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m, m->room == 0 ? 1024 : 2 * m->room));
+    at = edge_slot(m, key);
+    if (m->key[at] == UINT64_MAX) {
+        m->key[at] = key;
+        m->value[at] = BVXI_NONE;
+        m->count++;
+    }
+    *value = &m->value[at];
+    return BVX_OK;
+}
+
+uint32_t bvxi_edge_find(const bvxi_edge_map *m, uint32_t a, uint32_t b)
+{
+    uint64_t at;
+
+    if (m->room == 0) return BVXI_NONE;
+    at = edge_slot(m, oblique_edge_key(a, b));
+    return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
+}
+
+void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *m)
+{
+    bvxi_drop(o->ctx, m->value);
+    bvxi_drop(o->ctx, m->key);
+    memset(m, 0, sizeof *m);
+}
+
+/* ---- vertices and tetrahedra ---- */
+
+bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number)
+{
+    static const bvxi_tetra_vertex none = {
+        {0.0, 0.0, 0.0}, {BVXI_NONE, BVXI_NONE}, BVXI_NONE, 0.0F, BVXI_SIGN_UNKNOWN, 0};
+
+    BVXI_TRY(bvxi_oblique_grow(o, &o->vertex, o->vertex_count, &o->vertex_room, sizeof *o->vertex,
+                               "the vertices of tetrahedra"));
+    BVXI_TRY(bvxi_oblique_grow(o, &o->on, o->vertex_count, &o->on_room, (uint64_t)o->plane_words * 8,
+                               "the planes of vertices"));
+    *number = (uint32_t)o->vertex_count++;
+    o->vertex[*number] = none;
+    memcpy(o->vertex[*number].at, at, 24);
+    memset(bvxi_tetra_on(o, *number), 0, (size_t)o->plane_words * 8);
+    return BVX_OK;
+}
+
+/* Copies v and n. chain_of: the tetrahedron after which it joins its cell's chain. May move o->tetra. */
+bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
+                          uint32_t *number)
+{
+    static const char what[] = "the tetrahedra";
+    uint64_t const at = o->tetra_count;
+
+    BVXI_TRY(bvxi_oblique_grow(o, &o->tetra, at, &o->tetra_room[0], sizeof *o->tetra, what));
+    BVXI_TRY(bvxi_oblique_grow(o, &o->chain, at, &o->tetra_room[1], 4, what));
+    BVXI_TRY(bvxi_oblique_grow(o, &o->twin, at, &o->tetra_room[2], 4, what));
+    BVXI_TRY(bvxi_oblique_grow(o, &o->stamp, at, &o->tetra_room[3], 4, what));
+    memcpy(o->tetra[at].v, v, 16);
+    memcpy(o->tetra[at].n, n, 16);
+    o->stamp[at] = 0;
+    o->chain[at] = BVXI_NONE;
+    if (chain_of != BVXI_NONE) {
+        o->chain[at] = o->chain[chain_of];
+        o->chain[chain_of] = (uint32_t)at;
+    }
+    for (int k = 0; k < 4; k++) o->vertex[v[k]].tetra = (uint32_t)at;
+    *number = (uint32_t)at;
+    o->tetra_count++;
+    return BVX_OK;
+}
+
+/* ---- looking round ---- */
+
+static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
+{
+    BVXI_TRY(bvxi_oblique_grow(o, &o->ring, o->ring_count, &o->ring_room, 4, "the tetrahedra round an edge"));
+    o->ring[o->ring_count++] = tetra;
+    return BVX_OK;
+}
+
+/* Collect the tetrahedra around edge a b, leaving each over the face opposite corner `leave`, until a border
+ * or start. */
+static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t b, int leave, int *closed)
+{
+    uint32_t at = start;
+
+    for (;;) {
+        /* On over the face opposite the corner that is left; the one that stayed is left next. */
+        uint32_t const next = o->tetra[at].n[leave];
+        uint32_t stay = BVXI_NONE;
+        *closed = next == start;
+        if (next == BVXI_NONE || next == start) return BVX_OK;
+        for (int k = 0; k < 4; k++) {
+            uint32_t const v = o->tetra[at].v[k];
+            if (k != leave && v != a && v != b) stay = v;
+        }
+        BVXI_TRY(add_to_ring(o, next));
+        leave = bvxi_corner_of(&o->tetra[next], stay);
+        at = next;
+    }
+}
+
+bvx_status bvxi_tetra_ring(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, int *closed)
+{
+    int leave[2], n = 0;
+
+    o->ring_count = 0;
+    /* The two corners off the edge; & 1 shows that leave is never overrun, whatever a and b are. */
+    for (int k = 0; k < 4; k++)
+        if (o->tetra[tetra].v[k] != a && o->tetra[tetra].v[k] != b) leave[n++ & 1] = k;
+    BVXI_TRY(add_to_ring(o, tetra));
+    BVXI_TRY(ring_on(o, tetra, a, b, leave[0], closed));
+    /* A border: what lies on the other side of the first one is looked for too. */
+    if (!*closed) {
+        int back;
+        BVXI_TRY(ring_on(o, tetra, a, b, leave[1], &back));
+    }
+    return BVX_OK;
+}
+
+void bvxi_tetra_new_stamp(bvxi_oblique *o)
+{
+    if (++o->stamps != 0) return;
+    memset(o->stamp, 0, (size_t)o->tetra_count * 4);
+    o->stamps = 1;
+}
+
+static bvx_status add_to_star(bvxi_oblique *o, uint32_t tetra)
+{
+    BVXI_TRY(
+        bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the tetrahedra round a vertex"));
+    o->star[o->star_count++] = tetra;
+    o->stamp[tetra] = o->stamps;
+    return BVX_OK;
+}
+
+bvx_status bvxi_tetra_star(bvxi_oblique *o, uint32_t vertex)
+{
+    o->star_count = 0;
+    bvxi_tetra_new_stamp(o);
+    BVXI_TRY(add_to_star(o, o->vertex[vertex].tetra));
+    /* Neighbours over all faces that hold the vertex, each once by its stamp. */
+    for (uint64_t i = 0; i < o->star_count; i++) {
+        const bvxi_tetra t = o->tetra[o->star[i]];
+        for (int k = 0; k < 4; k++)
+            if (t.v[k] != vertex && t.n[k] != BVXI_NONE && o->stamp[t.n[k]] != o->stamps)
+                BVXI_TRY(add_to_star(o, t.n[k]));
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t *tetra)
+{
+    *tetra = BVXI_NONE;
+    BVXI_TRY(bvxi_tetra_star(o, a));
+    for (uint64_t i = 0; i < o->star_count; i++)
+        if (bvxi_corner_of(&o->tetra[o->star[i]], b) < 4) {
+            *tetra = o->star[i];
+            return BVX_OK;
+        }
+    return BVX_OK;
+}
+
+/* ---- changing ---- */
+
+static void relink_neighbour(bvxi_oblique *o, uint32_t of, uint32_t from, uint32_t to)
+{
+    if (of == BVXI_NONE) return;
+    for (int k = 0; k < 4; k++)
+        if (o->tetra[of].n[k] == from) {
+            o->tetra[of].n[k] = to;
+            return;
+        }
+}
+
+/* Halves of a contour's edge are edges of that contour. value = 2 * plane + 1 when it runs from the higher
+ * end; the old edge gets BVXI_NONE, as it is no longer whole. */
+static bvx_status keep_contour_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t m)
+{
+    uint32_t const edge = bvxi_edge_find(&o->contour_edge, a, b);
+    uint32_t *value;
+
+    if (edge == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, a, b, &value));
+    *value = BVXI_NONE;
+    if ((a > b) != (edge & 1)) { /* it runs from b to a */
+        uint32_t const swap = a;
+        a = b;
+        b = swap;
+    }
+    BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, a, m, &value));
+    *value = (edge & ~1u) + (a > m);
+    BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, m, b, &value));
+    *value = (edge & ~1u) + (m > b);
+    o->vertex[m].sign = 0;
+    return BVX_OK;
+}
+
+bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, uint32_t b, const double at[3],
+                                 uint32_t *m)
+{
+    uint64_t *on, *on_a, *on_b;
+    int closed;
+
+    BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
+    o->vertex[*m].parent[0] = a;
+    o->vertex[*m].parent[1] = b;
+    on = bvxi_tetra_on(o, *m);
+    on_a = bvxi_tetra_on(o, a);
+    on_b = bvxi_tetra_on(o, b);
+    /* A vertex put into an edge lies on the planes that both ends lie on. */
+    for (uint32_t w = 0; w < o->plane_words; w++) on[w] = on_a[w] & on_b[w];
+    BVXI_TRY(keep_contour_edge(o, a, b, *m));
+    BVXI_TRY(bvxi_tetra_ring(o, tetra, a, b, &closed));
+
+    /* The old one keeps a, its twin gets b; first all twins, so that they can be linked with each other. */
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        uint32_t const t = o->ring[i];
+        bvxi_tetra const old = o->tetra[t]; /* a copy: bvxi_tetra_add may move the array */
+        uint32_t twin;
+        BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &twin));
+        o->twin[t] = twin;
+    }
+    for (uint64_t i = 0; i < o->ring_count; i++) {
+        uint32_t const kept = o->ring[i], twin = o->twin[kept];
+        bvxi_tetra *const half_a = &o->tetra[kept], *const half_b = &o->tetra[twin];
+        int const corner_a = bvxi_corner_of(half_a, a), corner_b = bvxi_corner_of(half_a, b);
+
+        /* What lay beyond the face opposite a is the twin's neighbour now. */
+        relink_neighbour(o, half_a->n[corner_a], kept, twin);
+        /* The halves meet at the cut. */
+        half_a->v[corner_b] = half_b->v[corner_a] = *m;
+        half_b->n[corner_b] = kept;
+        half_a->n[corner_a] = twin;
+        /* Across the other faces the twin meets the neighbours' twins. */
+        for (int k = 0; k < 4; k++)
+            if (k != corner_a && k != corner_b && half_b->n[k] != BVXI_NONE)
+                half_b->n[k] = o->twin[half_b->n[k]];
+        for (int k = 0; k < 4; k++) {
+            o->vertex[half_a->v[k]].tetra = kept;
+            if (half_b->v[k] == b) o->vertex[b].tetra = twin;
+        }
+    }
+    return BVX_OK;
+}
+
+/* One side of a face: three tetrahedra, part[k] without corner face[k] of the old one, which is part[0]. */
+static bvx_status split_side(bvxi_oblique *o, uint32_t t, const uint32_t face[3], uint32_t m,
+                             uint32_t part[3])
+{
+    bvxi_tetra const old = o->tetra[t]; /* a copy: bvxi_tetra_add may move the array */
+    int corner[3];
+
+    for (int k = 0; k < 3; k++) corner[k] = bvxi_corner_of(&old, face[k]);
+    part[0] = t;
+    for (int k = 1; k < 3; k++) BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &part[k]));
+    /* Each part has the new vertex in place of one corner of the face. */
+    for (int k = 0; k < 3; k++) {
+        bvxi_tetra *const p = &o->tetra[part[k]];
+        p->v[corner[k]] = m;
+        p->n[corner[k]] = old.n[corner[k]];
+        for (int j = 0; j < 3; j++)
+            if (j != k) p->n[corner[j]] = part[j];
+        relink_neighbour(o, old.n[corner[k]], t, part[k]);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int j = 0; j < 4; j++) o->vertex[o->tetra[part[k]].v[j]].tetra = part[k];
+    return BVX_OK;
+}
+
+bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, const double at[3], uint32_t *m)
+{
+    uint32_t const beside = o->tetra[tetra].n[corner];
+    uint32_t face[3], part[2][3];
+    uint64_t *on;
+    int n = 0, across[2];
+
+    for (int k = 0; k < 4; k++)
+        if (k != corner) face[n++] = o->tetra[tetra].v[k];
+    BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
+    on = bvxi_tetra_on(o, *m);
+
+    /* On the planes that all three corners lie on. */
+    for (int k = 0; k < 3; k++)
+        for (uint32_t w = 0; w < o->plane_words; w++) {
+            uint64_t const set = bvxi_tetra_on(o, face[k])[w];
+            on[w] = k == 0 ? set : on[w] & set;
+        }
+    /* The corner of each side that faces the other. */
+    across[0] = corner;
+    across[1] = 0;
+    for (int k = 0; k < 4 && beside != BVXI_NONE; k++)
+        if (o->tetra[beside].n[k] == tetra) across[1] = k;
+    BVXI_TRY(split_side(o, tetra, face, *m, part[0]));
+    if (beside == BVXI_NONE) return BVX_OK;
+    BVXI_TRY(split_side(o, beside, face, *m, part[1]));
+    /* Both sides' parts go in the order of the face's corners, so they meet pairwise. */
+    for (int k = 0; k < 3; k++) {
+        o->tetra[part[0][k]].n[across[0]] = part[1][k];
+        o->tetra[part[1][k]].n[across[1]] = part[0][k];
+    }
+    return BVX_OK;
+}
