@@ -42,10 +42,11 @@
  *   Input       A coordinate that is not finite is BVX_ERR_RANGE; no triangle or point at all is
  *               BVX_ERR_EMPTY; nothing inside is an empty result and BVX_OK. A target that cannot be met is
  *               BVX_OK with met 0 in the report, unless strict is set.
- *   Options     Structs begin with their size and are filled by their _init function. NULL means all
- *               defaults. A shorter struct, of an older header: what it lacks has its default; a longer one:
- *               bytes that the library does not know must be zero (BVX_ERR_VERSION). A report is filled
- *               where the options point to one.
+ *   Options     Structs begin with their size; zero is the default of all else, and stands for what
+ *               [Default:] says: bvx_repair_options o = {.struct_size = sizeof o}; is enough. BVX_NONE is the
+ *               0 itself, where [Limit:] has it. NULL means all defaults. A shorter struct, of an older
+ *               header: what it lacks has its default; a longer one: bytes that the library does not know
+ *               must be zero (BVX_ERR_VERSION). A report is filled where the options point to one.
  *   Reserved    Fields named reserved must be zero.
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
  *   Memory      All memory comes from the context's allocator and counts against its limit. [Memory:] is
@@ -84,6 +85,9 @@ extern "C" {
 
 /* Rows X(name, value, text) of a list below as constants: enum { BVX_..._LIST(BVX_LIST_ENUM) }; */
 #define BVX_LIST_ENUM(name, value, text) name = value,
+
+/** 0 in an option where 0 stands for another number, its default. */
+enum { BVX_NONE = -1 };
 
 /* ---- Status -------------------------------------------------------------------------------------------- */
 
@@ -175,7 +179,7 @@ typedef void bvx_parallel_fn(void *user, int32_t count, bvx_task_fn *task, void 
 enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
 typedef struct bvx_context_options {
-    size_t struct_size;  /**< set by bvx_context_options_init */
+    size_t struct_size;
     bvx_alloc_fn *alloc; /**< [Default: the C library's heap; BVX_FREESTANDING: alloc or arena] */
     bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
     void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
@@ -191,14 +195,12 @@ typedef struct bvx_context_options {
     int32_t cpu;     /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
 } bvx_context_options;
 
-/** By default there are as many workers as the process may use processors: by affinity, and by the quota of
+/** Create a context; call it through bvx_context_create, which passes the header's version.
+ *  By default there are as many workers as the process may use processors: by affinity, and by the quota of
  *  its control group; OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. A number in threads is
  *  taken as it is. A build without threads has one worker. Threads are started only for work that is worth
  *  it and leave a busy machine to others. Those of OpenMP stay with the calling thread, POSIX threads end with
- *  the context: docs/limits.md. Results do not depend on them. */
-BVX_API void bvx_context_options_init(bvx_context_options *options, size_t size);
-
-/** Create a context; call it through bvx_context_create, which passes the header's version.
+ *  the context: docs/limits.md. Results do not depend on them.
  *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones) or a field is set that
  *  this library does not know, BVX_ERR_UNSUPPORTED when this build or thread has arithmetic that would change
  *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the
@@ -596,8 +598,6 @@ typedef struct bvx_lattice_options {
     int32_t reserved;
 } bvx_lattice_options;
 
-BVX_API void bvx_lattice_options_init(bvx_lattice_options *options, size_t size);
-
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
  *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
  *  smallest count that covers them.
@@ -694,14 +694,14 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
  *  AUTO     what suits the mesh, flipped triangles turned first: PARITY where closed shells do not cross,
  *           NONZERO where they do, WINDING where there are holes, VOTE where triangles cannot be oriented */
 #define BVX_FILL_LIST(X)              \
-    X(BVX_FILL_PARITY, 0, "parity")   \
-    X(BVX_FILL_NONZERO, 1, "nonzero") \
-    X(BVX_FILL_VOTE, 2, "vote")       \
-    X(BVX_FILL_FLOOD, 3, "flood")     \
-    X(BVX_FILL_REGIONS, 4, "regions") \
-    X(BVX_FILL_BELOW, 5, "below")     \
-    X(BVX_FILL_WINDING, 6, "winding") \
-    X(BVX_FILL_AUTO, 7, "auto")
+    X(BVX_FILL_AUTO, 0, "auto")       \
+    X(BVX_FILL_PARITY, 1, "parity")   \
+    X(BVX_FILL_NONZERO, 2, "nonzero") \
+    X(BVX_FILL_VOTE, 3, "vote")       \
+    X(BVX_FILL_FLOOD, 4, "flood")     \
+    X(BVX_FILL_REGIONS, 5, "regions") \
+    X(BVX_FILL_BELOW, 6, "below")     \
+    X(BVX_FILL_WINDING, 7, "winding")
 enum {
     BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 8,
     /** Rules that bvx_boolean takes: bit 1 << rule. */
@@ -718,6 +718,21 @@ enum {
     BVX_FILL_REASON_OPEN = 4,    /**< WINDING: there are open edges */
     BVX_FILL_REASON_UNORIENTABLE = 5 /**< VOTE: the triangles of some patch cannot be oriented alike */
 };
+
+/** What is up for BVX_FILL_BELOW: towards the high end of this axis. */
+#define BVX_UP_LIST(X)  \
+    X(BVX_UP_Z, 0, "z") \
+    X(BVX_UP_X, 1, "x") \
+    X(BVX_UP_Y, 2, "y")
+enum { BVX_UP_LIST(BVX_LIST_ENUM) };
+
+/** When walls that the voxels lose are searched: AUTO in a whole lattice with a report, as far as the memory
+ *  limit allows; ALWAYS is not for below. */
+#define BVX_CHECK_LIST(X)          \
+    X(BVX_CHECK_AUTO, 0, "auto")   \
+    X(BVX_CHECK_NEVER, 1, "never") \
+    X(BVX_CHECK_ALWAYS, 2, "always")
+enum { BVX_CHECK_LIST(BVX_LIST_ENUM) };
 
 /** Counts of one call, for its window (edges: of the mesh); those of other rules are 0. */
 typedef struct bvx_solid_report {
@@ -774,18 +789,15 @@ typedef struct bvx_voxelize_options {
     int32_t add_shell;   /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1]
                               [Default: 0] */
     int32_t check_edges; /**< 1: count boundary_edges and flipped_edges [Limit: 0..1] [Default: 0] */
-    int32_t axis;        /**< below: up is towards + along this axis [Limit: 0..2] [Default: 2] */
-    double base; /**< below: height from which columns are filled [Units: world] [Limit: any] [Default:
-                      -infinity, the lattice's end] */
+    int32_t up;          /**< below: BVX_UP_... [Default: BVX_UP_Z] */
+    double base; /**< below, with has_base: height from which columns are filled [Units: world] [Limit: any]
+                      [Default: 0] */
     const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist
                                       [Default: NULL] */
-    int32_t check_thin; /**< search walls that the voxels lose, for thin_...: 0 never, 1 always (not for
-                             below), -1 in a whole lattice with a report, as far as the memory limit allows
-                             [Limit: -1..1] [Default: -1] */
-    int32_t reserved2;
+    int32_t check_thin;          /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
+    int32_t has_base;            /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
+                             [Default: 0] */
 } bvx_voxelize_options;
-
-BVX_API void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size);
 
 /** Set the voxels whose centres lie inside a mesh.
  *
@@ -852,8 +864,6 @@ typedef struct bvx_surface_options {
     bvx_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_surface_options;
 
-BVX_API void bvx_surface_options_init(bvx_surface_options *options, size_t size);
-
 /** Set the voxels that a mesh's surface touches, by one of three exact definitions. Vertices are snapped to
  *  the lattice's fixed point. Closed sets touch when they share a point; triangles without area count as the
  *  segments or points that they are (thin: they have no crossing). What lies beyond the window sets nothing.
@@ -892,15 +902,14 @@ enum { BVX_SIDE_LIST(BVX_LIST_ENUM) };
 typedef struct bvx_extract_options {
     size_t struct_size;
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t open_sides;    /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is empty] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
     int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1]
                               [Default: 0] */
     int32_t reserved;
 } bvx_extract_options;
-
-BVX_API void bvx_extract_options_init(bvx_extract_options *options, size_t size);
 
 /** The exact size of what bvx_extract_surface, or with samples bvx_extract_scalar, would make of the same:
  *  for arrays of one's own.
@@ -929,13 +938,12 @@ BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *gri
 
 typedef struct bvx_faces_options {
     size_t struct_size;
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t merged;        /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_faces_options;
-
-BVX_API void bvx_faces_options_init(bvx_faces_options *options, size_t size);
 
 /** The exact size of what bvx_extract_faces would make.
  *  [Memory: 8 bytes a row; merged: as bvx_extract_faces] */
@@ -975,12 +983,12 @@ BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, u
  *  TANGENT  where the planes that touch the surface at the closest points cut the edge: of a ridge the one
  *           nearer to the inside, of a groove the one nearer to the outside; else VECTOR, kept between the
  *           closest points */
-#define BVX_EDGE_LIST(X)            \
-    X(BVX_EDGE_VECTOR, 0, "vector") \
-    X(BVX_EDGE_SCALAR, 1, "scalar") \
-    X(BVX_EDGE_MIDDLE, 2, "middle") \
-    X(BVX_EDGE_PAPER, 3, "paper")   \
-    X(BVX_EDGE_TANGENT, 4, "tangent")
+#define BVX_EDGE_LIST(X)              \
+    X(BVX_EDGE_TANGENT, 0, "tangent") \
+    X(BVX_EDGE_VECTOR, 1, "vector")   \
+    X(BVX_EDGE_SCALAR, 2, "scalar")   \
+    X(BVX_EDGE_MIDDLE, 3, "middle")   \
+    X(BVX_EDGE_PAPER, 4, "paper")
 enum { BVX_EDGE_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_field_surface_report {
@@ -1029,18 +1037,18 @@ enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
-    uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
-    double target_error;          /**< error target of this level, or 0 [Units: world] */
-    int32_t met;                  /**< 1: both are kept */
-    int32_t measured;             /**< 1: distance is filled */
-    bvx_distance_report distance; /**< a is the input, b the level; measured for target_errors, or where
+    uint64_t target;                    /**< triangles wanted of this level, halves too, or 0 */
+    double target_error;                /**< error target of this level, or 0 [Units: world] */
+    int32_t met;                        /**< 1: both are kept */
+    int32_t measured;                   /**< 1: distance is filled */
+    bvx_distance_report distance;       /**< a is the input, b the level; measured for target_errors, or where
                                        measure_samples is not 0; else its distances are NaN */
-    bvx_certificate certificate;  /**< of the level */
-    uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
-    double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
+    bvx_certificate certificate;        /**< of the level */
+    uint64_t crossings;                 /**< pairs of triangles that cross: 0, or some that the mesh had */
+    double least_angle;                 /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused;                   /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
     uint64_t handles_cut, holes_filled; /**< of the mesh, down to this level: BVX_TOPOLOGY_SIMPLIFY */
-    double longest_closed;        /**< way around the largest of them, or 0 [Units: world] */
+    double longest_closed;              /**< way around the largest of them, or 0 [Units: world] */
     uint64_t reserved[3];
 } bvx_level_report;
 
@@ -1053,7 +1061,8 @@ typedef struct bvx_simplify_options {
     int32_t error_kind;    /**< of target_errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
     int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
                                 BVX_POSITION_AUTO] */
-    double even; /**< pull towards triangles of even size on flat parts [Limit: 0..1] [Default: 1e-9] */
+    double even;           /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
+                                   [Default: 1e-9] */
     uint64_t measure_samples; /**< points a side for each report's distances; 0: not measured, though
                                    target_errors measure with 20000 [Limit: 0..2^31-1] [Default: 0] */
     int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
@@ -1064,16 +1073,14 @@ typedef struct bvx_simplify_options {
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
     double attribute_weight;   /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
                                     length on the surface, a difference of 1 in normals and colours by a
-                                    hundredth of the mesh's longest side. 0: they follow the shape and cost
-                                    nothing [Limit: 0..1000] [Default: 1] */
+                                    hundredth of the mesh's longest side. BVX_NONE: they follow the shape and
+                                    cost nothing [Limit: BVX_NONE, or 0..1000] [Default: 1] */
     const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
                                     [Size: vertex_count] [Default: NULL] */
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     uint64_t reserved[3];
 } bvx_simplify_options;
-
-BVX_API void bvx_simplify_options_init(bvx_simplify_options *options, size_t size);
 
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
  *  edges that cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold,
@@ -1140,15 +1147,22 @@ enum {
     BVX_NEEDS_UNCROSSING = 6  /**< triangles cross */
 };
 
+/** Sharp edges and corners: AUTO on meshes like machine parts of up to 500,000 triangles (docs/rules.md). */
+#define BVX_SHARP_LIST(X)          \
+    X(BVX_SHARP_AUTO, 0, "auto")   \
+    X(BVX_SHARP_NEVER, 1, "never") \
+    X(BVX_SHARP_ALWAYS, 2, "always")
+enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
+
 /** What becomes of walls thinner than 1.5 voxels that the lattice would lose, since no centre inside shows
  *  them. What is lost is reported.
- *  SHELL  parts that the solid misses become shells, as sheets do; the rest is lost
  *  KEEP   they are kept, closed and whole, about as thick as they are
- *  DROP   they are lost */
-#define BVX_THIN_LIST(X)          \
-    X(BVX_THIN_SHELL, 0, "shell") \
-    X(BVX_THIN_KEEP, 1, "keep")   \
-    X(BVX_THIN_DROP, 2, "drop")
+ *  DROP   they are lost
+ *  SHELL  parts that the solid misses become shells, as sheets do; the rest is lost */
+#define BVX_THIN_LIST(X)        \
+    X(BVX_THIN_KEEP, 0, "keep") \
+    X(BVX_THIN_DROP, 1, "drop") \
+    X(BVX_THIN_SHELL, 2, "shell")
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_repair_report {
@@ -1211,15 +1225,15 @@ typedef struct bvx_repair_options {
                                 BVX_SIGN_AUTO: WINDING, or VOTE where flipped triangles cannot be turned] */
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel: 0
-                                never, 1 always, -1 on meshes like machine parts of up to 500,000 triangles
-                                (docs/rules.md) [Limit: -1..1] [Default: -1] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel:
+                                BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t measure; /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
                           [Default: 0] */
-    double shell; /**< thickness that open sheets get; 0: they get none [Units: largest spacings] [Limit: 0,
-                       or 1.5..10^6] [Default: 2] */
+    double shell;    /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
+                       [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     uint64_t least_part;       /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
     uint64_t least_cavity;     /**< cavities of fewer voxels are filled [Limit: any] [Default: 0] */
     uint64_t target_triangles; /**< at most so many: the largest resolution, up to resolution, that a
@@ -1236,8 +1250,6 @@ typedef struct bvx_repair_options {
     uint64_t keep_largest; /**< so many of the largest parts that least_part leaves are kept, by voxels that
                                 join through faces, as in bvx_keep_options [Limit: any] [Default: 0, all] */
 } bvx_repair_options;
-
-BVX_API void bvx_repair_options_init(bvx_repair_options *options, size_t size);
 
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
  *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
@@ -1290,7 +1302,8 @@ typedef struct bvx_levels_options {
     int32_t error_kind;    /**< as in bvx_simplify_options [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
     int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's own; of a measured surface f32 where it
                                 holds, else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    double even;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 1e-9] */
+    double even;           /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1]
+                                   [Default: 1e-9] */
     uint64_t measure_samples; /**< as in bvx_simplify_options [Limit: 0..2^31-1] [Default: 0] */
     int32_t strict;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
@@ -1301,24 +1314,24 @@ typedef struct bvx_levels_options {
                                      bvx_plan_levels] */
     int32_t sign;               /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO] */
-    int32_t sharp;              /**< solid: as in bvx_repair_options [Limit: -1..1] [Default: -1] */
+    int32_t sharp;              /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     int32_t outer;              /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    double shell;               /**< solid: as in bvx_repair_options [Limit: 0, or 1.5..10^6] [Default: 2] */
+    double shell;               /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
+                                     [Default: 2] */
     uint64_t least_part;        /**< solid: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
     uint64_t least_cavity;      /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
     bvx_levels_report *report;  /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports;  /**< [Size: level_count] filled when not NULL [Default: NULL] */
     int32_t lock_border;        /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
     int32_t vertices;           /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    double attribute_weight;    /**< as in bvx_simplify_options [Limit: 0..1000] [Default: 1] */
+    double attribute_weight;    /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1000]
+                                     [Default: 1] */
     uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
     const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
     int32_t topology;           /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
     int32_t reserved0;
     uint64_t reserved[1];
 } bvx_levels_options;
-
-BVX_API void bvx_levels_options_init(bvx_levels_options *options, size_t size);
 
 /** The resolution at which bvx_build_levels measures a mesh when none is given: from 256 to 320, so that the
  *  measured surface has about 16 times the triangles of the finest level.
@@ -1391,10 +1404,11 @@ typedef struct bvx_boolean_options {
                                 BVX_FILL_AUTO] */
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;         /**< 1: sharp edges of the meshes, and those where they meet, as in
-                                bvx_field_surface_options; 0: none; -1: where one of the meshes has them, as
-                                in bvx_repair_options [Limit: -1..1] [Default: -1] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t sharp;         /**< sharp edges of the meshes, and those where they meet, as in
+                                bvx_field_surface_options; BVX_SHARP_..., AUTO: where one of the meshes has
+                                them [Default: BVX_SHARP_AUTO] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t keep_crumbs;   /**< 1: as in bvx_repair_options, with parts that neither mesh has [Limit: 0..1]
                                 [Default: 0] */
@@ -1402,11 +1416,9 @@ typedef struct bvx_boolean_options {
     uint64_t least_part;        /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
     uint64_t keep_largest;      /**< as in bvx_repair_options [Limit: any] [Default: 0, all] */
     int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
-                       BVX_THIN_DROP [Limit: 1..2] [Default: BVX_THIN_KEEP] */
+                       BVX_THIN_DROP [Limit: 0..1] [Default: BVX_THIN_KEEP] */
     int32_t reserved1;
 } bvx_boolean_options;
-
-BVX_API void bvx_boolean_options_init(bvx_boolean_options *options, size_t size);
 
 /** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the
  *  lattice is fine. Both are filled on one lattice, the bits are combined, and each vertex lies where the
@@ -1432,8 +1444,8 @@ BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, con
  *  EDGE_RATIO  the paper's: samples of the extended voxel function, first change along an edge
  *  COVERAGE    the share of set voxels in the sample's box, linear positions */
 #define BVX_LOD_LIST(X)                    \
-    X(BVX_LOD_EDGE_RATIO, 1, "edge-ratio") \
-    X(BVX_LOD_COVERAGE, 2, "coverage")
+    X(BVX_LOD_EDGE_RATIO, 0, "edge-ratio") \
+    X(BVX_LOD_COVERAGE, 1, "coverage")
 enum { BVX_LOD_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_lod_report {
@@ -1457,17 +1469,16 @@ typedef struct bvx_lod_options {
     uint64_t source_triangles;        /**< of the solid's mesh, for exceeds_source [Limit: any]
                                            [Default: 0, unknown] */
     int32_t face_rule;                /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
-    int32_t local_frame;   /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1]
+    int32_t position_type;            /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame;              /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1]
                                 [Default: 0] */
-    int32_t first_level;   /**< index of levels[0] in messages, if a chain is made one level a call
+    int32_t first_level;              /**< index of levels[0] in messages, if a chain is made one level a call
                                 [Limit: >= 0] [Default: 0] */
     double collapse; /**< target_triangles only: make up to this many times the target, then collapse edges
                           [Limit: 0, or 1..64] [Default: 0, no collapse] */
     bvx_lod_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_lod_options;
-
-BVX_API void bvx_lod_options_init(bvx_lod_options *options, size_t size);
 
 /** The resolution of the solid from which bvx_build_lods should make these levels: eight times the samples of
  *  the finest level, less where memory is short (docs/rules.md).
@@ -1576,8 +1587,6 @@ typedef struct bvx_field_options {
     uint64_t reserved[2];
 } bvx_field_options;
 
-BVX_API void bvx_field_options_init(bvx_field_options *options, size_t size);
-
 /** Measure the distance from centres of voxels to a mesh. The closest point is the one with the lowest
  *  (distance squared, triangle index) by one stated evaluation in doubles. On closed meshes all signs but
  *  NORMAL agree, up to the lattice's fixed point; how each decides at edges, vertices and holes:
@@ -1627,14 +1636,16 @@ typedef struct bvx_field_surface_options {
     size_t struct_size;
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t sharp; /**< 1: cells on sharp edges and corners get a vertex there, and cuts move to the closest
-                        triangles' planes where the field has triangles and the mesh is given; -1: where the
-                        mesh, which must be given, has sharp edges [Limit: -1..1] [Default: 0] */
+    int32_t sharp; /**< BVX_SHARP_...: cells on sharp edges and corners get a vertex there, and cuts move to
+                        the closest triangles' planes where the field has triangles and the mesh is given.
+                        AUTO: never without vectors or the mesh [Default: BVX_SHARP_AUTO] */
     int32_t reserved;
     double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle
-                             between their normals] [Limit: -1..1] [Default: 0.8] */
+                             between their normals; not 0, but as near to it as wanted] [Limit: -1..1]
+                             [Default: 0.8] */
     bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
     const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its
                                inside. Where it is that of inside, vertices are the field's; elsewhere those
@@ -1643,8 +1654,6 @@ typedef struct bvx_field_surface_options {
                         lies between the edge's ends: for bodies made thicker, thinner or hollow; 0: no such
                         surface [Units: world] [Limit: any] [Default: 0] */
 } bvx_field_surface_options;
-
-BVX_API void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size);
 
 /** The surface between inside and outside centres of a field, by marching cubes with vertices where the field
  *  has the surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field.
@@ -1750,19 +1759,20 @@ BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, 
 
 /* ---- Morphology and distances -------------------------------------------------------------------------- */
 
+/** A ball of a radius in place of neighbours. */
+enum { BVX_BALL = 1 };
+
 typedef struct bvx_morph_options {
     size_t struct_size;
-    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; 0: a ball [Limit: 0,
-                                or 6, or 18, or 26] [Default: 6] */
+    int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; BVX_BALL
+                                [Limit: BVX_BALL, or 6, or 18, or 26] [Default: 6] */
     int32_t steps;         /**< times that it is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
     double radius; /**< of the ball: it holds centres at most this far, with 2^-40 of it to spare, so that 0.3
                         reaches three voxels of 0.1; less than a voxel changes nothing [Units: world]
-                        [Limit: >= 0; 0 unless neighbourhood is 0] [Default: 0] */
+                        [Limit: >= 0; 0 unless neighbourhood is BVX_BALL] [Default: 0] */
     int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_morph_options;
-
-BVX_API void bvx_morph_options_init(bvx_morph_options *options, size_t size);
 
 /** Grow and shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
  *  the window; both halves of open and close, and only the end is cut to the window.
@@ -1809,8 +1819,6 @@ typedef struct bvx_hollow_options {
     bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_hollow_options;
 
-BVX_API void bvx_hollow_options_init(bvx_hollow_options *options, size_t size);
-
 /** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the
  *  drain hole. The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to
  *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
@@ -1847,8 +1855,6 @@ typedef struct bvx_distance_options {
                             [Size: nx * ny * nz] [Default: NULL] */
     uint64_t reserved[2];
 } bvx_distance_options;
-
-BVX_API void bvx_distance_options_init(bvx_distance_options *options, size_t size);
 
 /** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y,
  *  then z. SIGNED is negative on set voxels. With BVX_BEYOND_NOTHING an empty grid has infinity everywhere
@@ -1927,8 +1933,6 @@ typedef struct bvx_keep_options {
                            first voxel [Limit: any] [Default: 0, all] */
     bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_keep_options;
-
-BVX_API void bvx_keep_options_init(bvx_keep_options *options, size_t size);
 
 /** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid.
  *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index), BVX_ERR_RANGE.
@@ -2098,8 +2102,6 @@ typedef struct bvx_points_options {
     bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_points_options;
 
-BVX_API void bvx_points_options_init(bvx_points_options *options, size_t size);
-
 /** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are ignored. Points
  *  are snapped to the lattice's fixed point and belong to one voxel each: boxes are half-open, but closed at
  *  the lattice's high sides, so that a lattice around a cloud holds all of it.
@@ -2177,15 +2179,14 @@ typedef struct bvx_scalar_options {
     double level;  /**< value of the surface [Limit: any; not NaN] [Default: 0] */
     int32_t below; /**< inside is where 0: sample >= level, 1: sample <= level [Limit: 0..1] [Default: 0] */
     int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or BVX_POSITION_AUTO [Limit: 0..2] [Default: BVX_F32] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     int32_t open_sides;    /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
     int32_t local_frame;       /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
     uint64_t reserved[2];
 } bvx_scalar_options;
-
-BVX_API void bvx_scalar_options_init(bvx_scalar_options *options, size_t size);
 
 /** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is
  *  inside when it is finite and level <= sample (below: sample <= level). The mesh is what
@@ -2250,8 +2251,6 @@ typedef struct bvx_read_volume_options {
     double spacing[3]; /**< RAW [Units: world] [Limit: any] [Default: 1] */
     uint64_t reserved[2];
 } bvx_read_volume_options;
-
-BVX_API void bvx_read_volume_options_init(bvx_read_volume_options *options, size_t size);
 
 /** Read a volume from the bytes of a file. Where the file holds the samples as they are needed, the view
  *  points into bytes (or options.data), which must then outlive it; else they are copied, packed with x
@@ -2350,12 +2349,15 @@ enum { BVX_NESTING_LIST(BVX_LIST_ENUM) };
  *  AUTO    CUBIC from five sections on, where it is nearer to the body; LINEAR for fewer, where it may be
  *          farther from it, and with crossings PAPER and CLASSIC */
 #define BVX_BLEND_LIST(X)            \
-    X(BVX_BLEND_LINEAR, 0, "linear") \
-    X(BVX_BLEND_CUBIC, 1, "cubic")   \
-    X(BVX_BLEND_AUTO, 2, "auto")
+    X(BVX_BLEND_AUTO, 0, "auto")     \
+    X(BVX_BLEND_LINEAR, 1, "linear") \
+    X(BVX_BLEND_CUBIC, 2, "cubic")
 enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
-enum { BVX_SECTIONS_LOCATED = 16, BVX_LABEL_ONLY = -2147483647 - 1 };
+enum { BVX_SECTIONS_LOCATED = 16 };
+
+/** The label 0 in options, where 0 stands for the default. No loop has this number. */
+enum { BVX_LABEL_ZERO = -2147483647 - 1 };
 
 /** What was found and done. */
 typedef struct bvx_sections_report {
@@ -2418,11 +2420,12 @@ typedef struct bvx_sections_options {
                           twice the contours' mean segment, 16 to 512 cells along the longer side] */
     int32_t layers;  /**< cells from section to section [Limit: 1..64] [Default: 1] */
     int32_t caps;    /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
-    int32_t crossings;     /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
-    int32_t depth;         /**< a cell is halved at most this often [Limit: 0..8] [Default: 5] */
-    int32_t label;         /**< the body [Limit: any] [Default: BVX_LABEL_ONLY, the only one there is] */
-    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
-                                contours' points are doubles and are kept [Limit: 0..2] [Default: BVX_F64] */
+    int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
+    int32_t depth;     /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
+    int32_t label;     /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
+    int32_t position_type;       /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
+                                contours' points are doubles and are kept [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
     int32_t nesting;             /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
     int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
@@ -2441,8 +2444,6 @@ typedef struct bvx_sections_options {
                            shifting where their centroids are at most this far apart (docs/rules.md)
                            [Units: world] [Limit: >= 0] [Default: 0, none are] */
 } bvx_sections_options;
-
-BVX_API void bvx_sections_options_init(bvx_sections_options *options, size_t size);
 
 /** The closed surface of a body through all of its section contours. On a section plane the contour decides:
  *  its points are vertices with the coordinates given. Between planes the surface follows a blend of the
@@ -2479,7 +2480,7 @@ BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *
  *  Returns BVX_ERR_EMPTY (a label without loops, a loop of fewer than three points, a body that no point of
  *  the lattice lies in, flat caps where one of parallel planes has all contours), BVX_ERR_FORMAT (as
  *  bvx_build_sections; also bodies that overlap by more than agree), BVX_ERR_RANGE, BVX_ERR_ARGUMENT (also open
- *  caps, BVX_LABEL_ONLY, a label given twice). After a failure no mesh is made.
+ *  caps, BVX_LABEL_ZERO, a label given twice). After a failure no mesh is made.
  *  [Memory: about 10 MB + 20,000 cells^2 for bodies as large as their box; docs/rules.md]
  *  [Cost: O(cells of the surfaces), and values there for each body]
  *  [Exact: which faces are whose; on planes inside and outside are the contours']
@@ -2491,17 +2492,15 @@ BVX_API bvx_status bvx_build_bodies(bvx_context *context, const bvx_sections *se
 
 typedef struct bvx_slice_options {
     size_t struct_size;
-    double normal[3];        /**< of the planes, any length but 0 [Limit: any] [Default: 0, 0, 1] */
+    double normal[3];        /**< of the planes, of any length [Limit: any] [Default: 0, 0, 1] */
     double spacing;          /**< from plane to plane; the first is half a spacing above the lowest point
                                   [Units: world] [Limit: >= 0] [Default: 0] */
     const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size:
                                   position_count] [Default: NULL] */
     uint64_t position_count; /**< [Limit: any; with positions 1..2^20] [Default: 0] */
-    int32_t label;           /**< of all loops [Limit: -2147483647..2147483647] [Default: 1] */
+    int32_t label;           /**< of all loops; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 1] */
     int32_t reserved;
 } bvx_slice_options;
-
-BVX_API void bvx_slice_options_init(bvx_slice_options *options, size_t size);
 
 /** The contours of a mesh on parallel planes: a point where a plane meets an edge; vertices on a plane count
  *  as above it. The mesh must be closed and oriented where planes meet it (vertices at equal positions are
@@ -2551,9 +2550,11 @@ typedef struct bvx_octree_level {
 
 typedef struct bvx_refine_options {
     size_t struct_size;
-    int32_t levels; /**< times voxels are halved [Limit: 0..25; dims * 2^levels up to 2^25] [Default: 6] */
+    int32_t levels;      /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25]
+                         [Default: 6] */
     int32_t start_level; /**< levels up to this come from one grid, later ones from their parents' triangles;
-                              affects time and memory only [Limit: -1..levels] [Default: -1, by size] */
+                              affects time and memory only [Limit: BVX_NONE, or 0..levels]
+                              [Default: 0, by size] */
     bvx_window window; /**< voxels of the last level: beyond outer_levels only voxels that meet it are halved
                             [Default: all zero, the whole lattice] */
     int32_t outer_levels; /**< used with a window [Limit: 0..levels] [Default: 0] */
@@ -2561,8 +2562,6 @@ typedef struct bvx_refine_options {
     double tolerance; /**< a voxel whose triangles all lie within this distance of one plane is a leaf of the
                            surface [Units: world] [Limit: >= 0] [Default: 0, none is] */
 } bvx_refine_options;
-
-BVX_API void bvx_refine_options_init(bvx_refine_options *options, size_t size);
 
 /** Voxelize a mesh with small voxels only at its surface. Each voxel whose closed box meets a triangle is
  *  split in eight down to the last level; then a voxel without triangles that shares a face with an outside
@@ -2588,7 +2587,7 @@ BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, c
  *  of its time.
  *  resolution  voxels of the last level along the mesh's longest axis, at least: rounded up to whole voxels
  *              of the base
- *  options     in and out: its levels are set. Its window and tolerance are considered
+ *  options     in and out: its levels are set, BVX_NONE for none. Its window and tolerance are considered
  *  base        out
  *  Returns what bvx_lattice_fit returns.
  *  [Memory: none]
@@ -2785,8 +2784,6 @@ typedef struct bvx_read_options {
     bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
 } bvx_read_options;
 
-BVX_API void bvx_read_options_init(bvx_read_options *options, size_t size);
-
 /** The same with all options. glTF names files for buffers and images: a buffer that is not there is
  *  BVX_ERR_FORMAT, an image a loss. Materials, textures and images become mesh.assets; a triangle without a
  *  material has the index after the last one. With keep_file the mesh has the file beside it, where that can be,
@@ -2848,8 +2845,6 @@ typedef struct bvx_write_options {
                                  the file is written again, with other indices
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
 } bvx_write_options;
-
-BVX_API void bvx_write_options_init(bvx_write_options *options, size_t size);
 
 /** The same with all options. Normals are those of the mesh, at length 1; without any they are smooth, as
  *  bvx_mesh_normals computes them at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after
@@ -2993,8 +2988,6 @@ typedef struct bvx_read_sections_options {
                             planes of the file agree in that, else it is refused [Default: NULL] */
 } bvx_read_sections_options;
 
-BVX_API void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size);
-
 /** Read section contours from the bytes of a file. How holes and labels of CSL are read: docs/formats.md.
  *  BVX_FORMAT_CSL  planes with their equation, points and loops with labels. Planes parallel within 1e-4 rad
  *                  have one normal, else normals are set; points lie within 1/1000 of the largest coordinate
@@ -3033,20 +3026,20 @@ typedef struct bvx_render_options {
     int32_t width, height; /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
     double direction[3];   /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
     double up[3];          /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
-    uint8_t colour[4];     /**< of the surface: red, green, blue, 0 [Limit: any] [Default: 200, 196, 188] */
-    uint8_t background[4]; /**< [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth;    /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
-    int32_t samples;   /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe; /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t reserved;
-    double cut_low[3];  /**< what lies below is cut away [Units: world] [Limit: any] [Default: -infinity] */
-    double cut_high[3]; /**< what lies above is, grids by whole voxels [Limit: any] [Default: infinity] */
+    uint8_t colour[4];     /**< of the surface: red, green, blue, and any number that makes black not all zero
+                                [Limit: any] [Default: 200, 196, 188] */
+    uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
+    int32_t smooth;     /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
+    int32_t samples;    /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+    int32_t wireframe;  /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
+    int32_t cut;        /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
+    double cut_low[3];  /**< what lies below, on low sides in cut [Units: world] [Limit: any] [Default: 0] */
+    double cut_high[3]; /**< what lies above, on the high sides; grids by whole voxels [Units: world]
+                             [Limit: any] [Default: 0] */
     double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
                          and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
                          [Default: 0, 0: the model fills it] */
 } bvx_render_options;
-
-BVX_API void bvx_render_options_init(bvx_render_options *options, size_t size);
 
 /** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from
  *  the depths around. Colours of the view's vertices replace options.colour. Back faces are reddish; a cut
@@ -3070,7 +3063,7 @@ BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *b
 /** A sheet of count slices across an axis (0, 1, 2), evenly spaced from the lowest voxel to the highest, in
  *  reading order [Limit: count 1..1024]. Set voxels are in options.colour; up is y (axis 2) or z, and the
  *  spacing gives the voxels' shape. A pixel that covers several voxels shows the share that is set, at least
- *  a quarter of the colour when one is. options.cut_low and cut_high apply; direction, up, smooth, wireframe
+ *  a quarter of the colour when one is. options.cut applies; direction, up, smooth, wireframe
  *  are ignored.
  *  Returns BVX_ERR_EMPTY (nothing is set). */
 BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,

@@ -24,7 +24,6 @@ const header = readHeader(readFileSync('include/bitvox.h', 'utf8'));
 const structs = Object.keys(header.structs).filter(name => source.includes(`'${name.slice(4)}'`));
 const calls = [...new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(name => !name.endsWith('_')))];
 for (const name of structs) {
-    if (name.endsWith('_options')) calls.push(`${name}_init`);
     if (['bvx_mesh', 'bvx_grid', 'bvx_buffer', 'bvx_image'].includes(name)) calls.push(`${name}_free`);
 }
 writeFileSync(`${folder}/layout.h`, layoutHeader(header));

@@ -187,6 +187,8 @@ export interface SolidReport {
     thinHigh: Triple;
 }
 
+export type When = 'auto' | 'never' | 'always';
+
 /** [bvx_voxelize_options] */
 export interface VoxelizeOptions extends CallOptions, LatticeOptions {
     fill?: Fill | undefined;
@@ -194,10 +196,12 @@ export interface VoxelizeOptions extends CallOptions, LatticeOptions {
     closeGaps?: number | undefined;
     addShell?: boolean | undefined;
     checkEdges?: boolean | undefined;
-    axis?: number | undefined;
+    up?: 'x' | 'y' | 'z' | undefined;
+    /** Used with hasBase. */
     base?: number | undefined;
+    hasBase?: boolean | undefined;
     second?: AnyMesh | undefined;
-    checkThin?: boolean | -1 | undefined;
+    checkThin?: When | undefined;
 }
 
 /** [bvx_surface_options] */
@@ -228,7 +232,7 @@ export interface FacesOptions extends CallOptions {
 
 /** [bvx_morph_options]; with a radius alone the neighbourhood is a ball. */
 export interface MorphOptions extends CallOptions {
-    neighbourhood?: 6 | 18 | 26 | 0 | undefined;
+    neighbourhood?: 6 | 18 | 26 | undefined;
     steps?: number | undefined;
     radius?: number | undefined;
     /** What lies beyond the window: 0 empty, 1 set voxels. */
@@ -264,8 +268,8 @@ export interface RepairOptions extends CallOptions {
     sign?: Sign | undefined;
     interpolation?: Interpolation | undefined;
     faceRule?: FaceRule | undefined;
-    /** -1: where the mesh has many sharp edges. */
-    sharp?: boolean | -1 | undefined;
+    /** auto: where the mesh has many sharp edges. */
+    sharp?: When | undefined;
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
     measure?: boolean | undefined;
@@ -332,7 +336,7 @@ export interface BooleanOptions extends CallOptions {
     fill?: 'auto' | 'parity' | 'nonzero' | 'vote' | 'winding' | undefined;
     interpolation?: Interpolation | undefined;
     faceRule?: FaceRule | undefined;
-    sharp?: boolean | -1 | undefined;
+    sharp?: When | undefined;
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
     thin?: 'keep' | 'drop' | undefined;
@@ -392,7 +396,7 @@ export interface LevelsOptions extends ChainOptions {
     lattice?: LatticeIn | undefined;
     resolution?: number | undefined;
     sign?: Sign | undefined;
-    sharp?: boolean | -1 | undefined;
+    sharp?: When | undefined;
     outer?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;

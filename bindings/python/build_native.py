@@ -28,9 +28,8 @@ GLUE = """
 #define BVXPY_FREE(name, type) \\
     static void bvxpy_free_##name(type *thing) \\
     { \\
-        bvx_context_options options; \\
+        bvx_context_options options = {.struct_size = sizeof options}; \\
         bvx_context *context; \\
-        bvx_context_options_init(&options, sizeof options); \\
         options.threads = 1; /* nothing runs; to count the processors would take ten times as long */ \\
         if (bvx_context_create(&options, &context) != BVX_OK) return; \\
         bvx_##name##_free(context, thing); \\

@@ -19,9 +19,9 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
                              (uint64_t)BVXI_JOINT_BODIES);
     for (uint32_t i = 0; i < count; i++) {
         /* For one body it means the only label there is, which may be another of these. */
-        if (labels[i] == BVX_LABEL_ONLY)
+        if (labels[i] == BVX_LABEL_ZERO)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                                 "%s: labels[%u] is BVX_LABEL_ONLY, which is no body's", bodies_name,
+                                 "%s: labels[%u] is BVX_LABEL_ZERO, which is no body's", bodies_name,
                                  (uint64_t)i);
         for (uint32_t j = 0; j < i; j++)
             if (labels[i] == labels[j])
@@ -32,7 +32,7 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
     return BVX_OK;
 }
 
-static bvx_status check_bodies_options(bvx_context *ctx, const bvx_sections_options *o)
+static bvx_status check_bodies_options(bvx_context *ctx, bvx_sections_options *o)
 {
     BVXI_TRY(bvxi_section_options_check(ctx, bodies_name, o));
     if (o->caps == BVX_CAPS_OPEN)
@@ -97,10 +97,8 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     memset(&o, 0, sizeof o);
     o.ctx = context;
     o.function = bodies_name;
-    bvx_sections_options_init(&o.options, sizeof o.options);
     BVXI_TRY(bvxi_take_options(context, bodies_name, options, &o.options, sizeof o.options));
     BVXI_TRY(check_bodies_options(context, &o.options));
-    if (o.options.position_type == BVX_POSITION_AUTO) o.options.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, bodies_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, bodies_name, sections));
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));

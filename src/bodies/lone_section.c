@@ -24,10 +24,10 @@ static int count_lone(const bvx_sections *given, uint32_t section, int32_t label
     n->loops = n->points = 0;
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const l = &given->loops[i];
-        if (label != BVX_LABEL_ONLY && l->label != label) continue;
+        if (label != BVXI_LABEL_ONLY && l->label != label) continue;
         if (section != BVXI_NONE && l->section != section) continue;
         if (n->loops != 0 && l->section != n->section) return 0;
-        if (label == BVX_LABEL_ONLY && l->label != given->loops[0].label) return 0;
+        if (label == BVXI_LABEL_ONLY && l->label != given->loops[0].label) return 0;
         n->section = l->section;
         n->loops++;
         n->points += l->point_count;
@@ -55,7 +55,7 @@ static void add_copy(const bvx_sections *given, const bvx_sections_options *o, c
         bvx_section_loop l = given->loops[i];
         const double *const from = given->points + 3 * l.first_point;
         double *const at = to->points + 3 * to->point_count;
-        if (o->label != BVX_LABEL_ONLY && l.label != o->label) continue;
+        if (o->label != BVXI_LABEL_ONLY && l.label != o->label) continue;
         if (l.section != n->section) continue;
         /* The middle copy has the coordinates given, to the bit. */
         for (uint64_t k = 0; k < 3 * (uint64_t)l.point_count; k++)

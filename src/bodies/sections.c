@@ -23,26 +23,14 @@ enum { MOST_TIMES = 4 }; /* that levels may cross before all are given up */
 
 static const char sections_name[] = "bvx_build_sections";
 
-void bvx_sections_options_init(bvx_sections_options *options, size_t size)
-{
-    bvx_sections_options d;
-    memset(&d, 0, sizeof d);
-    d.layers = 1;
-    d.depth = 5;
-    d.label = BVX_LABEL_ONLY;
-    d.position_type = BVX_F64;
-    d.blend = BVX_BLEND_AUTO;
-    bvxi_give_options(options, size, &d, sizeof d);
-}
-
 static const bvxi_option sections_rows[] = {
-    BVXI_WHOLE(bvx_sections_options, layers, 1, 64),
+    BVXI_OR(bvx_sections_options, layers, WHOLE, 1, 1, 64),
     BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
     BVXI_CHOICE(bvx_sections_options, crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
-    BVXI_WHOLE(bvx_sections_options, depth, 0, BVXI_SECTION_DEEPEST),
+    BVXI_OR(bvx_sections_options, depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
     BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
     BVXI_SWITCH(bvx_sections_options, mend),
-    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_LINEAR, BVX_BLEND_AUTO),
+    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
@@ -50,9 +38,11 @@ static const bvxi_option sections_rows[] = {
     BVXI_REAL(bvx_sections_options, join, 0.0, BVXI_FINITE),
 };
 
-bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, const bvx_sections_options *o)
+bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bvx_sections_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(sections_rows)));
+    if (o->position_type == BVX_POSITION_AUTO) o->position_type = BVX_F64;
+    o->label = bvxi_label_taken(o->label, BVXI_LABEL_ONLY);
     /* Only the more general conditions stand in the table; what depends on two options stands here. */
     if (o->cells != 0 && (o->cells < 8 || o->cells > 1024))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -478,10 +468,8 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
-    bvx_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_section_options_check(context, sections_name, &o));
-    if (o.position_type == BVX_POSITION_AUTO) o.position_type = BVX_F64;
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));

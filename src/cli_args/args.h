@@ -123,7 +123,7 @@ struct cli_options {
     double even, attributes;
     int32_t lock_border, keep_vertices;
     int32_t topology; /* BVX_TOPOLOGY_... */
-    int64_t samples; /* -1: not given */
+    int64_t samples;  /* -1: not given */
 
     /* meshes in files */
     int32_t carry, normals, quantize;
@@ -237,6 +237,16 @@ void cli_print_options(const cli_command *command, int all);
 const char *cli_mistaken_for(const cli_run *run, const char *name);
 /* The nearest of the names, or NULL when none is near; next gives name i, NULL after the last. */
 const char *cli_nearest(const char *word, const char *(*next)(const void *user, int i), const void *user);
+/* A number as options of the library take it, where their 0 is a default. */
+static inline double cli_or_none(double value)
+{
+    return value != 0.0 ? value : BVX_NONE;
+}
+/* BVX_SHARP_... */
+static inline int32_t cli_sharp(const cli_options *o)
+{
+    return o->sharp ? BVX_SHARP_ALWAYS : o->no_sharp ? BVX_SHARP_NEVER : BVX_SHARP_AUTO;
+}
 /* 1 when --triangles or --error is given. */
 int cli_reduces(const cli_run *run);
 

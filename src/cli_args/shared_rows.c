@@ -59,7 +59,7 @@ const cli_argument cli_takes_padding[] = {
     WHOLE("--padding", "N", SHARED(padding), 0, 65536, "empty voxels added on every side [0]"), {0}};
 
 const cli_argument cli_takes_fill[] = {
-    CHOICE("--fill", "RULE", SHARED(fill), cli_fill_names, BVX_FILL_PARITY,
+    CHOICE("--fill", "RULE", SHARED(fill), cli_fill_names, BVX_FILL_AUTO,
            "auto: parity where closed shells do not cross, nonzero where they do,\n"
            "winding where there are holes, flipped triangles turned before;\n"
            "parity: nested shells are cavities; nonzero: overlapping and\n"
@@ -170,7 +170,7 @@ const cli_argument cli_takes_sharp[] = {
     {0}};
 
 const cli_argument cli_takes_interpolation[] = {
-    CHOICE("--interpolation", "HOW", SHARED(interpolation), edge_names, BVX_EDGE_VECTOR,
+    CHOICE("--interpolation", "HOW", SHARED(interpolation), edge_names, BVX_EDGE_TANGENT,
            "tangent: from the planes at the closest points; vector: from the line\n"
            "through them; scalar: from the signed distance; middle; paper: vector\n"
            "with the paper's clamps [tangent]"),

@@ -22,7 +22,7 @@ static void start_boolean(void *options)
 {
     boolean_options *const o = options;
 
-    bvx_boolean_options_init(&o->meshes, sizeof o->meshes);
+    o->meshes = (bvx_boolean_options){.struct_size = sizeof o->meshes};
 }
 
 #define OWN(name) CLI_OWN(boolean_options, name)
@@ -37,7 +37,7 @@ static const cli_argument boolean_rows[] = {
     LIST("--resolution", "N", SHARED(resolution), 1, 16777216.0, 1, 1,
          "voxels along the longest axis of both meshes together [256]"),
     {.also = cli_takes_spacing},
-    CHOICE("--fill", "RULE", SHARED(fill), boolean_fill_names, BVX_FILL_PARITY,
+    CHOICE("--fill", "RULE", SHARED(fill), boolean_fill_names, BVX_FILL_AUTO,
            "what is inside a mesh. auto: what suits it; parity: nested shells are\n"
            "cavities; nonzero: overlapping and inverted shells are one solid; vote,\n"
            "winding: for meshes with holes [auto]"),
@@ -47,7 +47,7 @@ static const cli_argument boolean_rows[] = {
     {.also = cli_takes_reduction},
     {.also = cli_takes_interpolation},
     {.also = cli_takes_sharp},
-    CHOICE("--thin", "WHAT", OWN(meshes.thin), boolean_thin_names, BVX_THIN_SHELL,
+    CHOICE("--thin", "WHAT", OWN(meshes.thin), boolean_thin_names, BVX_THIN_KEEP,
            "walls of the meshes too thin for the voxels. keep: whole, about as thick\n"
            "as they are; drop: lost where no centre lies in them, with a warning [keep]"),
     {.also = cli_takes_least_part},
@@ -190,11 +190,9 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_status status;
 
     o.lattice = &lattice;
-    o.position_type = BVX_POSITION_AUTO;
     o.fill = run->options->fill;
-    if (cli_given(run, "--interpolation")) o.interpolation = run->options->interpolation;
-    /* Without either word the library looks at the meshes. */
-    if (run->options->sharp || run->options->no_sharp) o.sharp = run->options->sharp;
+    o.interpolation = run->options->interpolation;
+    o.sharp = cli_sharp(run->options);
     if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
     o.keep_crumbs = cli_given(run, "--least-part");
     o.keep_largest = (uint64_t)run->options->keep_largest;
@@ -221,11 +219,10 @@ static int combine_meshes(cli_run *run, boolean_run *b)
 static bvx_status fill_operand(cli_run *run, cli_input *in, const bvx_lattice *lattice,
                                const bvx_window *window, bvx_solid_report *report)
 {
-    bvx_voxelize_options v;
+    bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_mesh_view view;
     bvx_status status;
 
-    bvx_voxelize_options_init(&v, sizeof v);
     /* No cli_take_fill: boolean takes the rule alone, none of its companions. */
     v.fill = run->options->fill;
     v.window = *window;
@@ -279,7 +276,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     const boolean_options *const own = run->own;
     static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
         bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
-    bvx_extract_options e;
     bvx_status status;
     uint64_t set = 0;
 
@@ -295,10 +291,8 @@ static int combine_grids(cli_run *run, boolean_run *b)
         status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
     /* A mesh out of voxels: its surface is half way between set and empty ones. */
-    bvx_extract_options_init(&e, sizeof e);
-    e.position_type = BVX_POSITION_AUTO;
     if (status == BVX_OK && b->kind == CLI_MESH)
-        status = bvx_extract_surface(run->context, &b->grid, &e, &b->mesh);
+        status = bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh);
     cli_stage_end(run);
     if (status != BVX_OK) return fail_boolean(run, b, status);
     cli_note_voxels(run, &b->grid.lattice, set);

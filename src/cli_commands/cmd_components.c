@@ -91,11 +91,10 @@ static int keep_components(cli_run *run, components_job *job)
 {
     const components_options *const own = run->own;
     const cli_list *const list = &own->seeds;
-    bvx_keep_options k;
+    bvx_keep_options k = {.struct_size = sizeof k};
     bvx_status status;
 
     /* All conditions hold together: a part stays when it meets each of them. */
-    bvx_keep_options_init(&k, sizeof k);
     k.connectivity = job->connectivity;
     k.largest = (uint64_t)own->keep_largest;
     k.at_least = (uint64_t)own->at_least;

@@ -7,10 +7,9 @@
 
 /* ---- its options ---- */
 
-/* The library's own options, at first what it takes by itself. */
 static void start_faces(void *options)
 {
-    bvx_faces_options_init(options, sizeof(bvx_faces_options));
+    ((bvx_faces_options *)options)->struct_size = sizeof(bvx_faces_options);
 }
 
 #define OWN(name) CLI_OWN(bvx_faces_options, name)
@@ -44,10 +43,7 @@ static int check_faces_options(cli_run *run)
 
 static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
 {
-    bvx_faces_options *const f = run->own;
-
-    f->position_type = BVX_POSITION_AUTO;
-    return bvx_extract_faces(run->context, grid, f, mesh);
+    return bvx_extract_faces(run->context, grid, run->own, mesh);
 }
 
 static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)

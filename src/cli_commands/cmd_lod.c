@@ -18,11 +18,13 @@ static void start_lod(void *options)
 {
     cli_lod_options *const o = options;
 
-    bvx_lod_options_init(&o->samples, sizeof o->samples);
-    bvx_levels_options_init(&o->levels, sizeof o->levels);
+    o->samples = (bvx_lod_options){.struct_size = sizeof o->samples};
+    o->levels = (bvx_levels_options){.struct_size = sizeof o->levels};
 }
 
 #define OWN(name) CLI_OWN(cli_lod_options, name)
+
+enum { METHOD_OF = 1 }; /* 0: not given */
 
 static const char *const method_names[] = {BVX_LOD_LIST(CLI_NAME_OF) "collapse", NULL};
 
@@ -49,7 +51,7 @@ static const cli_argument lod_rows[] = {
     FLAG("--no-sharp", SHARED(no_sharp),
          "do not put vertices there [where many of the mesh's edges are sharp]"),
     FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities are dropped"),
-    CHOICE("--method", "NAME", OWN(method), method_names, BVX_LOD_EDGE_RATIO,
+    CHOICE("--method", "NAME", OWN(method), method_names, METHOD_OF,
            "collapse: edges of the mesh, or of a grid's surface, collapse; edge-ratio,\n"
            "coverage: samples of a solid [collapse; edge-ratio for grids and volumes\n"
            "without --triangles and --error, and with --levels, --threshold,\n"
@@ -129,7 +131,7 @@ static uint32_t facts_of_method(const cli_run *run, int kind, int collapses)
 {
     const cli_lod_options *const own = run->own;
     return (kind == CLI_GRID ? CLI_OF_GRID : 0u) | (collapses ? COLLAPSES : 0u) |
-           (own->method == BVX_LOD_COVERAGE ? COVERS : 0u);
+           (own->method == METHOD_OF + BVX_LOD_COVERAGE ? COVERS : 0u);
 }
 
 static int check_lod_options(cli_run *run, cli_chain *c)
@@ -224,8 +226,7 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
 
-    if (own->method != 0) l.method = own->method;
-    l.position_type = BVX_POSITION_AUTO;
+    if (own->method != 0) l.method = own->method - METHOD_OF;
     /* One of the two says how fine the level is. */
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;

@@ -23,9 +23,9 @@ static void start_morph(void *options)
 {
     morph_options *const o = options;
 
-    bvx_morph_options_init(&o->change, sizeof o->change);
-    bvx_hollow_options_init(&o->hollow, sizeof o->hollow);
-    bvx_distance_options_init(&o->distance, sizeof o->distance);
+    o->change = (bvx_morph_options){.struct_size = sizeof o->change, .steps = 1};
+    o->hollow = (bvx_hollow_options){.struct_size = sizeof o->hollow};
+    o->distance = (bvx_distance_options){.struct_size = sizeof o->distance};
     o->drain_side = 4;
     o->value_type = BVX_F32;
 }
@@ -230,8 +230,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
                                                            bvx_grid_close};
     bvx_morph_options m = own->change;
 
-    /* A ball has no steps: the library takes the radius where there is no neighbourhood. */
-    m.neighbourhood = cli_given(run, "--radius") ? 0 : cli_neighbours[own->neighbourhood];
+    m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
     m.beyond = own->distance.beyond == BVX_BEYOND_SET;
     return operation[job->action](run->context, &job->in.grid, &m, &job->out);
 }

@@ -17,7 +17,7 @@ static void start_refine(void *options)
 {
     refine_options *const o = options;
 
-    bvx_refine_options_init(&o->tree, sizeof o->tree);
+    o->tree = (bvx_refine_options){.struct_size = sizeof o->tree};
 }
 
 #define OWN(name) CLI_OWN(refine_options, name)
@@ -114,7 +114,7 @@ static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_
     int32_t const levels = levels_asked_for(run);
     int64_t const finest = o->resolution.count != 0 ? o->resolution.value[0] : 0;
     if (levels == REFINE_AUTO) return bvx_refine_choose(run->context, view, (int32_t)finest, r, base);
-    r->levels = levels;
+    r->levels = levels != 0 ? levels : BVX_NONE;
     /* The base is rounded up, so that the last level has at least as many voxels. */
     if (finest != 0)
         return bvx_lattice_fit(run->context, view, (int32_t)((finest + (INT64_C(1) << levels) - 1) >> levels),

@@ -10,10 +10,9 @@
 
 /* ---- its options ---- */
 
-/* The library's own options, at first what it takes by itself. */
 static void start_repair(void *options)
 {
-    bvx_repair_options_init(options, sizeof(bvx_repair_options));
+    ((bvx_repair_options *)options)->struct_size = sizeof(bvx_repair_options);
 }
 
 #define OWN(name) CLI_OWN(bvx_repair_options, name)
@@ -28,7 +27,7 @@ static const cli_argument repair_rows[] = {
     {.also = cli_takes_sign},
     {.also = cli_takes_interpolation},
     {.also = cli_takes_sharp},
-    CHOICE("--thin", "WHAT", OWN(thin), thin_names, BVX_THIN_SHELL,
+    CHOICE("--thin", "WHAT", OWN(thin), thin_names, BVX_THIN_KEEP,
            "walls of bodies too thin for the voxels. keep: whole, about as thick as\n"
            "they are; shell: pieces without a voxel become shells, other walls are\n"
            "lost where no centre lies in them, with a warning; drop: lost [keep]"),
@@ -208,9 +207,9 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     *o = *own;
     if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
-    if (cli_given(run, "--interpolation")) o->interpolation = c->interpolation;
-    if (c->sharp || c->no_sharp) o->sharp = c->sharp;
-    if (cli_given(run, "--shell")) o->shell = c->shell;
+    o->interpolation = c->interpolation;
+    o->sharp = cli_sharp(c);
+    if (cli_given(run, "--shell")) o->shell = cli_or_none(c->shell);
     if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
     o->keep_crumbs = cli_given(run, "--least-part");
     o->keep_largest = (uint64_t)c->keep_largest;
@@ -235,8 +234,6 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
     bvx_status status;
 
     take_repair_options(run, &o);
-    /* 32-bit floats where they hold the result, else doubles. */
-    o.position_type = BVX_POSITION_AUTO;
     o.report = report;
     bvx_mesh_view_of(source, &view);
     cli_stage_begin(run, "repair");

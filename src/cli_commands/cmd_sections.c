@@ -22,7 +22,7 @@ static void start_sections(void *options)
 {
     sections_options *const o = options;
 
-    bvx_sections_options_init(&o->body, sizeof o->body);
+    o->body = (bvx_sections_options){.struct_size = sizeof o->body, .depth = 5};
 }
 
 enum { TOUCHING_APART, TOUCHING_SHARED }; /* --touching */
@@ -54,7 +54,7 @@ static const cli_argument sections_rows[] = {
             "of .csv: loops whose ends lie further apart than G are refused as open\n"
             "polylines; 0 closes all of them by a straight side [0]"),
     WHOLE("--layers", "N", OWN(body.layers), 1, 64, "layers of cells from section to section [1]"),
-    CHOICE("--blend", "HOW", OWN(body.blend), blend_names, BVX_BLEND_LINEAR,
+    CHOICE("--blend", "HOW", OWN(body.blend), blend_names, BVX_BLEND_AUTO,
            "from section to section: linear; cubic over four of them, smooth\n"
            "across sections; auto: cubic from five sections on [auto]"),
     CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
@@ -79,7 +79,7 @@ static const cli_argument sections_rows[] = {
            "marching cubes [exact]"),
     WHOLE("--subdivide", "N", OWN(body.depth), 0, 8,
           "halve cells that a contour crosses twice on a side, N times at most [5]"),
-    WHOLE_OR("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0, label_names, BVX_LABEL_ONLY,
+    WHOLE_OR("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0, label_names, BVX_LABEL_ZERO,
              "the body, where the file holds several; all: each in a file of its own,\n"
              "whose name has its label for %d"),
     CHOICE("--touching", "HOW", OWN(touching), touching_names, TOUCHING_APART,
@@ -141,7 +141,7 @@ static int wants_all_labels(const cli_run *run)
 {
     const sections_options *const own = run->own;
 
-    return cli_given(run, "--label") && own->body.label == BVX_LABEL_ONLY;
+    return cli_given(run, "--label") && own->body.label == BVX_LABEL_ZERO;
 }
 
 static uint32_t facts_of_sections(const cli_run *run)
@@ -250,7 +250,8 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
     /* One call a body: the library builds what one label has. */
-    s.label = label;
+    s.label = label != 0 || !cli_given(run, "--label") ? label : BVX_LABEL_ZERO;
+    if (s.depth == 0) s.depth = BVX_NONE;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
@@ -343,9 +344,8 @@ static int make_blocks(cli_run *run, sections_job *job)
     status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
     cli_text_add(text, "x,y,z,dx,dy,dz,fraction\n");
     for (int32_t k = 0; k < layers && status == BVX_OK; k++) {
-        bvx_voxelize_options v;
+        bvx_voxelize_options v = {.struct_size = sizeof v};
         bvx_grid grid = {0};
-        bvx_voxelize_options_init(&v, sizeof v);
         v.window.low[2] = k * BLOCK_PARTS;
         v.window.size[0] = dims[0];
         v.window.size[1] = dims[1];
@@ -632,7 +632,7 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
     job->all = calloc((size_t)count, sizeof *job->all);
     if (job->all == NULL) return cli_fail(run, "no memory for %d bodies", count);
     job->bodies = count;
-    s.label = BVX_LABEL_ONLY;
+    s.label = 0;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_bodies(run->context, &job->sections, &s, label, (uint32_t)count, job->all);

@@ -35,16 +35,15 @@ static int check_input(cli_run *run, cli_collapse_run *c)
 static int simplify_input(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
-    bvx_simplify_options s;
+    bvx_simplify_options s = {.struct_size = sizeof s};
     bvx_status status;
 
-    bvx_simplify_options_init(&s, sizeof s);
     /* Targets are counts or distances, never both: rules have seen to that. */
     if (c->by_error) s.target_errors = c->error;
     else s.target_triangles = c->target;
     s.error_kind = o->error_kind;
-    if (cli_given(run, "--even")) s.even = o->even;
-    if (cli_given(run, "--attributes")) s.attribute_weight = o->attributes;
+    if (cli_given(run, "--even")) s.even = cli_or_none(o->even);
+    if (cli_given(run, "--attributes")) s.attribute_weight = cli_or_none(o->attributes);
     s.lock_border = o->lock_border;
     s.topology = o->topology;
     s.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;

@@ -46,11 +46,10 @@ static int check_slice_options(cli_run *run)
 /* A grid becomes its surface. */
 static int slice_surface(cli_run *run, cli_input *in)
 {
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
     bvx_status status;
 
     if (in->kind == CLI_MESH) return CLI_DONE;
-    bvx_extract_options_init(&e, sizeof e);
     /* Contours are doubles: a surface in floats would round them twice. */
     e.position_type = BVX_F64;
     cli_stage_begin(run, "surface");
@@ -62,11 +61,10 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
 {
     const slice_options *const own = run->own;
     int const axis = own->up_axis != 0 ? own->up_axis - 1 : 2;
-    bvx_slice_options s;
+    bvx_slice_options s = {.struct_size = sizeof s};
     bvx_mesh_view view;
     bvx_status status;
 
-    bvx_slice_options_init(&s, sizeof s);
     /* Planes across one axis: its unit vector. */
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;

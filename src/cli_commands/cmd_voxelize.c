@@ -8,18 +8,21 @@
 
 /* ---- its options ---- */
 
+enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
+
 static void start_voxelize(void *options)
 {
     cli_voxelize_options *const o = options;
 
-    bvx_voxelize_options_init(&o->solid, sizeof o->solid);
-    bvx_points_options_init(&o->cloud, sizeof o->cloud);
-    bvx_field_options_init(&o->field, sizeof o->field);
+    o->solid = (bvx_voxelize_options){.struct_size = sizeof o->solid};
+    o->cloud = (bvx_points_options){.struct_size = sizeof o->cloud};
+    o->field = (bvx_field_options){.struct_size = sizeof o->field, .half_width = FIELD_HALF_WIDTH};
 }
 
 #define OWN(name) CLI_OWN(cli_voxelize_options, name)
 
-static const char *const check_thin_names[] = {"auto", "never", "always", NULL};
+static const char *const check_thin_names[] = {BVX_CHECK_LIST(CLI_NAME_OF) NULL};
+static const char *const up_names[] = {BVX_UP_LIST(CLI_NAME_OF) NULL};
 
 static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_output},
@@ -54,7 +57,7 @@ static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_add_shell},
     FLAG("--check-edges", OWN(solid.check_edges),
          "count edges with one triangle, and those between flipped ones"),
-    CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, -1,
+    CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, BVX_CHECK_AUTO,
            "look for walls too thin for the voxels, for a warning with their position.\n"
            "auto: in whole lattices; always; never [auto]"),
     NUMBER("--base", "H", OWN(solid.base),
@@ -63,7 +66,7 @@ static const cli_argument voxelize_rows[] = {
     FILE_NAME("--second", "MESH", OWN(second),
               "with --fill below: what lies between IN and this terrain; reports cut\n"
               "and fill"),
-    CHOICE("--up", "AXIS", OWN(solid.axis), cli_axis_names, 0, "with --fill below: x, y or z [z]"),
+    CHOICE("--up", "AXIS", OWN(solid.up), up_names, BVX_UP_Z, "with --fill below: x, y or z [z]"),
     {.also = cli_takes_selection},
     FLAG("--all-labels", OWN(all_labels), "of a label map: a mesh for each value but 0, to OUT_%d.EXT"),
     {.also = cli_takes_below},
@@ -91,8 +94,6 @@ typedef struct voxel_job {
 
 /* ---- what is requested ---- */
 
-enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
-
 /* Facts of the line. */
 enum {
     SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
@@ -105,7 +106,7 @@ static uint32_t facts_of_mode(const cli_run *run)
     const cli_voxelize_options *const own = run->own;
 
     return (own->mode == CLI_MODE_SOLID ? SETS_SOLID : 0u) | (own->mode == CLI_MODE_FIELD ? SETS_FIELD : 0u) |
-           (own->solid.check_thin == 1 ? LOOKS_FOR_THIN : 0u);
+           (own->solid.check_thin == BVX_CHECK_ALWAYS ? LOOKS_FOR_THIN : 0u);
 }
 
 static const cli_rule cloud_rules[] = {
@@ -204,7 +205,8 @@ static int choose_box(cli_run *run, voxel_job *job)
 {
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
-    int const based = cli_given(run, "--base"), up = own->solid.axis;
+    int const based = cli_given(run, "--base");
+    int const up = own->solid.up == BVX_UP_Z ? 2 : own->solid.up - BVX_UP_X;
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
@@ -276,9 +278,8 @@ static void make_room_for_surface(cli_run *run)
 static bvx_status make_surface(const cli_run *run, voxel_job *job, bvx_surface_report *report)
 {
     const cli_voxelize_options *const own = run->own;
-    bvx_surface_options s;
+    bvx_surface_options s = {.struct_size = sizeof s};
 
-    bvx_surface_options_init(&s, sizeof s);
     /* The modes of the program begin with the solid, those of the library do not. */
     s.mode = own->mode - CLI_MODE_CONSERVATIVE + BVX_SURFACE_CONSERVATIVE;
     s.window = job->window;
@@ -294,6 +295,7 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
     cli_take_fill(run, &v);
     v.report = report;
     v.window = job->window;
+    v.has_base = cli_given(run, "--base");
     /* Two terrains: what lies between them. */
     if (own->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);

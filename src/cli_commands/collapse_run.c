@@ -72,7 +72,6 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
 static int read_surface(cli_run *run, cli_collapse_run *c)
 {
     const char *const path = run->options->input[0];
-    bvx_extract_options e;
     bvx_grid grid = {0};
     bvx_status status;
     int placed;
@@ -80,10 +79,8 @@ static int read_surface(cli_run *run, cli_collapse_run *c)
     CLI_TRY(cli_read_grid(run, path, NULL, &grid, &placed));
     run->report.lattice = grid.lattice;
     run->report.has_lattice = 1;
-    bvx_extract_options_init(&e, sizeof e);
-    e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
-    status = bvx_extract_surface(run->context, &grid, &e, &c->input);
+    status = bvx_extract_surface(run->context, &grid, NULL, &c->input);
     bvx_grid_free(run->context, &grid);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(path)));
     if (c->input.triangle_count != 0) return CLI_DONE;

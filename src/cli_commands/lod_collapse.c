@@ -64,8 +64,8 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (l->run.by_error) b->target_errors = l->run.error;
     else b->target_triangles = l->run.target;
     b->error_kind = o->error_kind;
-    if (cli_given(run, "--even")) b->even = o->even;
-    if (cli_given(run, "--attributes")) b->attribute_weight = o->attributes;
+    if (cli_given(run, "--even")) b->even = cli_or_none(o->even);
+    if (cli_given(run, "--attributes")) b->attribute_weight = cli_or_none(o->attributes);
     b->lock_border = o->lock_border;
     b->topology = o->topology;
     b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
@@ -77,8 +77,8 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     if (l->run.kind == CLI_GRID) return;
     if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
-    if (o->sharp || o->no_sharp) b->sharp = o->sharp;
-    if (cli_given(run, "--shell")) b->shell = o->shell;
+    b->sharp = cli_sharp(o);
+    if (cli_given(run, "--shell")) b->shell = cli_or_none(o->shell);
     b->least_part = (uint64_t)o->least_part;
     b->keep_largest = (uint64_t)o->keep_largest;
     b->least_cavity = (uint64_t)o->least_cavity;

@@ -19,10 +19,9 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
 
 static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
 {
-    bvx_lattice_options o;
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = resolution;
-    o.padding = run->options->padding;
+    bvx_lattice_options const o = {
+        .struct_size = sizeof o, .resolution = resolution, .padding = run->options->padding};
+
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
@@ -74,7 +73,7 @@ static int count_solid(cli_run *run, const cli_chain *c)
 static int make_solid(cli_run *run, cli_chain *c)
 {
     const char *const path = cli_input_name(run->options->input[0]);
-    bvx_voxelize_options v;
+    bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_status status;
     int result;
 
@@ -87,7 +86,6 @@ static int make_solid(cli_run *run, cli_chain *c)
     cli_stage_begin(run, "voxelize");
     CLI_TRY(cli_check_call(run, fit(run, c, c->resolution, &run->report.lattice), path));
     run->report.has_lattice = 1;
-    bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = &c->solid_report;
     status = bvx_voxelize_solid(run->context, &c->view, &run->report.lattice, &v, &c->solid);
@@ -110,16 +108,13 @@ static int open_mesh(cli_run *run, cli_chain *c)
 /* The surface of all voxels; only its count where nothing is measured. */
 static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
 {
-    bvx_extract_options e;
     uint64_t vertices;
     bvx_status status;
 
-    bvx_extract_options_init(&e, sizeof e);
-    e.position_type = BVX_POSITION_AUTO;
     /* Nothing is measured from the surface then, so it need not exist. */
     if (run->options->samples == 0)
-        return bvx_extract_count(run->context, &c->solid, &e, &vertices, &c->input_triangles);
-    status = bvx_extract_surface(run->context, &c->solid, &e, &c->input);
+        return bvx_extract_count(run->context, &c->solid, NULL, &vertices, &c->input_triangles);
+    status = bvx_extract_surface(run->context, &c->solid, NULL, &c->input);
     c->input_triangles = c->input.triangle_count;
     return status;
 }

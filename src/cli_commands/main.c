@@ -170,7 +170,6 @@ int main(int count, char **word)
     hold_standard_streams();
     cli_watch_start();
     options.samples = -1;
-    options.fill = BVX_FILL_AUTO;
     status = run_words(&run, count - 1, word + 1);
     cli_watch_end(status);
     return status;

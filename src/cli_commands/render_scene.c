@@ -12,13 +12,12 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
                               bvx_lattice *lattice)
 {
     cli_box box, other;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
 
     cli_mesh_box(&in[0].mesh, &box);
     /* Of one mesh the second box is the first again. */
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = resolution;
     return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
 }
@@ -91,8 +90,8 @@ static void take_cut(const cli_run *run, bvx_render_options *r)
     cli_scene_view(run, direction, up);
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;
-        if (direction[a] < 0.0) r->cut_low[a] = cut->value[a];
-        else r->cut_high[a] = cut->value[a];
+        r->cut |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
+        (direction[a] < 0.0 ? r->cut_low : r->cut_high)[a] = cut->value[a];
     }
 }
 
@@ -118,8 +117,9 @@ static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], 
     for (int a = 0; a < 3; a++) middle[a] = low[a] * 0.5 + high[a] * 0.5;
     /* Cuts make the box smaller, but the middle of a grid stays where its window has it. */
     for (int a = 0; a < 3; a++) {
-        if (r.cut_low[a] > low[a] && r.cut_low[a] < high[a]) low[a] = r.cut_low[a];
-        if (r.cut_high[a] < high[a] && r.cut_high[a] > low[a]) high[a] = r.cut_high[a];
+        double const at = run->options->cut.value[a];
+        if ((r.cut & 3 << 2 * a) != 0 && at > low[a] && at < high[a])
+            *((r.cut & BVX_OPEN_X_LOW << 2 * a) != 0 ? &low[a] : &high[a]) = at;
         if (s->input[0].kind == CLI_MESH) middle[a] = low[a] * 0.5 + high[a] * 0.5;
     }
 }

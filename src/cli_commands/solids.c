@@ -46,13 +46,12 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
 {
     bvx_solid_report report;
-    bvx_voxelize_options v;
+    bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_mesh_view view;
     bvx_status status;
 
     memset(&report, 0, sizeof report);
     /* The report is for warnings here; only voxelize tells all of it. */
-    bvx_voxelize_options_init(&v, sizeof v);
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);

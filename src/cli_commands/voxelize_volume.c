@@ -147,21 +147,12 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 /* The surface of the level, by its values. */
 static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
-    bvx_scalar_options o;
-    bvx_scalar_options_init(&o, sizeof o);
-    o.position_type = BVX_POSITION_AUTO;
-    o.level = run->options->level;
-    o.below = run->options->below;
-    o.report = &j->report;
-    return bvx_extract_scalar(run->context, view, &o, mesh);
-}
+    bvx_scalar_options const o = {.struct_size = sizeof o,
+                                  .level = run->options->level,
+                                  .below = run->options->below,
+                                  .report = &j->report};
 
-static bvx_status make_grid_mesh(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
-{
-    bvx_extract_options o;
-    bvx_extract_options_init(&o, sizeof o);
-    o.position_type = BVX_POSITION_AUTO;
-    return bvx_extract_surface(run->context, grid, &o, mesh);
+    return bvx_extract_scalar(run->context, view, &o, mesh);
 }
 
 /* Reduce, check and write a mesh as output number n, under the path that the report keeps. */
@@ -223,7 +214,7 @@ static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
     } else {
         status = cli_select_voxels(run, &j->volume, &j->report, &grid);
         if (status == BVX_OK) status = keep_chosen(run, j, &grid, &grid);
-        if (status == BVX_OK) status = make_grid_mesh(run, &grid, mesh);
+        if (status == BVX_OK) status = bvx_extract_surface(run->context, &grid, NULL, mesh);
     }
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
@@ -311,7 +302,7 @@ static int make_label_mesh(cli_run *run, volume_job *j, int n)
     cli_stage_begin(run, "surface");
     status = bvx_threshold_whole(run->context, &view, value, value, &report, &grid);
     if (status == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS)) status = cli_keep_parts(run, &grid, &grid);
-    if (status == BVX_OK) status = make_grid_mesh(run, &grid, &mesh);
+    if (status == BVX_OK) status = bvx_extract_surface(run->context, &grid, NULL, &mesh);
     cli_stage_end(run);
     bvx_grid_free(run->context, &grid);
     result = status == BVX_OK ? put_mesh(run, &mesh, n, path, &reduction)

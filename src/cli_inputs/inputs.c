@@ -234,10 +234,9 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
     int status = cli_open_input(run, path, &b);
 
     if (status == CLI_DONE) {
-        bvx_read_sections_options o;
+        bvx_read_sections_options o = {.struct_size = sizeof o};
         uint64_t flipped = 0;
         bvx_status read;
-        bvx_read_sections_options_init(&o, sizeof o);
         o.close_gap = run->options->close_gap;
         o.flipped = &flipped;
         cli_stage_begin(run, "parse");

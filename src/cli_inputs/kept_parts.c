@@ -43,10 +43,9 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
 {
     int const own = !run->progress.named; /* else it is a part of the caller's stage */
     bvx_keep_report report = {0};
-    bvx_keep_options o;
+    bvx_keep_options o = {.struct_size = sizeof o};
     bvx_status status;
 
-    bvx_keep_options_init(&o, sizeof o);
     o.largest = cli_keep_largest(run);
     o.at_least = cli_least_part(run);
     o.report = &report;

@@ -56,12 +56,11 @@ static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_latti
 static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     double spacing[3] = {o->spacing, o->spacing, o->spacing};
     int32_t dims[3];
     bvx_status status;
 
-    bvx_lattice_options_init(&fit, sizeof fit);
     memcpy(fit.spacing, spacing, sizeof spacing);
     status = fit_to(run, target, &fit, lattice); /* its far end covers the mesh */
     if (status != BVX_OK) return status;
@@ -77,10 +76,9 @@ static bvx_status lattice_from_origin(cli_run *run, const fit_target *target, bv
 static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_lattice *lattice)
 {
     const cli_options *const o = run->options;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
 
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = o->padding;
     /* Rows exclude each other already: the first that is given decides. */
     if (o->spacing != 0.0)

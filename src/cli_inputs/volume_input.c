@@ -307,11 +307,10 @@ static int place_volume(cli_run *run, const char *path, cli_volume *v)
 int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cli_volume *v)
 {
     int32_t const format = cli_input_format(run, path);
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     bvx_status read;
 
     if (format == BVX_FORMAT_NRRD) CLI_TRY(read_data_files(run, path, v));
-    bvx_read_volume_options_init(&o, sizeof o);
 #ifdef BVX_HAVE_ZLIB
     o.inflate = inflate_samples;
 #else

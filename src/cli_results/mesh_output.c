@@ -188,7 +188,7 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     uint64_t const target = o->triangles.count != 0 ? (uint64_t)o->triangles.value[0] : 0;
     double error = o->errors.value[0];
     bvx_mesh less = {0};
-    bvx_simplify_options s;
+    bvx_simplify_options s = {.struct_size = sizeof s};
     bvx_mesh_view view;
     cli_box box;
 
@@ -199,7 +199,6 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     if (o->errors.percent[0]) error *= cli_diagonal(box.low, box.high) / 100.0;
 
     /* One target, a count or a distance: rules have refused both. */
-    bvx_simplify_options_init(&s, sizeof s);
     if (target != 0) s.target_triangles = &target;
     else s.target_errors = &error;
     s.error_kind = o->error_kind;
@@ -335,9 +334,8 @@ static void warn_of_rounding(cli_run *run, const bvx_mesh *placed, const char *p
 
 static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshes, int count)
 {
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
 
-    bvx_write_options_init(&o, sizeof o);
     o.normals = run->options->normals;
     o.quantize = run->options->quantize;
     o.turn = cli_turn_of(run);

@@ -70,14 +70,10 @@ static int write_expanded(cli_run *run, cli_tree *t)
 /* The closed surface of the last level. */
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
-    bvx_extract_options e;
-
-    bvx_extract_options_init(&e, sizeof e);
-    e.position_type = BVX_POSITION_AUTO;
     cli_stage_begin(run, "surface");
-    CLI_TRY(cli_stage_check(run,
-                            bvx_extract_octree(run->context, t->tree, run->options->states, &e, &t->surface),
-                            run->options->output));
+    CLI_TRY(cli_stage_check(
+        run, bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
+        run->options->output));
     /* An empty mesh is a file that few readers take. */
     return t->surface.triangle_count != 0
                ? CLI_DONE

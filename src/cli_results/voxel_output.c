@@ -27,12 +27,11 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
 {
     const bvx_lattice *const l = &solid->lattice;
     double const spacing = fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     bvx_status status;
 
     /* The voxels say what is inside, so no sign is worked out. */
-    bvx_field_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NONE;
     o.features = 1;
     o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
@@ -53,16 +52,13 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
 {
     const cli_options *const o = run->options;
     bvx_field own = {0};
-    bvx_field_surface_options s;
+    bvx_field_surface_options s = {.struct_size = sizeof s};
     bvx_mesh_view view;
     bvx_status status = BVX_OK;
 
     /* A command that moved walls has measured already, farther out. */
     if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
-    bvx_field_surface_options_init(&s, sizeof s);
-    s.position_type = BVX_POSITION_AUTO;
-    /* Without a word the library looks at the mesh's edges. */
-    s.sharp = o->sharp ? 1 : o->no_sharp ? 0 : -1;
+    s.sharp = cli_sharp(o);
     s.grid = v->grid;
     s.offset = v->offset;
     s.report = &v->surface;
@@ -154,7 +150,6 @@ static void round_hole(cli_voxels *v)
 
 static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 {
-    bvx_extract_options e;
     bvx_status status;
 
     if (v->source != NULL) {
@@ -162,9 +157,7 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
         if (status == BVX_OK) round_hole(v);
         return status;
     }
-    bvx_extract_options_init(&e, sizeof e);
-    e.position_type = BVX_POSITION_AUTO;
-    status = bvx_extract_surface(run->context, v->grid, &e, &v->mesh);
+    status = bvx_extract_surface(run->context, v->grid, NULL, &v->mesh);
     /* Voxels without a mesh: every vertex lies half way. */
     v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
     return status;

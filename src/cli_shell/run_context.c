@@ -121,13 +121,12 @@ static void offer_blocks(bvx_context_options *options)
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     const char *fault;
     bvx_status status;
 
     /* Made for the first input; the others share it. */
     if (run->context != NULL) return CLI_DONE;
-    bvx_context_options_init(&o, sizeof o);
     o.threads = run->general->threads;
     offer_blocks(&o);
     o.progress = cli_progress;

@@ -9,12 +9,6 @@
 
 static const char keep_name[] = "bvx_grid_keep";
 static const char cavities_name[] = "bvx_grid_fill_cavities";
-static const bvx_keep_options keep_defaults = {0, 6, 0, 0, NULL, 0, 0, NULL};
-
-void bvx_keep_options_init(bvx_keep_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &keep_defaults, sizeof keep_defaults);
-}
 
 /* The result, in *made: a copy of the grid, unless it is the grid. */
 static bvx_status open_keep_result(bvx_context *ctx, const char *function, const bvx_grid *grid,
@@ -132,11 +126,11 @@ static void report_kept(const keep_work *w, bvx_keep_report *report)
 /* ---- The calls ---- */
 
 static const bvxi_option keep_rows[] = {
-    BVXI_AMONG(bvx_keep_options, connectivity, 1 << 6 | 1 << 18 | 1 << 26),
+    BVXI_OR(bvx_keep_options, connectivity, AMONG, 6, 1 << 6 | 1 << 18 | 1 << 26, 0),
     BVXI_RESERVED(bvx_keep_options, reserved),
 };
 
-static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, const bvx_keep_options *o)
+static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, bvx_keep_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
@@ -171,7 +165,7 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
 static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                 bvx_grid *result)
 {
-    bvx_keep_options o = keep_defaults;
+    bvx_keep_options o;
     bvx_grid made;
     bvx_status status;
 

@@ -192,7 +192,7 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     begin_mended(given, m);
     /* A stack of one plane has no other to take its height from. */
     o.thickness = 1.0;
-    if (o.label == BVX_LABEL_ONLY) o.label = given->loops[0].label;
+    if (o.label == BVXI_LABEL_ONLY) o.label = given->loops[0].label;
     for (uint64_t i = 0; i < 3 * given->point_count; i++) {
         double const width = bvxi_absolute(given->points[i] - given->points[i % 3]);
         if (width > widest) widest = width;

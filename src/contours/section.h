@@ -196,7 +196,14 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 bvx_status bvxi_sections_check_result(bvx_context *ctx, const char *function, const bvx_sections *result);
 /* sections.c: options out of their limits are refused; so are contours so far off or so small that
  * volumes are infinite or 0. */
-bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, const bvx_sections_options *o);
+bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bvx_sections_options *o);
+
+/* A label of options as it is meant. Once they are taken 0 is a label and this number the only one. */
+#define BVXI_LABEL_ONLY BVX_LABEL_ZERO
+static inline int32_t bvxi_label_taken(int32_t label, int32_t standard)
+{
+    return label == 0 ? standard : label == BVX_LABEL_ZERO ? 0 : label;
+}
 bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given);
 /* sections.c: warn of what a report says; depth: as in the options. */
 void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *report, int32_t depth);

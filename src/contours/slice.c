@@ -1,4 +1,5 @@
 /* slice.c - stacks of contours made from a mesh, and freed. */
+#include "core/vec3.h"
 #include "contours/section.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -54,15 +55,6 @@ typedef struct slice_work {
     bvx_sections made;
     int32_t label;
 } slice_work;
-
-void bvx_slice_options_init(bvx_slice_options *options, size_t size)
-{
-    bvx_slice_options d;
-    memset(&d, 0, sizeof d);
-    d.normal[2] = 1.0;
-    d.label = 1;
-    bvxi_give_options(options, size, &d, sizeof d);
-}
 
 /* ---- planes ---- */
 
@@ -452,7 +444,6 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
 
 static const bvxi_option slice_rows[] = {
     BVXI_REAL(bvx_slice_options, spacing, 0.0, BVXI_FINITE),
-    BVXI_WHOLE(bvx_slice_options, label, -INT32_MAX, INT32_MAX),
     BVXI_RESERVED(bvx_slice_options, reserved),
 };
 
@@ -466,14 +457,14 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
-    bvx_slice_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, slice_name, &o, BVXI_OPTIONS(slice_rows)));
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
     memset(&w, 0, sizeof w);
     w.ctx = context;
     w.view = mesh;
-    w.label = o.label;
+    w.label = bvxi_label_taken(o.label, 1);
+    if (bvxi_vec_is_zero(o.normal)) o.normal[2] = 1.0;
     status = slice_all(&w, &o, sections);
     bvx_sections_free(context, &w.made);
     return status;

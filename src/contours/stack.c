@@ -19,7 +19,7 @@ static bvx_status choose_label(bvxi_stack *s)
 {
     const bvx_sections *const g = s->given;
 
-    if (s->options.label != BVX_LABEL_ONLY) {
+    if (s->options.label != BVXI_LABEL_ONLY) {
         for (uint64_t i = 0; i < g->loop_count; i++)
             if (g->loops[i].label == s->options.label) return BVX_OK;
         return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", s->function,

@@ -24,7 +24,7 @@ static bvx_status check_loop(bvx_context *ctx, const char *function, const bvx_s
     if (l->reserved != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED, "%s: loop %i: reserved must be 0",
                              function, i);
-    if (l->label == BVX_LABEL_ONLY)
+    if (l->label == BVX_LABEL_ZERO)
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: loop %i: the label stands for none", function, i);
     return BVX_OK;
 }

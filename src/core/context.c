@@ -5,13 +5,6 @@
  * memory of its own. A build or thread whose arithmetic would change results gets none. */
 #include "context.h"
 
-static const bvx_context_options context_defaults = {0};
-
-void bvx_context_options_init(bvx_context_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &context_defaults, sizeof context_defaults);
-}
-
 /* Before 1.0 a minor version may change the interface. */
 static int same_interface(int32_t version)
 {
@@ -52,7 +45,7 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
 {
     size_t given_size = 0;
 
-    *o = context_defaults;
+    memset(o, 0, sizeof *o);
     if (!same_interface(header_version))
         return fault_of(BVX_ERR_VERSION,
                         "the header that was compiled and this library are of different versions");
@@ -62,7 +55,7 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
 
     memcpy(&given_size, options, sizeof given_size);
     if (given_size < sizeof given_size || given_size > 65536)
-        return fault_of(BVX_ERR_ARGUMENT, "struct_size is not set; call bvx_context_options_init first");
+        return fault_of(BVX_ERR_ARGUMENT, "struct_size is not the sizeof of the options");
     for (size_t i = sizeof *o; i < given_size; i++)
         if (((const unsigned char *)options)[i] != 0)
             return fault_of(BVX_ERR_VERSION, "a field is set that this library does not know");

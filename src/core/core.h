@@ -247,19 +247,17 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 /* Refuses points [Size: count * 3] that are not finite. */
 bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
-/* Copy the caller's options over the defaults already in *options. Refuses a struct_size that is no size. */
+/* Copy the caller's options, zeros where there are none. Refuses a struct_size that is no size. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
                              size_t size);
-/* Fill *options of the caller's size from the defaults. */
-void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size);
 
-/* What a field of an option struct may be, as the header says: one row each. A test holds the two
- * together. */
+/* What a field of an option struct may be, and what 0 stands for where that is not 0 itself, as the header
+ * says: one row each. A test holds the two together. */
 typedef struct bvxi_option {
     const char *name;
     size_t at, size;
     int32_t kind;
-    double low, high;
+    double low, high, standard;
 } bvxi_option;
 
 enum {
@@ -273,25 +271,28 @@ enum {
     BVXI_IS_RESERVED /* zero bytes */
 };
 
-#define BVXI_OPTION(type, field, kind, low, high)                                  \
-    {                                                                              \
-#field, offsetof(type, field), sizeof(((type *)0)->field), kind, low, high \
+#define BVXI_OPTION(type, field, kind, low, high, standard)                                  \
+    {                                                                                        \
+#field, offsetof(type, field), sizeof(((type *)0)->field), kind, low, high, standard \
     }
-#define BVXI_WHOLE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_WHOLE, low, high)
-#define BVXI_SWITCH(type, field)             BVXI_OPTION(type, field, BVXI_IS_WHOLE, 0, 1)
-#define BVXI_CHOICE(type, field, low, high)  BVXI_OPTION(type, field, BVXI_IS_CHOICE, low, high)
-#define BVXI_AMONG(type, field, bits)        BVXI_OPTION(type, field, BVXI_IS_AMONG, bits, 0)
-#define BVXI_COUNT(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_COUNT, low, high)
-#define BVXI_REAL(type, field, low, high)    BVXI_OPTION(type, field, BVXI_IS_REAL, low, high)
-#define BVXI_ABOVE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_ABOVE, low, high)
-#define BVXI_ZERO_OR(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ZERO_OR, low, high)
-#define BVXI_RESERVED(type, field)           BVXI_OPTION(type, field, BVXI_IS_RESERVED, 0, 0)
-#define BVXI_OPTIONS(rows)                   rows, sizeof(rows) / sizeof((rows)[0])
-#define BVXI_FINITE                          1.7976931348623157e308 /* the largest double */
+#define BVXI_WHOLE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_WHOLE, low, high, 0)
+#define BVXI_SWITCH(type, field)             BVXI_OPTION(type, field, BVXI_IS_WHOLE, 0, 1, 0)
+#define BVXI_CHOICE(type, field, low, high)  BVXI_OPTION(type, field, BVXI_IS_CHOICE, low, high, 0)
+#define BVXI_AMONG(type, field, bits)        BVXI_OPTION(type, field, BVXI_IS_AMONG, bits, 0, 0)
+#define BVXI_COUNT(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_COUNT, low, high, 0)
+#define BVXI_REAL(type, field, low, high)    BVXI_OPTION(type, field, BVXI_IS_REAL, low, high, 0)
+#define BVXI_ABOVE(type, field, low, high)   BVXI_OPTION(type, field, BVXI_IS_ABOVE, low, high, 0)
+#define BVXI_ZERO_OR(type, field, low, high) BVXI_OPTION(type, field, BVXI_IS_ZERO_OR, low, high, 0)
+#define BVXI_RESERVED(type, field)           BVXI_OPTION(type, field, BVXI_IS_RESERVED, 0, 0, 0)
+/* 0 stands for the standard, and BVX_NONE for 0 where that is allowed. */
+#define BVXI_OR(type, field, kind, standard, low, high) \
+    BVXI_OPTION(type, field, BVXI_IS_##kind, low, high, standard)
+#define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
+#define BVXI_FINITE        1.7976931348623157e308 /* the largest double */
 
-/* Refuse the first field that its row does not allow, by its name. */
-bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options,
-                              const bvxi_option *rows, size_t count);
+/* Put the standards in, then refuse the first field that its row does not allow, by its name. */
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *options, const bvxi_option *rows,
+                              size_t count);
 
 /* What a freestanding build has no library for: the length of a text, and
  * the first byte equal to wanted (or end). */

@@ -1,6 +1,6 @@
 /* options.c - option structs whose size gives their age, and the ranges of their fields.
  *
- * A caller older than the library gives a shorter struct: what it lacks keeps its default. A newer caller
+ * A caller older than the library gives a shorter struct: what it lacks is 0, the default. A newer caller
  * gives a longer one: what the library does not know must be zero, so that no option is silently ignored. */
 #include "core.h"
 
@@ -10,13 +10,14 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
     size_t given_size;
 
     /* What is taken may go on to another call, and so has the size of its own fields. */
+    memset(options, 0, size);
     memcpy(options, &size, sizeof size);
     if (given == NULL) return BVX_OK;
     memcpy(&given_size, given, sizeof given_size);
     /* A size that no version had: options were not initialized. */
     if (given_size < sizeof given_size || given_size > 65536)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OPTIONS,
-                             "%s: options carry the size %u; fill them with their _init function", function,
+                             "%s: struct_size of the options is %u, not their sizeof", function,
                              (uint64_t)given_size);
     memcpy((unsigned char *)options + sizeof size, (const unsigned char *)given + sizeof size,
            (given_size < size ? given_size : size) - sizeof size);
@@ -30,16 +31,31 @@ bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void 
     return BVX_OK;
 }
 
-void bvxi_give_options(void *options, size_t size, const void *defaults, size_t default_size)
+/* ---- Standards and ranges ---- */
+
+static double stand_in(const bvxi_option *row, double value)
 {
-    /* At least the size itself must fit. */
-    if (options == NULL || size < sizeof size) return;
-    memset(options, 0, size);
-    memcpy(options, defaults, size < default_size ? size : default_size);
-    memcpy(options, &size, sizeof size);
+    int const has_none = row->kind == BVXI_IS_ZERO_OR || (row->kind != BVXI_IS_ABOVE && row->low == 0.0);
+
+    return value == 0.0 ? row->standard : value == BVX_NONE && has_none ? 0.0 : value;
 }
 
-/* ---- Ranges ---- */
+/* Only int32_t and double have a standard other than 0. */
+static void put_standard(const bvxi_option *row, unsigned char *at)
+{
+    int32_t whole;
+    double real;
+
+    if (row->size == sizeof whole) {
+        memcpy(&whole, at, sizeof whole);
+        whole = (int32_t)stand_in(row, whole);
+        memcpy(at, &whole, sizeof whole);
+    } else {
+        memcpy(&real, at, sizeof real);
+        real = stand_in(row, real);
+        memcpy(at, &real, sizeof real);
+    }
+}
 
 BVXI_COLD static bvx_status fail_whole_option(bvx_context *ctx, const char *function, const bvxi_option *row,
                                               int64_t value)
@@ -119,13 +135,14 @@ BVXI_COLD static bvx_status fail_reserved_option(bvx_context *ctx, const char *f
                          (uint64_t)i);
 }
 
-bvx_status bvxi_check_options(bvx_context *ctx, const char *function, const void *options,
-                              const bvxi_option *rows, size_t count)
+bvx_status bvxi_check_options(bvx_context *ctx, const char *function, void *options, const bvxi_option *rows,
+                              size_t count)
 {
     /* In the order of the rows, so that the first field that is wrong is named. */
     for (const bvxi_option *row = rows; row != rows + count; row++) {
-        const unsigned char *const at = (const unsigned char *)options + row->at;
+        unsigned char *const at = (unsigned char *)options + row->at;
 
+        if (row->standard != 0.0) put_standard(row, at);
         switch (row->kind) {
         case BVXI_IS_COUNT: BVXI_TRY(check_count_option(ctx, function, row, at)); break;
         case BVXI_IS_REAL:

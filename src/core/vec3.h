@@ -22,6 +22,11 @@ static inline void bvxi_vec_cross(const double a[3], const double b[3], double n
     n[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+static inline int bvxi_vec_is_zero(const double v[3])
+{
+    return v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0;
+}
+
 static inline double bvxi_vec_length(const double v[3])
 {
     return sqrt(bvxi_vec_dot(v, v));

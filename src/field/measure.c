@@ -38,15 +38,14 @@ static int32_t sign_of_fill(int32_t fill)
 static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t *sign, bvx_grid *inside)
 {
     bvx_solid_report report;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     /* A field's sign and a solid's fill are one decision, made once. Only the choice is of interest: what
      * voxels lose of the mesh's walls and volume costs a third of a narrow field, and a field says
      * neither. */
     o.fill = fill_of_sign(*sign);
     o.report = *sign == BVX_SIGN_AUTO ? &report : NULL;
-    o.check_thin = 0;
+    o.check_thin = BVX_CHECK_NEVER;
     memcpy(o.window.low, inside->low, sizeof o.window.low);
     memcpy(o.window.size, inside->size, sizeof o.window.size);
     BVXI_TRY(bvx_voxelize_solid(ctx, mesh, &inside->lattice, &o, inside));
@@ -57,15 +56,8 @@ static bvx_status sign_by_solid(bvx_context *ctx, const bvx_mesh_view *mesh, int
 
 static const char measure_name[] = "bvx_measure_field";
 static const char measure_stage[] = "field";
-static const bvx_field_options field_defaults = {0, 3.0, BVX_SIGN_AUTO, BVX_F32, {{0, 0, 0}, {0, 0, 0}},
-                                                 0, 0,   {0, 0}};
 
 enum { MEASURE_GRAIN = 1 << 14 /* values of the smallest task, about */ };
-
-void bvx_field_options_init(bvx_field_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &field_defaults, sizeof field_defaults);
-}
 
 typedef struct measure_job {
     const bvx_mesh_view *mesh;
@@ -80,18 +72,13 @@ typedef struct measure_job {
 /* ---- what is requested ---- */
 
 static const bvxi_option measure_rows[] = {
-    BVXI_ABOVE(bvx_field_options, half_width, 0.0, 0.0),
+    BVXI_OR(bvx_field_options, half_width, ABOVE, 3.0, 0.0, 0.0),
     BVXI_CHOICE(bvx_field_options, sign, 0, BVX_SIGN_COUNT - 1),
-    BVXI_CHOICE(bvx_field_options, value_type, BVX_F32, BVX_F64),
+    BVXI_OR(bvx_field_options, value_type, CHOICE, BVX_F32, BVX_F32, BVX_F64),
     BVXI_SWITCH(bvx_field_options, no_vectors),
     BVXI_SWITCH(bvx_field_options, features),
     BVXI_RESERVED(bvx_field_options, reserved),
 };
-
-static bvx_status check_measure_choices(bvx_context *ctx, const bvx_field_options *o)
-{
-    return bvxi_check_options(ctx, measure_name, o, BVXI_OPTIONS(measure_rows));
-}
 
 static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 {
@@ -158,9 +145,8 @@ static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, con
                                 const bvx_field_options *options, const bvx_field *field, measure_job *job)
 {
     BVXI_TRY(check_empty_field(ctx, field));
-    job->o = field_defaults;
     BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &job->o, sizeof job->o));
-    BVXI_TRY(check_measure_choices(ctx, &job->o));
+    BVXI_TRY(bvxi_check_options(ctx, measure_name, &job->o, BVXI_OPTIONS(measure_rows)));
     BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", measure_name);

@@ -119,17 +119,18 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
 {
     below_job below = {0};
     int32_t *first = NULL, *second = NULL;
+    int32_t const axis = o->up == BVX_UP_Z ? 2 : o->up - BVX_UP_X;
     bvx_grid turned;
 
     /* Heights of one surface after the other, by the same engine. */
-    bvxi_turn_shape(solid, o->axis, &turned);
-    BVXI_TRY(find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, o->axis, report, &first));
+    bvxi_turn_shape(solid, axis, &turned);
+    BVXI_TRY(find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, axis, report, &first));
     if (second_job != NULL)
         BVXI_TRY(
-            find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, o->axis, report, &second));
+            find_highest(bvxi_solid_step(ctx, job, 0.5, 0.8), second_job, &turned, axis, report, &second));
     below.first = first;
     below.second = second;
-    below.base = base_index(&solid->lattice, o->axis, o->base);
-    BVXI_TRY(fill_turned(ctx, job->function, &below, o->axis, &turned, solid, report));
+    below.base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN;
+    BVXI_TRY(fill_turned(ctx, job->function, &below, axis, &turned, solid, report));
     return BVX_OK;
 }

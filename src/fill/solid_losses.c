@@ -266,7 +266,8 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     const bvx_lattice *const l = &solid->lattice;
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
                       solid->size[2] == l->dims[2];
-    int const look = o->check_thin == 1 || (o->check_thin == -1 && whole && !o->add_shell);
+    int const look = o->check_thin == BVX_CHECK_ALWAYS ||
+                     (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
     bvx_status status;
     loss_sums sums;
     uint64_t voxels, mark;
@@ -286,7 +287,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     mark = bvxi_scratch_begin(ctx);
     status = look ? BVXI_SHARE(ctx, 0.1, 0.95, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
     status = bvxi_scratch_keep(ctx, mark, status);
-    if (status == BVX_ERR_BUDGET && o->check_thin == -1) status = BVX_OK;
+    if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
 }

@@ -11,13 +11,6 @@
 #include <math.h>
 
 static const char solid_name[] = "bvx_voxelize_solid";
-static const bvx_voxelize_options voxelize_defaults = {
-    0, BVX_FILL_AUTO, 0, {{0, 0, 0}, {0, 0, 0}}, NULL, 0, 0, 0, 2, -(double)INFINITY, NULL, -1, 0};
-
-void bvx_voxelize_options_init(bvx_voxelize_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &voxelize_defaults, sizeof voxelize_defaults);
-}
 
 /* ---- What is asked ---- */
 
@@ -30,15 +23,15 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 static const bvxi_option voxelize_rows[] = {
     BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_COUNT - 1),
     BVXI_RESERVED(bvx_voxelize_options, reserved),
-    BVXI_RESERVED(bvx_voxelize_options, reserved2),
+    BVXI_SWITCH(bvx_voxelize_options, has_base),
     BVXI_WHOLE(bvx_voxelize_options, close_gaps, 0, BVXI_MOST_GAP),
     BVXI_SWITCH(bvx_voxelize_options, add_shell),
     BVXI_SWITCH(bvx_voxelize_options, check_edges),
-    BVXI_WHOLE(bvx_voxelize_options, check_thin, -1, 1),
-    BVXI_WHOLE(bvx_voxelize_options, axis, 0, 2),
+    BVXI_CHOICE(bvx_voxelize_options, check_thin, BVX_CHECK_AUTO, BVX_CHECK_ALWAYS),
+    BVXI_CHOICE(bvx_voxelize_options, up, BVX_UP_Z, BVX_UP_Y),
 };
 
-static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
+static bvx_status check_choices(bvx_context *ctx, bvx_voxelize_options *o)
 {
     /* Options are held to the rule that they belong to, so that none is ignored without a word. */
     int const below = o->fill == BVX_FILL_BELOW;
@@ -49,10 +42,10 @@ static bvx_status check_choices(bvx_context *ctx, const bvx_voxelize_options *o)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: base is not a number",
                              solid_name);
     if (o->close_gaps != 0 && o->fill != BVX_FILL_FLOOD) return refuse_for_rule(ctx, "close_gaps", "flood");
-    if (o->axis != 2 && !below) return refuse_for_rule(ctx, "axis", "below");
-    if (o->base != voxelize_defaults.base && !below) return refuse_for_rule(ctx, "base", "below");
+    if (o->up != BVX_UP_Z && !below) return refuse_for_rule(ctx, "up", "below");
+    if (o->has_base && !below) return refuse_for_rule(ctx, "base", "below");
     if (o->second != NULL && !below) return refuse_for_rule(ctx, "second", "below");
-    if (o->check_thin == 1 && below)
+    if (o->check_thin == BVX_CHECK_ALWAYS && below)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: check_thin is for bodies, not for the rule below", solid_name);
     if (o->add_shell && below)
@@ -166,7 +159,7 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
     /* Rules of rows need no look at anything else. */
-    if (o->fill <= BVX_FILL_NONZERO)
+    if (o->fill == BVX_FILL_PARITY || o->fill == BVX_FILL_NONZERO)
         status = bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
     else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
     else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
@@ -178,9 +171,9 @@ static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, cons
 bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
                            bvx_grid *solid)
 {
-    bvx_voxelize_options o = voxelize_defaults;
+    bvx_voxelize_options const o = {.fill = fill};
     bvx_solid_report unused = {0};
-    o.fill = fill;
+
     return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
 }
 
@@ -188,8 +181,8 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
 static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, bvx_grid *solid,
                               bvx_solid_report *report)
 {
-    bvx_voxelize_options o = voxelize_defaults;
-    o.fill = fill;
+    bvx_voxelize_options const o = {.fill = fill};
+
     return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
 }
 
@@ -228,7 +221,7 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
                                      const bvx_lattice *lattice, const bvx_voxelize_options *options,
                                      bvx_grid *solid)
 {
-    bvx_voxelize_options o = voxelize_defaults;
+    bvx_voxelize_options o;
     bvx_solid_report report = {0};
     double filled; /* of the bar, when the rule has filled the grid */
     bvx_window window;

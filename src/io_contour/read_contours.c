@@ -3,13 +3,6 @@
 #include "io/formats.h"
 #include "contours/section.h"
 
-void bvx_read_sections_options_init(bvx_read_sections_options *options, size_t size)
-{
-    bvx_read_sections_options d;
-    memset(&d, 0, sizeof d);
-    bvxi_give_options(options, size, &d, sizeof d);
-}
-
 static const bvxi_option read_sections_rows[] = {
     BVXI_REAL(bvx_read_sections_options, close_gap, 0.0, BVXI_FINITE),
     BVXI_RESERVED(bvx_read_sections_options, reserved),
@@ -27,7 +20,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
-    bvx_read_sections_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, function, &o, BVXI_OPTIONS(read_sections_rows)));
     if (format != BVX_FORMAT_CSL && format != BVX_FORMAT_CSV)

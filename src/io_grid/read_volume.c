@@ -8,14 +8,6 @@
 
 enum { VOLUME_ASK_SAMPLES = 1 << 20, VOLUME_GRAIN = 1 << 16 };
 
-static const bvx_read_volume_options volume_defaults = {0,         NULL, 0, NULL,      NULL,      0,     0,
-                                                        {0, 0, 0}, 0,    0, {0, 0, 0}, {1, 1, 1}, {0, 0}};
-
-void bvx_read_volume_options_init(bvx_read_volume_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &volume_defaults, sizeof volume_defaults);
-}
-
 void bvx_volume_free(bvx_context *context, bvx_volume *volume)
 {
     if (context == NULL || volume == NULL) return;
@@ -300,7 +292,7 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
                                   const bvx_read_volume_options *options, bvx_volume *volume)
 {
     static const char name[] = "bvx_read_volume";
-    bvx_read_volume_options o = volume_defaults;
+    bvx_read_volume_options o;
     bvxi_grid_source source = {0};
     bvxi_dense dense;
     bvx_volume made;
@@ -313,6 +305,7 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
                              "%s: size is %u, more than memory can hold", name, size);
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
+    for (int a = 0; a < 3; a++) o.spacing[a] = o.spacing[a] == 0.0 ? 1.0 : o.spacing[a];
     /* The second block of bytes comes with the options. */
     if (o.data_size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,

@@ -47,7 +47,7 @@ static const bvxi_option read_rows[] = {
 };
 
 static bvx_status check_read(bvx_context *context, const char *function, const void *bytes, uint64_t size,
-                             int32_t format, const bvx_read_options *options, const bvx_mesh *mesh)
+                             int32_t format, bvx_read_options *options, const bvx_mesh *mesh)
 {
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
@@ -77,7 +77,6 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    bvx_read_options_init(&options, sizeof options);
     BVXI_TRY(bvxi_take_options(context, function, given, &options, sizeof options));
     BVXI_TRY(check_read(context, function, bytes, size, format, &options, mesh));
 
@@ -120,10 +119,4 @@ bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t 
 {
     return BVXI_CALL(context,
                      run_read_mesh(context, "bvx_read_mesh_with", bytes, size, format, options, mesh));
-}
-
-void bvx_read_options_init(bvx_read_options *options, size_t size)
-{
-    static const bvx_read_options defaults = {0};
-    bvxi_give_options(options, size, &defaults, sizeof defaults);
 }

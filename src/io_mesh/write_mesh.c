@@ -185,12 +185,6 @@ static bvx_status write_checked(bvx_context *ctx, const char *function, const bv
     return BVX_OK;
 }
 
-void bvx_write_options_init(bvx_write_options *options, size_t size)
-{
-    static const bvx_write_options defaults = {.struct_size = 0};
-    bvxi_give_options(options, size, &defaults, sizeof defaults);
-}
-
 static bvx_status take_write_options(bvx_context *context, const char *function,
                                      const bvx_write_options *options, bvx_write_options *o)
 {
@@ -201,7 +195,6 @@ static bvx_status take_write_options(bvx_context *context, const char *function,
         BVXI_SWITCH(bvx_write_options, quantize),
     };
 
-    memset(o, 0, sizeof *o);
     BVXI_TRY(bvxi_take_options(context, function, options, o, sizeof *o));
     return bvxi_check_options(context, function, o, BVXI_OPTIONS(rows));
 }

@@ -8,19 +8,12 @@
 
 #include <math.h>
 
-static const bvx_lattice_options lattice_defaults = {0};
-
-void bvx_lattice_options_init(bvx_lattice_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &lattice_defaults, sizeof lattice_defaults);
-}
-
 static const bvxi_option lattice_rows[] = {
     BVXI_WHOLE(bvx_lattice_options, padding, 0, 65536),
     BVXI_RESERVED(bvx_lattice_options, reserved),
 };
 
-static bvx_status check_fit_options(bvx_context *ctx, const char *function, const bvx_lattice_options *o,
+static bvx_status check_fit_options(bvx_context *ctx, const char *function, bvx_lattice_options *o,
                                     int32_t *per_axis, int32_t *by_spacing)
 {
     *per_axis = o->axis_resolution[0] != 0 || o->axis_resolution[1] != 0 || o->axis_resolution[2] != 0;
@@ -106,7 +99,7 @@ static bvx_status take_target(bvx_context *ctx, const char *name, const fit_targ
 static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_target *target,
                               const bvx_lattice_options *options, bvx_lattice *lattice)
 {
-    bvx_lattice_options o = lattice_defaults;
+    bvx_lattice_options o;
     int32_t per_axis, by_spacing, longest = 0, dims[3];
     double low[3], high[3], extent[3], spacing[3], origin[3];
 
@@ -211,9 +204,8 @@ bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *poi
 static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                   bvx_lattice *lattice)
 {
-    bvx_lattice_options o = lattice_defaults;
-    o.struct_size = sizeof o;
-    o.resolution = resolution;
+    bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution};
+
     if (context != NULL && resolution < 1)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,

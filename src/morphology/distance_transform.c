@@ -158,14 +158,6 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
 
 /* ---- what is requested ---- */
 
-static const bvx_distance_options distance_defaults = {
-    sizeof(bvx_distance_options), BVX_DISTANCE_OUTSIDE, BVX_BEYOND_NOTHING, NULL, {0, 0}};
-
-void bvx_distance_options_init(bvx_distance_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &distance_defaults, sizeof distance_defaults);
-}
-
 static const bvxi_option distance_rows[] = {
     BVXI_CHOICE(bvx_distance_options, side, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED),
     BVXI_CHOICE(bvx_distance_options, beyond, BVX_BEYOND_NOTHING, BVX_BEYOND_SET),
@@ -178,7 +170,6 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     uint64_t voxels;
 
     memset(job, 0, sizeof *job);
-    job->o = distance_defaults;
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
     BVXI_TRY(bvxi_check_options(ctx, function, &job->o, BVXI_OPTIONS(distance_rows)));

@@ -171,31 +171,22 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
 
 /* ---- what is requested ---- */
 
-static const bvx_hollow_options hollow_defaults = {
-    sizeof(bvx_hollow_options), 0.0, 0.0, BVX_OPEN_Z_LOW, 0, {0.0, 0.0}, 0, 0, NULL};
-
-void bvx_hollow_options_init(bvx_hollow_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &hollow_defaults, sizeof hollow_defaults);
-}
-
 static const bvxi_option hollow_rows[] = {
     BVXI_ABOVE(bvx_hollow_options, thickness, 0.0, BVXI_FINITE),
     BVXI_REAL(bvx_hollow_options, drain_radius, 0.0, BVXI_FINITE),
-    BVXI_CHOICE(bvx_hollow_options, drain_side, BVX_OPEN_X_LOW, BVX_OPEN_Z_HIGH),
+    BVXI_OR(bvx_hollow_options, drain_side, CHOICE, BVX_OPEN_Z_LOW, BVX_OPEN_X_LOW, BVX_OPEN_Z_HIGH),
     BVXI_SWITCH(bvx_hollow_options, drain_placed),
     BVXI_SWITCH(bvx_hollow_options, beyond),
     BVXI_RESERVED(bvx_hollow_options, reserved),
 };
 
-static bvx_status check_hollow(bvx_context *ctx, const char *function, const bvx_hollow_options *o)
+static bvx_status check_hollow(bvx_context *ctx, const char *function, bvx_hollow_options *o)
 {
-    int32_t const s = o->drain_side;
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(hollow_rows)));
     /* More than one bit: more than one side. */
-    if ((s & (s - 1)) != 0)
+    if ((o->drain_side & (o->drain_side - 1)) != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: drain_side %d is more than one side", function, (int64_t)s);
+                             "%s: drain_side %d is more than one side", function, (int64_t)o->drain_side);
     return BVX_OK;
 }
 
@@ -240,7 +231,7 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
                                   const bvx_hollow_options *options, bvx_grid *result)
 {
     static const char *const function = "bvx_grid_hollow";
-    bvx_hollow_options o = hollow_defaults;
+    bvx_hollow_options o;
     bvx_hollow_report report;
     bvx_window window;
     bvx_grid made, hollow;

@@ -160,16 +160,9 @@ bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_g
 
 /* ---- what is requested ---- */
 
-static const bvx_morph_options morph_defaults = {sizeof(bvx_morph_options), 6, 1, 0.0, 0, 0};
-
-void bvx_morph_options_init(bvx_morph_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &morph_defaults, sizeof morph_defaults);
-}
-
 static const bvxi_option morph_rows[] = {
-    BVXI_AMONG(bvx_morph_options, neighbourhood, 1 << 0 | 1 << 6 | 1 << 18 | 1 << 26),
-    BVXI_WHOLE(bvx_morph_options, steps, 1, MORPH_MOST_STEPS),
+    BVXI_OR(bvx_morph_options, neighbourhood, AMONG, 6, 1 << BVX_BALL | 1 << 6 | 1 << 18 | 1 << 26, 0),
+    BVXI_OR(bvx_morph_options, steps, WHOLE, 1, 1, MORPH_MOST_STEPS),
     BVXI_REAL(bvx_morph_options, radius, 0.0, BVXI_FINITE),
     BVXI_SWITCH(bvx_morph_options, beyond),
     BVXI_RESERVED(bvx_morph_options, reserved),
@@ -178,22 +171,24 @@ static const bvxi_option morph_rows[] = {
 static bvx_status take_morph_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                      const bvx_morph_options *options, bvxi_morph *morph)
 {
-    bvx_morph_options o = morph_defaults;
+    bvx_morph_options o;
 
     BVXI_TRY(bvxi_take_options(ctx, function, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(ctx, function, &o, BVXI_OPTIONS(morph_rows)));
 
     /* A ball has a radius, neighbourhoods have steps; the other one has to be left out. */
-    if (o.neighbourhood == 0 && o.steps != 1)
+    if (o.neighbourhood == BVX_BALL && o.steps != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: steps is %d; a ball takes 1", function, (int64_t)o.steps);
-    if (o.neighbourhood != 0 && o.radius != 0.0)
+    if (o.neighbourhood != BVX_BALL && o.radius != 0.0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: radius is %g; it must be 0 unless neighbourhood is 0", function, o.radius);
-    morph->neighbourhood = o.neighbourhood;
+                             "%s: radius is %g; it must be 0 unless neighbourhood is BVX_BALL", function,
+                             o.radius);
+    morph->neighbourhood = o.neighbourhood == BVX_BALL ? 0 : o.neighbourhood;
     morph->steps = o.steps;
     morph->beyond = o.beyond;
-    return o.neighbourhood == 0 ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph) : BVX_OK;
+    return o.neighbourhood == BVX_BALL ? bvxi_ball_set(ctx, function, &grid->lattice, o.radius, morph)
+                                       : BVX_OK;
 }
 
 static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,

@@ -19,7 +19,7 @@ static bvx_status choose_oblique_label(bvxi_oblique *o)
     uint64_t found = 0;
 
     /* Without a label all loops must be of one body: which of several is meant cannot be guessed. */
-    if (o->options.label == BVX_LABEL_ONLY) {
+    if (o->options.label == BVXI_LABEL_ONLY) {
         o->options.label = g->loops[0].label;
         for (uint64_t i = 1; i < g->loop_count; i++)
             if (g->loops[i].label != o->options.label)

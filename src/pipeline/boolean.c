@@ -71,12 +71,9 @@ bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t res
     bvxi_body_box const fit = operation == BVX_BOOLEAN_DIFFERENCE     ? box[0]
                               : operation == BVX_BOOLEAN_INTERSECTION ? common_box(box)
                                                                       : joined_boxes(box);
-    bvx_lattice_options o;
-
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = resolution;
     /* A layer around, so that the surface closes within the lattice. */
-    o.padding = 1;
+    bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = 1};
+
     BVXI_TRY(bvx_lattice_fit_box(ctx, fit.low, fit.high, &o, lattice));
     give_way(box, lattice);
     return BVX_OK;
@@ -124,15 +121,6 @@ int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, doubl
 
 static const char boolean_name[] = "bvx_boolean";
 
-static const bvx_boolean_options boolean_defaults = {
-    0, NULL,          256, BVX_FILL_AUTO, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, -1, BVX_F32, 0, 0, NULL, 0,
-    0, BVX_THIN_KEEP, 0};
-
-void bvx_boolean_options_init(bvx_boolean_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &boolean_defaults, sizeof boolean_defaults);
-}
-
 /* One of the meshes: its solid, and what is measured at the ends of the result's edges that it crosses. */
 typedef struct boolean_body {
     const bvx_mesh_view *mesh;
@@ -157,17 +145,17 @@ typedef struct boolean_job {
 
 static const bvxi_option boolean_rows[] = {
     BVXI_AMONG(bvx_boolean_options, fill, BVX_FILLS_OF_BOOLEAN),
-    BVXI_CHOICE(bvx_boolean_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_boolean_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
     BVXI_CHOICE(bvx_boolean_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
     BVXI_CHOICE(bvx_boolean_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_WHOLE(bvx_boolean_options, sharp, -1, 1),
+    BVXI_CHOICE(bvx_boolean_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_SWITCH(bvx_boolean_options, local_frame),
     BVXI_SWITCH(bvx_boolean_options, keep_crumbs),
-    BVXI_AMONG(bvx_boolean_options, thin, 1 << BVX_THIN_KEEP | 1 << BVX_THIN_DROP),
+    BVXI_CHOICE(bvx_boolean_options, thin, BVX_THIN_KEEP, BVX_THIN_DROP),
     BVXI_RESERVED(bvx_boolean_options, reserved1),
 };
 
-static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, const bvx_boolean_options *o)
+static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, bvx_boolean_options *o)
 {
     if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
@@ -177,6 +165,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, con
     BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
     /* A lattice that is given needs no resolution. */
     if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
+    if (o->resolution == 0) o->resolution = BVXI_RESOLUTION;
     if (o->resolution < 1 || o->resolution > 1 << 24)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: resolution is %d; 1 to %d are possible", boolean_name,
@@ -330,11 +319,10 @@ static bvx_status judge_result(boolean_job *job)
 static bvx_status fill_body(boolean_job *job, int32_t i)
 {
     boolean_body *const b = &job->body[i];
-    bvx_voxelize_options o;
+    /* Thin walls are looked for below. */
+    bvx_voxelize_options o = {
+        .struct_size = sizeof o, .fill = job->options->fill, .check_thin = BVX_CHECK_NEVER};
 
-    bvx_voxelize_options_init(&o, sizeof o);
-    o.fill = job->options->fill;
-    o.check_thin = 0; /* they are looked for below */
     o.report = i == 0 ? &job->report.solid_a : &job->report.solid_b;
 
     /* The exact solid first: walls are what it has lost. */
@@ -412,16 +400,13 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 {
     const bvx_boolean_options *const o = job->options;
     bvx_keep_report report;
-    bvx_keep_options keep;
+    bvx_keep_options const keep = {
+        .struct_size = sizeof keep, .at_least = o->least_part, .largest = o->keep_largest, .report = &report};
 
     if (job->report.voxels == 0) return BVX_OK;
     /* Crumbs first: they are sorted out by shape, parts by size alone. */
     if (!o->keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
     if (o->least_part > 1 || o->keep_largest != 0) {
-        bvx_keep_options_init(&keep, sizeof keep);
-        keep.at_least = o->least_part;
-        keep.largest = o->keep_largest;
-        keep.report = &report;
         BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
         job->report.parts_dropped = report.dropped;
     }
@@ -461,7 +446,13 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
-    bvx_field_surface_options o;
+    bvx_field_surface_options const o = {.interpolation = job->options->interpolation,
+                                         .face_rule = job->options->face_rule,
+                                         .sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER,
+                                         .sharp_angle = BVXI_SHARP_ANGLE,
+                                         .position_type = job->options->position_type,
+                                         .local_frame = job->options->local_frame,
+                                         .report = &job->report.surface};
     bvxi_cut_rule rule[2] = {{.values = NULL}};
 
     for (int32_t i = 0; i < 2; i++) {
@@ -473,13 +464,6 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
     /* Where both bodies cross an edge, a union takes the outer cut, the others the inner one. */
     rule[0].second = &rule[1];
     rule[0].outer = job->operation == BVX_BOOLEAN_UNION;
-    bvx_field_surface_options_init(&o, sizeof o);
-    o.interpolation = job->options->interpolation;
-    o.face_rule = job->options->face_rule;
-    o.sharp = job->report.sharp;
-    o.position_type = job->options->position_type;
-    o.local_frame = job->options->local_frame;
-    o.report = &job->report.surface;
     return bvxi_field_surface(job->ctx, boolean_name, &job->inside, rule, &o, result);
 }
 
@@ -494,8 +478,8 @@ static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
 /* Sharp edges: as requested, or where one of the meshes has them. */
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
-    job->report.sharp = job->options->sharp;
-    for (int32_t i = 0; i < 2 && job->options->sharp < 0 && job->report.sharp != 1; i++) {
+    job->report.sharp = job->options->sharp == BVX_SHARP_ALWAYS;
+    for (int32_t i = 0; i < 2 && job->options->sharp == BVX_SHARP_AUTO && !job->report.sharp; i++) {
         /* The first mesh with sharp edges decides. */
         double share;
         BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp, &share));
@@ -615,7 +599,7 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
 static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                               int32_t operation, const bvx_boolean_options *options, bvx_mesh *result)
 {
-    bvx_boolean_options o = boolean_defaults;
+    bvx_boolean_options o;
     boolean_job job;
     bvx_status status;
     int mine;

@@ -24,14 +24,6 @@ enum {
 
 static const char levels_name[] = "bvx_build_levels";
 
-static const bvx_levels_options levels_defaults = {
-    .even = 1e-9, .sign = BVX_SIGN_AUTO, .sharp = -1, .shell = 2.0, .attribute_weight = 1.0};
-
-void bvx_levels_options_init(bvx_levels_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &levels_defaults, sizeof levels_defaults);
-}
-
 typedef struct levels_job {
     bvx_context *ctx;
     const bvx_mesh_view *mesh;
@@ -42,21 +34,24 @@ typedef struct levels_job {
 
 /* ---- Checks ---- */
 
+#define LEVELS_SHELL  2.0
+#define LEVELS_WEIGHT 1.0
+
 static const bvxi_option levels_rows[] = {
     BVXI_CHOICE(bvx_levels_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
     BVXI_CHOICE(bvx_levels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_REAL(bvx_levels_options, even, 0.0, 1.0),
+    BVXI_OR(bvx_levels_options, even, REAL, BVXI_EVEN, 0.0, 1.0),
     BVXI_COUNT(bvx_levels_options, measure_samples, 0, INT32_MAX),
     BVXI_SWITCH(bvx_levels_options, strict),
     BVXI_SWITCH(bvx_levels_options, solid),
     BVXI_WHOLE(bvx_levels_options, resolution, 0, 1 << 24),
     BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
-    BVXI_WHOLE(bvx_levels_options, sharp, -1, 1),
+    BVXI_CHOICE(bvx_levels_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_SWITCH(bvx_levels_options, outer),
-    BVXI_ZERO_OR(bvx_levels_options, shell, 1.5, 1e6),
+    BVXI_OR(bvx_levels_options, shell, ZERO_OR, LEVELS_SHELL, 1.5, 1e6),
     BVXI_SWITCH(bvx_levels_options, lock_border),
     BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
-    BVXI_REAL(bvx_levels_options, attribute_weight, 0.0, 1000.0),
+    BVXI_OR(bvx_levels_options, attribute_weight, REAL, LEVELS_WEIGHT, 0.0, 1000.0),
     BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
     BVXI_RESERVED(bvx_levels_options, reserved0),
     BVXI_RESERVED(bvx_levels_options, reserved),
@@ -66,11 +61,11 @@ static const bvxi_option levels_rows[] = {
 static int wants_solid(const bvx_levels_options *o)
 {
     return o->solid || o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO ||
-           o->sharp != -1 || o->shell != levels_defaults.shell || o->least_part != 0 ||
+           o->sharp != BVX_SHARP_AUTO || o->shell != LEVELS_SHELL || o->least_part != 0 ||
            o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
 }
 
-static bvx_status check_levels_options(bvx_context *ctx, const char *function, const bvx_levels_options *o)
+static bvx_status check_levels_options(bvx_context *ctx, const char *function, bvx_levels_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(levels_rows)));
     if (o->outer && o->least_cavity != 0)
@@ -82,8 +77,7 @@ static bvx_status check_levels_options(bvx_context *ctx, const char *function, c
             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
             "the options that imply it, measure a new surface",
             function);
-    if (wants_solid(o) && (o->attribute_weight < levels_defaults.attribute_weight ||
-                           o->attribute_weight > levels_defaults.attribute_weight))
+    if (wants_solid(o) && o->attribute_weight != LEVELS_WEIGHT)
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: attribute_weight is %g, and the surface that solid, and the options that imply it, "
@@ -112,7 +106,7 @@ static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mes
                                   int32_t *resolution)
 {
     static const char plan_name[] = "bvx_plan_levels";
-    bvx_levels_options o = levels_defaults;
+    bvx_levels_options o;
     double low[3], high[3], area, longest = 0, wanted;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
@@ -246,23 +240,21 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 static bvx_repair_options repair_options(levels_job *job, int32_t resolution, int32_t thin)
 {
     const bvx_levels_options *const o = job->options;
-    bvx_repair_options r;
 
-    bvx_repair_options_init(&r, sizeof r);
-    r.lattice = o->lattice;
-    r.resolution = resolution;
-    r.sharp = o->sharp;
-    r.sign = o->sign;
-    r.shell = o->shell;
-    r.least_part = o->least_part;
-    r.keep_crumbs = o->least_part != 0;
-    r.keep_largest = o->keep_largest;
-    r.least_cavity = o->outer ? UINT64_MAX : o->least_cavity;
     /* Positions of the surface are those of the levels. */
-    r.position_type = o->position_type;
-    r.thin = thin;
-    r.report = &job->report.repair;
-    return r;
+    return (bvx_repair_options){.struct_size = sizeof(bvx_repair_options),
+                                .lattice = o->lattice,
+                                .resolution = resolution,
+                                .sharp = o->sharp,
+                                .sign = o->sign,
+                                .shell = o->shell > 0.0 ? o->shell : BVX_NONE,
+                                .least_part = o->least_part,
+                                .keep_crumbs = o->least_part != 0,
+                                .keep_largest = o->keep_largest,
+                                .least_cavity = o->outer ? UINT64_MAX : o->least_cavity,
+                                .position_type = o->position_type,
+                                .thin = thin,
+                                .report = &job->report.repair};
 }
 
 static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
@@ -478,7 +470,7 @@ static void warn_of_surface(levels_job *job)
 static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
                                    const bvx_levels_options *options, uint64_t level_count, bvx_mesh *levels)
 {
-    bvx_levels_options o = levels_defaults;
+    bvx_levels_options o;
     levels_job job = {.ctx = context, .mesh = mesh, .options = &o};
     double low[3], high[3];
     uint64_t used;

@@ -13,17 +13,7 @@
 
 #include <math.h>
 
-/* Pull to even triangles, as the default of bvx_simplify_options. */
-#define LOD_EVEN 1e-9
-
 static const char lod_name[] = "bvx_build_lods";
-static const bvx_lod_options lod_defaults = {0, BVX_LOD_EDGE_RATIO, 0,       0.5, NULL, NULL, NULL,
-                                             0, BVX_FACE_SEPARATE,  BVX_F32, 0,   0,    0.0,  NULL};
-
-void bvx_lod_options_init(bvx_lod_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &lod_defaults, sizeof lod_defaults);
-}
 
 typedef struct lod_job {
     const bvx_grid *solid;
@@ -78,11 +68,12 @@ static const bvxi_option lod_rows[] = {
     BVXI_ZERO_OR(bvx_lod_options, collapse, 1.0, 64.0),
 };
 
-static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, const bvx_lod_options *o,
+static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, bvx_lod_options *o,
                                     uint64_t level_count)
 {
     BVXI_TRY(bvxi_check_options(ctx, lod_name, o, BVXI_OPTIONS(lod_rows)));
     /* Strictly between: at either end all or nothing would be inside. */
+    if (o->threshold == 0.0) o->threshold = 0.5;
     if (!(o->threshold > 0 && o->threshold < 1))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
@@ -124,7 +115,8 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
                              level_work *w)
 {
     const bvx_lod_options *const o = job->options;
-    bvx_extract_options extract;
+    bvx_extract_options extract = {
+        .face_rule = o->face_rule, .position_type = job->position_type, .local_frame = o->local_frame};
     bvxi_downsample_by by = {.threshold = o->threshold, .edge_samples = o->edge_samples};
 
     memset(w, 0, sizeof *w);
@@ -135,10 +127,6 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, &by, &w->samples));
     if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
-    bvx_extract_options_init(&extract, sizeof extract);
-    extract.face_rule = o->face_rule;
-    extract.position_type = job->position_type;
-    extract.local_frame = o->local_frame;
     w->march.ratio = o->method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
     w->march.ratio_user = &w->samples;
     BVXI_TRY(bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract));
@@ -192,7 +180,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
         .original = &view,
         .target_triangles = &target,
         .halve_from = fine->triangle_count,
-        .collapse = {.position_type = fine->position_type, .even = LOD_EVEN, .simple = 1},
+        .collapse = {.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
         .count = 1,
         .levels = mesh};
 
@@ -334,7 +322,7 @@ static bvx_status search_resolution(bvx_context *ctx, lod_job *job, int32_t *res
 static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                  uint64_t level_count, bvx_mesh *levels)
 {
-    bvx_lod_options o = lod_defaults;
+    bvx_lod_options o;
     lod_job job = {0};
     bvx_status status = BVX_OK;
 

@@ -181,7 +181,6 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
                              "%s: mesh must be empty or the library's own", octree_mesh_name);
     BVXI_TRY(bvxi_octree_check(context, octree_mesh_name, tree));
     BVXI_TRY(bvxi_octree_check_states(context, octree_mesh_name, states));
-    bvx_extract_options_init(&job.options, sizeof job.options);
     BVXI_TRY(bvxi_take_options(context, octree_mesh_name, options, &job.options, sizeof job.options));
     if (job.options.open_sides != 0)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,

@@ -152,12 +152,11 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
 {
     static const int32_t rule[2] = {BVX_FILL_PARITY, BVX_FILL_NONZERO};
     uint64_t const bytes = bvx_grid_bound(lattice, NULL) * 8;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid grid[2];
 
     /* Both rules on one lattice; equal bits say that no piece hides another. */
     memset(grid, 0, sizeof grid);
-    bvx_voxelize_options_init(&o, sizeof o);
     for (int i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the pieces' solids", &grid[i].words));
         grid[i].word_capacity = bytes / 8;

@@ -90,14 +90,9 @@ static uint64_t room_for_planned(const bvx_context *ctx, const bvx_mesh_view *me
 static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t resolution, uint64_t room,
                               int32_t *fits)
 {
-    bvx_lattice_options o;
+    bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = p->padding};
     bvx_lattice lattice;
-    bvx_status status;
-
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = resolution;
-    o.padding = p->padding;
-    status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
+    bvx_status const status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
     /* The bound is in words, room in bytes. */
     *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
     /* Too large a lattice is an answer here, not an error. */
@@ -140,7 +135,6 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
     if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
-    bvx_lod_options_init(&o, sizeof o);
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));
     /* Checked here, as a plan needs only these options. */
     BVXI_TRY(check_planned_levels(context, &o, level_count));

@@ -7,53 +7,29 @@
  * encloses nothing becomes a shell.
  * Guarantee: that of marching cubes on bits (march.c), whatever the input. */
 #include "pipeline/repair.h"
+#include "pipeline/steps.h"
 #include "mesh/view.h"
 
 #include <math.h>
 
-static const bvx_repair_options repair_defaults = {0,
-                                                   NULL,
-                                                   256,
-                                                   BVX_SIGN_AUTO,
-                                                   BVX_EDGE_TANGENT,
-                                                   BVX_FACE_SEPARATE,
-                                                   -1,
-                                                   BVX_F32,
-                                                   0,
-                                                   0,
-                                                   2.0,
-                                                   0,
-                                                   0,
-                                                   0,
-                                                   100000,
-                                                   NULL,
-                                                   0,
-                                                   0,
-                                                   BVX_THIN_KEEP,
-                                                   0,
-                                                   0};
-
-void bvx_repair_options_init(bvx_repair_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &repair_defaults, sizeof repair_defaults);
-}
+enum { REPAIR_SAMPLES = 100000 };
 
 static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, sign, 0, BVX_SIGN_COUNT - 1),
-    BVXI_CHOICE(bvx_repair_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_repair_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
     BVXI_CHOICE(bvx_repair_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
-    BVXI_WHOLE(bvx_repair_options, sharp, -1, 1),
+    BVXI_CHOICE(bvx_repair_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_CHOICE(bvx_repair_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_repair_options, local_frame),
     BVXI_SWITCH(bvx_repair_options, measure),
-    BVXI_ZERO_OR(bvx_repair_options, shell, 1.5, 1e6),
+    BVXI_OR(bvx_repair_options, shell, ZERO_OR, 2.0, 1.5, 1e6),
     BVXI_SWITCH(bvx_repair_options, keep_crumbs),
     BVXI_SWITCH(bvx_repair_options, if_needed),
-    BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_SHELL, BVX_THIN_DROP),
+    BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
     BVXI_RESERVED(bvx_repair_options, reserved0),
 };
 
-static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_options *o)
+static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, bvxi_repair_name, o, BVXI_OPTIONS(repair_rows)));
     if ((BVX_SIGNS_OF_REPAIR >> o->sign & 1) == 0)
@@ -61,16 +37,17 @@ static bvx_status check_repair_choices(bvx_context *ctx, const bvx_repair_option
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
             "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
             bvxi_repair_name, (int64_t)o->sign);
-    /* A lattice has its resolution: nothing is left to look for. */
-    if (o->measure && (o->measure_samples < 1 || o->measure_samples > INT32_MAX))
+    if (o->measure_samples == 0) o->measure_samples = REPAIR_SAMPLES;
+    if (o->measure && o->measure_samples > INT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
                              o->measure_samples);
     return BVX_OK;
 }
 
-static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_options *o)
+static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
 {
+    /* A lattice has its resolution: nothing is left to look for. */
     if (o->lattice != NULL) {
         if (o->target_triangles != 0)
             return bvxi_fail_for(
@@ -79,6 +56,7 @@ static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_option
                 bvxi_repair_name);
         return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
     }
+    if (o->resolution == 0) o->resolution = BVXI_RESOLUTION;
     if (o->resolution < 1 || o->resolution > 1 << 24)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "%s: resolution is %d; 1 to 2^24 are possible", bvxi_repair_name,
@@ -90,16 +68,13 @@ static bvx_status check_repair_lattice(bvx_context *ctx, const bvx_repair_option
 
 static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *triangles)
 {
-    bvx_extract_options o;
+    /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
+    bvx_extract_options const o = {
+        .struct_size = sizeof o, .face_rule = job->options->face_rule, .position_type = BVX_F64};
     uint64_t vertices;
 
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
     BVXI_TRY(bvxi_repair_inside(job));
-
-    /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
-    bvx_extract_options_init(&o, sizeof o);
-    o.face_rule = job->options->face_rule;
-    o.position_type = BVX_F64;
     job->report.searched++;
     return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
 }
@@ -215,7 +190,7 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
                                   const bvx_repair_options *options, bvx_mesh *repaired)
 {
-    bvx_repair_options o = repair_defaults;
+    bvx_repair_options o;
 
     BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, repaired));
     BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
@@ -232,7 +207,7 @@ bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx
 bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,
                              const bvx_repair_options *options, bvx_mesh *repaired)
 {
-    bvx_repair_options o = repair_defaults;
+    bvx_repair_options o;
     bvxi_repair_job job;
     bvx_status status;
     int mine;

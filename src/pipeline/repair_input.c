@@ -13,16 +13,15 @@
 /* The lattice that a mesh is repaired on: fitted to it with space for shells, or the caller's. */
 bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
 {
-    bvx_lattice_options o;
+    bvx_lattice_options const o = {.struct_size = sizeof o,
+                                   .resolution = resolution,
+                                   .padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5)};
 
     job->resolution = resolution;
     if (job->options->lattice != NULL) {
         job->lattice = *job->options->lattice;
         return BVX_OK;
     }
-    bvx_lattice_options_init(&o, sizeof o);
-    o.resolution = resolution;
-    o.padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5);
     return bvx_lattice_fit_with(job->ctx, &job->mesh, &o, &job->lattice);
 }
 
@@ -144,7 +143,7 @@ static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representat
     /* The report says how sharp the mesh is, even where the choice was given. */
     if (asked < 0 || job->options->report != NULL)
         BVXI_TRY(bvxi_sharp_edges(job->ctx, &job->mesh, representative, &r->sharp, &r->sharp_share));
-    if (asked >= 0) r->sharp = asked;
+    if (asked != BVX_SHARP_AUTO) r->sharp = asked == BVX_SHARP_ALWAYS;
     return BVX_OK;
 }
 

@@ -49,12 +49,11 @@ static bvx_status find_holes(bvxi_repair_job *job)
 /* Voxels where the winding number is nearest to an even number but 0: what WINDING has and VOTE has not. */
 static bvx_status count_overlaps(bvxi_repair_job *job)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid grid[2];
 
     /* The same mesh by both rules: what one has and the other has not. */
     memset(grid, 0, sizeof grid);
-    bvx_voxelize_options_init(&o, sizeof o);
     for (int i = 0; i < 2; i++) {
         BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words));
         grid[i].word_capacity = job->grid_bytes / 8;

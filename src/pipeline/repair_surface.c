@@ -116,8 +116,14 @@ static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge 
 static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, bvx_mesh *repaired)
 {
     const bvx_repair_options *const from = job->options;
-    bvx_field_surface_report report;
-    bvx_field_surface_options o;
+    bvx_field_surface_report report = {0};
+    bvx_field_surface_options const o = {.interpolation = from->interpolation,
+                                         .face_rule = from->face_rule,
+                                         .position_type = from->position_type,
+                                         .local_frame = from->local_frame,
+                                         .sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER,
+                                         .sharp_angle = BVXI_SHARP_ANGLE,
+                                         .report = &report};
     bvxi_cut_rule rule;
 
     memset(&rule, 0, sizeof rule);
@@ -125,14 +131,6 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
     rule.mesh = &job->body;
     rule.missing = lid_ratios;
     rule.missing_user = job;
-    bvx_field_surface_options_init(&o, sizeof o);
-    o.interpolation = from->interpolation;
-    o.face_rule = from->face_rule;
-    o.position_type = from->position_type;
-    o.local_frame = from->local_frame;
-    o.sharp = job->report.sharp;
-    memset(&report, 0, sizeof report);
-    o.report = &report;
     BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &rule, &o, repaired));
     job->report.sheet_edges = report.lids + report.middle;
     return BVX_OK;

@@ -21,12 +21,9 @@ static bvx_status keep_large_parts(bvxi_repair_job *job)
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
     bvx_keep_report report;
-    bvx_keep_options keep;
+    bvx_keep_options const keep = {
+        .struct_size = sizeof keep, .at_least = o->least_part, .largest = o->keep_largest, .report = &report};
 
-    bvx_keep_options_init(&keep, sizeof keep);
-    keep.at_least = o->least_part;
-    keep.largest = o->keep_largest;
-    keep.report = &report;
     BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
     r->parts_kept = report.kept;
     r->parts_dropped = report.dropped;

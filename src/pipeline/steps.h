@@ -6,6 +6,8 @@
 #include "core/core.h"
 #include "grid/grid.h"
 
+enum { BVXI_RESOLUTION = 256 }; /* by default */
+
 /* ---- The ends of lattice edges that a surface crosses: the only centres that need a distance ---- */
 
 /* Set the words of where, of inside's window: centres with a neighbour (across a

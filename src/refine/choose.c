@@ -196,7 +196,6 @@ static bvx_status check_choose_arguments(bvx_context *ctx, const bvx_refine_opti
                                          bvx_refine_options *o)
 {
     if (given == NULL) return bvxi_fail_null(ctx, choose_name, "options");
-    bvx_refine_options_init(o, sizeof *o);
     BVXI_TRY(bvxi_take_options(ctx, choose_name, given, o, sizeof *o));
 
     /* The answer is written into the caller's struct, which an older header may have made shorter. */
@@ -245,7 +244,7 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
 
     /* Both results at once, when nothing can fail any more. */
     *base = made;
-    options->levels = levels;
+    options->levels = levels != 0 ? levels : BVX_NONE;
     return BVX_OK;
 }
 

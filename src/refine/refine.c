@@ -8,13 +8,9 @@
  * flood. */
 #include "refine/refine.h"
 
-static const char bvx_refine_name[] = "bvx_refine";
-static const bvx_refine_options refine_defaults = {0, 6, -1, {{0, 0, 0}, {0, 0, 0}}, 0, 0, 0.0};
+enum { BY_SIZE = -1 }; /* start_level, when the options are taken */
 
-void bvx_refine_options_init(bvx_refine_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &refine_defaults, sizeof refine_defaults);
-}
+static const char bvx_refine_name[] = "bvx_refine";
 
 /* ---- arguments ---- */
 
@@ -35,8 +31,8 @@ static int32_t levels_that_fit(const int32_t base[3])
 }
 
 static const bvxi_option refine_rows[] = {
-    BVXI_WHOLE(bvx_refine_options, levels, 0, 25),
-    BVXI_WHOLE(bvx_refine_options, start_level, -1, 25),
+    BVXI_OR(bvx_refine_options, levels, WHOLE, 6, 0, 25),
+    BVXI_WHOLE(bvx_refine_options, start_level, BVX_NONE, 25),
     BVXI_RESERVED(bvx_refine_options, reserved),
     BVXI_WHOLE(bvx_refine_options, outer_levels, 0, 25),
     BVXI_REAL(bvx_refine_options, tolerance, 0.0, BVXI_FINITE),
@@ -59,6 +55,7 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
                              bvx_refine_name, (int64_t)base->dims[0], (int64_t)base->dims[1],
                              (int64_t)base->dims[2]);
     BVXI_TRY(bvxi_check_options(ctx, bvx_refine_name, o, BVXI_OPTIONS(refine_rows)));
+    o->start_level = o->start_level == 0 ? BY_SIZE : o->start_level == BVX_NONE ? 0 : o->start_level;
     if (o->levels > most)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -67,7 +64,7 @@ static bvx_status check_refine_arguments(bvx_context *ctx, const bvx_mesh_view *
             (int64_t)base->dims[2], (int64_t)most);
     if (o->start_level > o->levels)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: start_level is %d; -1 to levels (%d) are possible", bvx_refine_name,
+                             "%s: start_level is %d; 0 to levels (%d) are possible", bvx_refine_name,
                              (int64_t)o->start_level, (int64_t)o->levels);
     if (o->outer_levels > o->levels)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
@@ -193,7 +190,7 @@ static bvx_status fail_at_level(bvxi_refine_job *job, int32_t made, uint64_t mar
     if (job->start > 0)
         return bvxi_fail(
             ctx, BVX_ERR_BUDGET,
-            "%s: starting at a grid of level %d is beyond the memory limit; start_level -1 or 0 takes less",
+            "%s: starting at a grid of level %d is beyond the memory limit; BVX_NONE for start_level takes less",
             bvx_refine_name, (int64_t)job->start);
     return bvxi_fail(ctx, BVX_ERR_BUDGET,
                      "%s: not even the base of %d x %d x %d voxels fits the memory limit", bvx_refine_name,
@@ -262,7 +259,7 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                              const bvx_refine_options *options, bvx_octree **tree)
 {
-    bvx_refine_options o = refine_defaults;
+    bvx_refine_options o;
     bvxi_refine_job job;
     bvx_status status;
 

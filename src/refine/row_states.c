@@ -161,10 +161,9 @@ static void window_of_level(const bvxi_refine_job *job, int32_t level, bvx_windo
 static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby, row_states_job *rows)
 {
     bvx_context *const ctx = job->ctx;
-    bvx_voxelize_options o;
+    /* Nearby triangles are an open mesh, and rows are what is requested. */
+    bvx_voxelize_options o = {.struct_size = sizeof o, .fill = BVX_FILL_PARITY};
 
-    bvx_voxelize_options_init(&o, sizeof o);
-    o.fill = BVX_FILL_PARITY; /* nearby triangles are an open mesh, and rows are what is requested */
     for (int32_t l = job->outer; l <= job->tree->levels; l++) {
         bvx_lattice lattice;
         BVXI_TRY(bvxi_octree_lattice(ctx, job->tree, l, &lattice));

@@ -8,26 +8,6 @@
 
 enum { PICTURE_SIDE = 16384 };
 
-static const bvx_render_options render_defaults = {0,
-                                                   1024,
-                                                   768,
-                                                   {3.0, -4.0, 2.0},
-                                                   {0.0, 0.0, 1.0},
-                                                   {200, 196, 188, 0},
-                                                   {255, 255, 255, 0},
-                                                   0,
-                                                   2,
-                                                   0,
-                                                   0,
-                                                   {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY},
-                                                   {(double)INFINITY, (double)INFINITY, (double)INFINITY},
-                                                   {0.0, 0.0}};
-
-void bvx_render_options_init(bvx_render_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &render_defaults, sizeof render_defaults);
-}
-
 static bvx_status check_picture_direction(bvx_context *ctx, const char *function, const char *name,
                                           const double v[3])
 {
@@ -36,9 +16,6 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
         if (v[a] - v[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE,
                                  "%s: %s has the part %g, which is not finite", function, name, v[a]);
-    if (v[0] == 0.0 && v[1] == 0.0 && v[2] == 0.0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: %s is 0, 0, 0 and points nowhere",
-                             function, name);
     return BVX_OK;
 }
 
@@ -74,27 +51,41 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
 }
 
 static const bvxi_option picture_rows[] = {
-    BVXI_WHOLE(bvx_render_options, width, 1, PICTURE_SIDE),
-    BVXI_WHOLE(bvx_render_options, height, 1, PICTURE_SIDE),
+    BVXI_OR(bvx_render_options, width, WHOLE, 1024, 1, PICTURE_SIDE),
+    BVXI_OR(bvx_render_options, height, WHOLE, 768, 1, PICTURE_SIDE),
     BVXI_SWITCH(bvx_render_options, smooth),
-    BVXI_WHOLE(bvx_render_options, samples, 1, 4),
+    BVXI_OR(bvx_render_options, samples, WHOLE, 2, 1, 4),
     BVXI_SWITCH(bvx_render_options, wireframe),
-    BVXI_RESERVED(bvx_render_options, reserved),
+    BVXI_WHOLE(bvx_render_options, cut, 0, 63),
 };
 
-static bvx_status check_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *o)
+/* What zeros stand for. */
+static void put_picture_defaults(bvx_render_options *o)
+{
+    static const double direction[3] = {3.0, -4.0, 2.0}, up[3] = {0.0, 0.0, 1.0};
+    static const uint8_t colour[4] = {200, 196, 188, 255}, background[4] = {255, 255, 255, 255},
+                         none[4] = {0};
+
+    if (memcmp(o->colour, none, sizeof none) == 0) memcpy(o->colour, colour, sizeof colour);
+    if (memcmp(o->background, none, sizeof none) == 0) memcpy(o->background, background, sizeof background);
+    if (bvxi_vec_is_zero(o->direction)) memcpy(o->direction, direction, sizeof direction);
+    if (bvxi_vec_is_zero(o->up)) memcpy(o->up, up, sizeof up);
+    for (int a = 0; a < 3; a++) {
+        if ((o->cut & BVX_OPEN_X_LOW << 2 * a) == 0) o->cut_low[a] = -(double)INFINITY;
+        if ((o->cut & BVX_OPEN_X_HIGH << 2 * a) == 0) o->cut_high[a] = (double)INFINITY;
+    }
+}
+
+static bvx_status check_picture_options(bvx_context *ctx, const char *function, bvx_render_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(picture_rows)));
-    if (o->colour[3] != 0 || o->background[3] != 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
-                             "%s: the fourth byte of a colour is not 0", function);
+    put_picture_defaults(o);
     return check_picture_cut(ctx, function, o);
 }
 
 bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
                                 const bvx_image *image, int looked_at, bvx_render_options *options)
 {
-    *options = render_defaults;
     if (image == NULL) return bvxi_fail_null(ctx, function, "image");
     /* Pixels of another allocator cannot be freed here. */
     if (image->pixels != NULL && (image->width < 1 || image->height < 1))

@@ -68,13 +68,13 @@ struct bvxi_collapse {
         *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
     bvxi_attributes attributes;
 
-    float *least;        /* of each vertex: the cost of its cheapest edge */
-    int32_t *edge;       /* the corner opposite to that edge, -1, or COLLAPSE_GONE */
-    int32_t *any;        /* a corner of the vertex */
-    uint8_t *kind;       /* VERTEX_... */
-    uint8_t *waits;      /* 1: its edge reaches into another range */
-    uint8_t *fresh;      /* 1: it has changed since the level was judged */
-    uint8_t *stale;      /* 1: an edge of it has another cost than bvxi_edge_evaluate finds, at both of its ends */
+    float *least;   /* of each vertex: the cost of its cheapest edge */
+    int32_t *edge;  /* the corner opposite to that edge, -1, or COLLAPSE_GONE */
+    int32_t *any;   /* a corner of the vertex */
+    uint8_t *kind;  /* VERTEX_... */
+    uint8_t *waits; /* 1: its edge reaches into another range */
+    uint8_t *fresh; /* 1: it has changed since the level was judged */
+    uint8_t *stale; /* 1: an edge of it has another cost than bvxi_edge_evaluate finds, at both of its ends */
     collapse_undo *undo; /* of vertices that are gone */
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 
@@ -94,8 +94,8 @@ struct bvxi_collapse {
 
     float reached;   /* cost of the dearest edges that were tried */
     double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
-    double scale;     /* quadrics measure lengths in units of 1 / scale, the mesh's size */
-    double area;      /* of the mesh as it was opened, in the same units */
+    double scale;    /* quadrics measure lengths in units of 1 / scale, the mesh's size */
+    double area;     /* of the mesh as it was opened, in the same units */
     double low[3];
     uint64_t alive; /* vertices */
     uint32_t order; /* of the next collapse */

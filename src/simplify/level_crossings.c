@@ -19,7 +19,7 @@
 enum {
     WIDTH = CROSSING_WIDTH,
     BOX_HIGHEST = 32767,
-    CROSSING_GRAIN = 64, /* nodes of a task, at least */
+    CROSSING_GRAIN = 64,  /* nodes of a task, at least */
     CROSSING_KEYS = 32768 /* pairs that there is room for before they are counted */
 };
 

@@ -12,6 +12,8 @@ enum {
     BVXI_BORDERS_CUT = 2   /* all sides of such an edge are borders */
 };
 
+#define BVXI_EVEN 1e-9 /* by default */
+
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */

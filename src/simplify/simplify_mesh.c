@@ -5,37 +5,24 @@
 
 static const char simplify_name[] = "bvx_mesh_simplify";
 
-static const bvx_simplify_options simplify_defaults = {
-    .error_kind = BVX_ERROR_MEAN, .even = 1e-9, .attribute_weight = 1.0};
-
-void bvx_simplify_options_init(bvx_simplify_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &simplify_defaults, sizeof simplify_defaults);
-}
-
 static const bvxi_option simplify_rows[] = {
     BVXI_CHOICE(bvx_simplify_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
     BVXI_CHOICE(bvx_simplify_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_REAL(bvx_simplify_options, even, 0.0, 1.0),
+    BVXI_OR(bvx_simplify_options, even, REAL, BVXI_EVEN, 0.0, 1.0),
     BVXI_COUNT(bvx_simplify_options, measure_samples, 0, INT32_MAX),
     BVXI_SWITCH(bvx_simplify_options, strict),
     BVXI_SWITCH(bvx_simplify_options, lock_border),
-    BVXI_REAL(bvx_simplify_options, attribute_weight, 0.0, 1000.0),
+    BVXI_OR(bvx_simplify_options, attribute_weight, REAL, 1.0, 0.0, 1000.0),
     BVXI_CHOICE(bvx_simplify_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
     BVXI_CHOICE(bvx_simplify_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
     BVXI_RESERVED(bvx_simplify_options, reserved),
 };
 
-static bvx_status check_simplify_options(bvx_context *ctx, const bvx_simplify_options *o)
-{
-    return bvxi_check_options(ctx, simplify_name, o, BVXI_OPTIONS(simplify_rows));
-}
-
 static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
                                     const bvx_simplify_options *options, uint64_t level_count,
                                     bvx_mesh *levels)
 {
-    bvx_simplify_options o = simplify_defaults;
+    bvx_simplify_options o;
     bvxi_level_chain chain = {.function = simplify_name};
     bvxi_sheets_report sheets;
     bvx_certificate from;
@@ -44,7 +31,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, simplify_name, "levels");
     BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
-    BVXI_TRY(check_simplify_options(context, &o));
+    BVXI_TRY(bvxi_check_options(context, simplify_name, &o, BVXI_OPTIONS(simplify_rows)));
     BVXI_TRY(bvxi_view_check(context, simplify_name, mesh));
     BVXI_TRY(bvxi_view_check_uvs(context, simplify_name, mesh));
     for (uint64_t i = 0; i < level_count; i++)

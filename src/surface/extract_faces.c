@@ -7,13 +7,6 @@
 
 enum { FACE_GRAIN = 64 };
 
-static const bvx_faces_options faces_defaults = {0, BVX_F32, 0, 0, 0};
-
-void bvx_faces_options_init(bvx_faces_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &faces_defaults, sizeof faces_defaults);
-}
-
 static const bvxi_option faces_rows[] = {
     BVXI_CHOICE(bvx_faces_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_faces_options, local_frame),
@@ -24,9 +17,9 @@ static const bvxi_option faces_rows[] = {
 static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
                               const bvx_faces_options *given)
 {
-    const bvx_faces_options *const o = &f->options;
+    bvx_faces_options *const o = &f->options;
 
-    BVXI_TRY(bvxi_take_options(ctx, f->function, given, &f->options, sizeof f->options));
+    BVXI_TRY(bvxi_take_options(ctx, f->function, given, o, sizeof *o));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));
     BVXI_TRY(bvxi_check_options(ctx, f->function, o, BVXI_OPTIONS(faces_rows)));
@@ -46,7 +39,6 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     uint64_t *empty;
     bvx_status status;
 
-    f->options = faces_defaults;
     BVXI_TRY(check_faces(ctx, f, grid, options));
 
     /* A row of corners more than of voxels: the last voxels' high sides. */

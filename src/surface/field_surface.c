@@ -13,24 +13,16 @@
 #include "mesh/topology.h"
 #include "mesh/view.h"
 
-static const bvx_field_surface_options field_surface_defaults = {
-    0, BVX_EDGE_TANGENT, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0.8, NULL, NULL, 0.0};
-
-void bvx_field_surface_options_init(bvx_field_surface_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &field_surface_defaults, sizeof field_surface_defaults);
-}
-
 /* ---- checks ---- */
 
 static const bvxi_option field_surface_rows[] = {
-    BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT),
+    BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
     BVXI_CHOICE(bvx_field_surface_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
     BVXI_CHOICE(bvx_field_surface_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_WHOLE(bvx_field_surface_options, sharp, -1, 1),
+    BVXI_CHOICE(bvx_field_surface_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_SWITCH(bvx_field_surface_options, local_frame),
     BVXI_RESERVED(bvx_field_surface_options, reserved),
-    BVXI_REAL(bvx_field_surface_options, sharp_angle, -1.0, 1.0),
+    BVXI_OR(bvx_field_surface_options, sharp_angle, REAL, BVXI_SHARP_ANGLE, -1.0, 1.0),
     BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
 
@@ -93,7 +85,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
 {
     /* Only what the chosen way reads has to be there. */
     int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
-                        o->sharp != 0;
+                        o->sharp != BVX_SHARP_NEVER;
 
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0)
@@ -106,7 +98,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     /* Middles need no value of the field. */
-    if (o->interpolation == BVX_EDGE_MIDDLE && !o->sharp) return BVX_OK;
+    if (o->interpolation == BVX_EDGE_MIDDLE && o->sharp == BVX_SHARP_NEVER) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) ||
         memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
@@ -150,15 +142,15 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
                                      bvx_field_surface_options *o)
 {
     double low[3], high[3], share;
+    int32_t sharp;
 
     /* Requested or forbidden: the mesh is not looked at. */
-    if (o->sharp >= 0) return BVX_OK;
-    if (mesh == NULL)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
-                             "%s: sharp is -1, which looks at the mesh's edges, but mesh is NULL", function);
+    if (o->sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    return BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &o->sharp, &share));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp, &share)));
+    o->sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
+    return BVX_OK;
 }
 
 /* ---- steps ---- */
@@ -234,17 +226,15 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                               const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface)
 {
-    bvx_field_surface_report report;
-    bvx_extract_options extract;
+    int const sharp = options->sharp == BVX_SHARP_ALWAYS;
+    /* Choices of the field's surface that marching cubes has too. */
+    bvx_extract_options extract = {.face_rule = options->face_rule,
+                                   .position_type = options->position_type,
+                                   .local_frame = options->local_frame};
+    bvx_field_surface_report report = {.sharp = sharp ? 1 : 0};
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
 
-    memset(&report, 0, sizeof report);
-    bvx_extract_options_init(&extract, sizeof extract);
-    /* Choices of the field's surface that marching cubes has too. */
-    extract.face_rule = options->face_rule;
-    extract.position_type = options->position_type;
-    extract.local_frame = options->local_frame;
     m.function = function;
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_march_open(ctx, &m, inside, &extract)));
     cuts.march = &m;
@@ -252,10 +242,9 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     cuts.interpolation = options->interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
     /* Both ways share the march; sharpening only adds to it. */
-    BVXI_TRY(options->sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
-                            : make_plain(ctx, &m, &cuts, surface, &report));
+    BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
+                   : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);
-    report.sharp = options->sharp != 0;
     if (options->report != NULL) *options->report = report;
     return BVX_OK;
 }
@@ -267,7 +256,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
                                             const bvx_field_surface_options *options, bvx_mesh *surface)
 {
     static const char name[] = "bvx_extract_field_surface";
-    bvx_field_surface_options o = field_surface_defaults;
+    bvx_field_surface_options o;
     bvxi_cut_rule v = {0};
     bvxi_sparse values;
     int32_t asked;
@@ -277,12 +266,13 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
+    if (o.sharp == BVX_SHARP_AUTO && (mesh == NULL || field->vectors == NULL)) o.sharp = BVX_SHARP_NEVER;
     BVXI_TRY(check_field(context, name, field, &o));
     /* Remembered, as looking for sharp edges takes its share of progress. */
     asked = o.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
-    if (o.sharp && mesh != NULL && field->triangles != NULL) {
+    if (o.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;
@@ -292,7 +282,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     v.inside = o.grid != NULL ? &field->inside : NULL;
     v.offset = o.offset;
     return BVXI_SHARE(
-        context, asked < 0 ? 0.2 : 0.0, 1.0,
+        context, asked == BVX_SHARP_AUTO ? 0.2 : 0.0, 1.0,
         bvxi_field_surface(context, name, o.grid != NULL ? o.grid : &field->inside, &v, &o, surface));
 }
 

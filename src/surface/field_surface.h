@@ -7,6 +7,8 @@
 #include "grid/sparse.h"
 #include "surface/march.h"
 
+#define BVXI_SHARP_ANGLE 0.8 /* by default */
+
 /* ---- Where a lattice edge is cut, from the vectors to the closest points of both its ends ---- */
 
 /* What placed a cut. */

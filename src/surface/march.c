@@ -16,13 +16,6 @@ enum { SLOT_GRAIN = 64 };
 #define FLOAT_LIMIT 3.0e38
 #define FLOAT_STEPS 256.0
 
-static const bvx_extract_options extract_defaults = {0, BVX_FACE_SEPARATE, BVX_F32, 0, 0, 0, 0};
-
-void bvx_extract_options_init(bvx_extract_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &extract_defaults, sizeof extract_defaults);
-}
-
 static const bvxi_option extract_rows[] = {
     BVXI_CHOICE(bvx_extract_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
     BVXI_CHOICE(bvx_extract_options, position_type, BVX_POSITION_AUTO, BVX_F64),
@@ -33,7 +26,7 @@ static const bvxi_option extract_rows[] = {
 };
 
 static bvx_status check_extract_options(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                                        const bvx_extract_options *o)
+                                        bvx_extract_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(extract_rows)));
 
@@ -197,9 +190,9 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
                            const bvx_extract_options *options)
 {
     BVXI_TRY(bvxi_grid_check(ctx, m->function, grid));
-    BVXI_TRY(check_extract_options(ctx, m->function, grid, options));
-    m->grid = grid;
     m->options = *options;
+    BVXI_TRY(check_extract_options(ctx, m->function, grid, &m->options));
+    m->grid = grid;
     m->cpu = bvxi_cpu(ctx);
     for (int32_t a = 0; a < 3; a++) {
         m->spacing[a] = grid->lattice.spacing[a];
@@ -276,7 +269,7 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
                                     uint64_t *triangle_count)
 {
     static const char name[] = "bvx_extract_count";
-    bvx_extract_options o = extract_defaults;
+    bvx_extract_options o;
     bvxi_march m = {0};
     bvx_status status;
 
@@ -302,7 +295,7 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
                                       const bvx_extract_options *options, bvx_mesh *mesh)
 {
     static const char name[] = "bvx_extract_surface";
-    bvx_extract_options o = extract_defaults;
+    bvx_extract_options o;
     bvxi_march m = {0};
 
     if (context == NULL) return BVX_ERR_ARGUMENT;

@@ -10,14 +10,6 @@
 #include "surface/march.h"
 #include "volume/room.h"
 
-static const bvx_scalar_options scalar_defaults = {0, 0.0,  0,     BVX_FACE_SEPARATE, BVX_F32, 0, 0,
-                                                   0, NULL, {0, 0}};
-
-void bvx_scalar_options_init(bvx_scalar_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &scalar_defaults, sizeof scalar_defaults);
-}
-
 static const bvxi_option scalar_rows[] = {
     BVXI_SWITCH(bvx_scalar_options, below),
     BVXI_CHOICE(bvx_scalar_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
@@ -29,13 +21,12 @@ static const bvxi_option scalar_rows[] = {
 };
 
 /* Before samples are read. */
-static bvx_status check_scalar_options(bvx_context *ctx, const char *function, const bvx_scalar_options *o)
+static bvx_status check_scalar_options(bvx_context *ctx, const char *function, bvx_scalar_options *o)
 {
     /* NaN compares with nothing: all samples would be outside. */
     if (o->level != o->level)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_FINITE, "%s: level is NaN", function);
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows)));
-    return BVX_OK;
+    return bvxi_check_options(ctx, function, o, BVXI_OPTIONS(scalar_rows));
 }
 
 /* The struct of a grid over the volume's window, without words. */
@@ -60,20 +51,17 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
                                 bvx_mesh *mesh)
 {
     double const end = 1.7976931348623157e308; /* no finite sample lies beyond */
-    bvx_extract_options extract;
+    /* Choices that the march has too. */
+    bvx_extract_options extract = {.face_rule = o->face_rule,
+                                   .position_type = o->position_type,
+                                   .open_sides = o->open_sides,
+                                   .keys = o->keys,
+                                   .local_frame = o->local_frame};
     bvxi_march m = {0};
     bvxi_level_samples level;
     bvx_volume_report report;
     bvxi_range range;
 
-    bvx_extract_options_init(&extract, sizeof extract);
-
-    /* Choices that the march has too. */
-    extract.face_rule = o->face_rule;
-    extract.position_type = o->position_type;
-    extract.open_sides = o->open_sides;
-    extract.keys = o->keys;
-    extract.local_frame = o->local_frame;
     /* Samples above the level, or below it; both ends are finite. */
     bvxi_range_make(volume->sample_type, o->below ? -end : o->level, o->below ? o->level : end, &range);
     level.samples = volume->samples;
@@ -98,7 +86,7 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
                                      const bvx_scalar_options *options, bvx_mesh *mesh)
 {
     static const char name[] = "bvx_extract_scalar";
-    bvx_scalar_options o = scalar_defaults;
+    bvx_scalar_options o;
     bvx_grid inside;
     int64_t stride[3];
     bvx_status status;

@@ -19,12 +19,6 @@ enum {
 #define NANOSECONDS_A_TRIANGLE 1000.0
 
 static const char surface_name[] = "bvx_voxelize_surface";
-static const bvx_surface_options surface_defaults = {0};
-
-void bvx_surface_options_init(bvx_surface_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &surface_defaults, sizeof surface_defaults);
-}
 
 void bvx_attached_free(bvx_context *context, bvx_attached *attached)
 {
@@ -337,7 +331,7 @@ static void begin_surface(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t m
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, bvx_grid *lost, double beyond[3])
 {
-    bvx_surface_options const o = surface_defaults;
+    bvx_surface_options const o = {0};
     bvxi_surface_job job;
 
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
@@ -367,7 +361,7 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
                                        const bvx_lattice *lattice, const bvx_surface_options *options,
                                        bvx_grid *surface)
 {
-    bvx_surface_options o = surface_defaults;
+    bvx_surface_options o;
     bvx_window window;
     bvx_grid made;
     bvxi_surface_job job;
@@ -408,9 +402,8 @@ bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
                            bvx_grid *shell, uint64_t *voxels)
 {
     uint64_t const words = bvxi_grid_words(solid);
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
 
-    bvx_surface_options_init(&o, sizeof o);
     memcpy(o.window.low, solid->low, sizeof o.window.low);
     memcpy(o.window.size, solid->size, sizeof o.window.size);
     memset(shell, 0, sizeof *shell);

@@ -10,12 +10,6 @@
 enum { POINTS_ASKED = 1 << 20 /* points between two questions for progress */ };
 
 static const char points_name[] = "bvx_voxelize_points";
-static const bvx_points_options points_defaults = {0, 1, 0, 0, 0, {{0, 0, 0}, {0, 0, 0}}, NULL};
-
-void bvx_points_options_init(bvx_points_options *options, size_t size)
-{
-    bvxi_give_options(options, size, &points_defaults, sizeof points_defaults);
-}
 
 typedef struct points_work {
     bvx_mesh_view view;
@@ -127,14 +121,14 @@ static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_
 /* ---- The call ---- */
 
 static const bvxi_option points_rows[] = {
-    BVXI_WHOLE(bvx_points_options, minimum, 1, INT32_MAX),
+    BVXI_OR(bvx_points_options, minimum, WHOLE, 1, 1, INT32_MAX),
     BVXI_SWITCH(bvx_points_options, body),
     BVXI_WHOLE(bvx_points_options, close_gaps, 0, BVXI_MOST_GAP),
     BVXI_RESERVED(bvx_points_options, reserved),
 };
 
-static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice,
-                                       const bvx_points_options *o, bvx_window *window)
+static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *lattice, bvx_points_options *o,
+                                       bvx_window *window)
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
 
@@ -170,7 +164,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
                                       const bvx_lattice *lattice, const bvx_points_options *options,
                                       bvx_grid *grid)
 {
-    bvx_points_options o = points_defaults;
+    bvx_points_options o;
     points_work work;
     bvx_window window;
     bvx_grid made;

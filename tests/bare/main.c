@@ -43,12 +43,11 @@ static void say_number(uint64_t n, uint64_t base)
 
 int main(void)
 {
-    bvx_context_options options;
+    bvx_context_options options = {.struct_size = sizeof options};
     bvx_context *ctx = NULL;
     bare_result r = {0, 0, 0, 0};
     bvx_status status;
 
-    bvx_context_options_init(&options, sizeof options);
     options.arena = arena;
     options.arena_size = sizeof arena;
     status = bvx_context_create(&options, &ctx);

@@ -101,9 +101,8 @@ void bench_memory_release(bench_memory *m)
 bvx_context *bench_context(int threads, int cpu, bench_memory *memory)
 {
     bvx_context *ctx = NULL;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     o.cpu = cpu;
     if (memory != NULL) {
@@ -128,9 +127,8 @@ void bench_main_job(bvx_context *ctx, const bvx_mesh_view *view, uint64_t level_
 {
     bvx_lattice lattice;
     bvx_grid solid = {0};
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
 
-    bvx_lod_options_init(&options, sizeof options);
     options.resolutions = bench_resolutions;
     options.reports = reports;
     bench_try(ctx, bvx_lattice_fit(ctx, view, BENCH_MAIN, &lattice), "lattice");

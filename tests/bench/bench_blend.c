@@ -27,13 +27,12 @@ static void *blend_get(size_t bytes)
 
 static void cut_mesh(bvx_context *ctx, const bvx_mesh *mesh, bvx_sections *sections)
 {
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
     bvx_certificate c;
     bvx_mesh_view view;
 
     bvx_mesh_view_of(mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 1, &c), "bounds");
-    bvx_slice_options_init(&o, sizeof o);
     o.spacing = (c.high[2] - c.low[2]) / BLEND_CUTS;
     bench_try(ctx, bvx_slice_mesh(ctx, &view, &o, sections), "sections");
 }
@@ -228,14 +227,13 @@ static void show_blend(bvx_context *ctx, const char *name, const bvx_sections *s
     static const char *const names[] = {"linear", "cubic"};
     static bench_times times;
     bvx_sections_report report;
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_certificate c;
     bvx_mesh mesh = {0};
     bvx_mesh_view view;
     uint64_t pairs = 0;
 
     memset(&times, 0, sizeof times);
-    bvx_sections_options_init(&o, sizeof o);
     o.layers = layers;
     o.blend = blend;
     o.mend = 1;

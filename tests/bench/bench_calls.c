@@ -130,9 +130,8 @@ static int refuse_null(void)
 
 static int refuse_option(void)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.close_gaps = -1;
     return bvx_voxelize_solid(ctx, &mesh, &lattice, &o, &made) == BVX_ERR_ARGUMENT;
 }

@@ -252,10 +252,9 @@ static void show_phases(subject *s)
 {
     static phase_clock clock;
     static bench_memory memory;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     o.alloc = bench_alloc;
     o.free = bench_free;
@@ -306,8 +305,7 @@ static void show_job(subject *s)
         bench_add(&solid_times, bench_clock(1) - start);
         for (int i = 0; i < LEVELS; i++) {
             bvx_mesh level = {0};
-            bvx_lod_options options;
-            bvx_lod_options_init(&options, sizeof options);
+            bvx_lod_options options = {.struct_size = sizeof options};
             options.resolutions = &bench_resolutions[i];
             start = bench_clock(1);
             bench_try(a->ctx, bvx_build_lods(a->ctx, &solid, &options, 1, &level), "level");

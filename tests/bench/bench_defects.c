@@ -16,7 +16,7 @@ static void one_repair(bvx_context *ctx, const defect_kind *kind, int32_t which,
                        defect_shape *shape)
 {
     uint64_t seed = UINT64_C(0xdefec75);
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_repair_report r;
     bvx_mesh_view view;
     bvx_mesh out = {0};
@@ -24,7 +24,6 @@ static void one_repair(bvx_context *ctx, const defect_kind *kind, int32_t which,
     defect_begin(shape, which, &seed, resolution);
     kind->make(shape, &seed);
     view = maker_view(&shape->mesh);
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.report = &r;
     bench_try(ctx, bvx_repair(ctx, &view, &o, &out), kind->name);

@@ -38,10 +38,9 @@ typedef struct field_job {
 static double run_field(bvx_context *ctx, const bench_model *m, const bvx_lattice *lattice,
                         const field_job *job, int threads, bvx_field *field)
 {
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     double const start = bench_clock(threads);
 
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = 3.0;
     o.sign = job->sign;
     o.no_vectors = job->no_vectors;
@@ -120,10 +119,9 @@ static void show_fields(const bench_model *m, FILE *targets)
 static double run_repair(bvx_context *ctx, const bench_model *m, int threads, bvx_repair_report *report,
                          int measure, bvx_mesh *repaired)
 {
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     double const start = bench_clock(threads);
 
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = RESOLUTION;
     o.measure = measure;
     o.report = report;

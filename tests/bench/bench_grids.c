@@ -229,12 +229,11 @@ static void shift_dragon(const bench_model *m, shifted_dragon *s)
 static double run_boolean(bvx_context *ctx, const bench_model *m, const shifted_dragon *s, int32_t operation,
                           int32_t sharp, int threads, bvx_boolean_report *report, bvx_mesh *made)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     double const start = bench_clock(threads);
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.resolution = BOOLEAN_RESOLUTION;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.report = report;
     bench_try(ctx, bvx_boolean(ctx, &m->view, &s->view, operation, &o, made), "boolean");
     return bench_clock(threads) - start;

@@ -83,10 +83,9 @@ static void run_job(stage *s, const bvx_grid *g, const job *j, int threads)
 {
     bvx_context *const ctx = s->ctx[threads];
     uint64_t const voxels = (uint64_t)SIDE * SIDE * SIDE;
-    bvx_morph_options m;
+    bvx_morph_options m = {.struct_size = sizeof m};
 
-    bvx_morph_options_init(&m, sizeof m);
-    m.neighbourhood = j->neighbourhood;
+    m.neighbourhood = j->neighbourhood != 0 ? j->neighbourhood : BVX_BALL;
     m.steps = j->steps;
     m.radius = j->radius * g->lattice.spacing[0];
     switch (j->kind) {

@@ -74,9 +74,8 @@ typedef struct outcome {
 static void voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t n, outcome *out, bvx_grid *solid)
 {
     bvx_lattice lattice;
-    bvx_lattice_options options;
+    bvx_lattice_options options = {.struct_size = sizeof options};
 
-    bvx_lattice_options_init(&options, sizeof options);
     for (int a = 0; a < 3; a++) options.axis_resolution[a] = n;
     double const start = bench_clock(1);
     bench_try(ctx, bvx_lattice_fit_with(ctx, view, &options, &lattice), "lattice");
@@ -87,10 +86,9 @@ static void voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t n, out
 static void rebuild(bvx_context *ctx, const bvx_grid *solid, int32_t samples, int m, outcome *out)
 {
     bvx_mesh level = {0};
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
     int32_t const resolution[3] = {samples, samples, samples};
 
-    bvx_lod_options_init(&options, sizeof options);
     options.method = methods[m];
     options.axis_resolutions = resolution;
     double const start = bench_clock(1);

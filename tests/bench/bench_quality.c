@@ -103,7 +103,7 @@ static void one_level(bvx_context *ctx, const original *o, const setting *s, con
 {
     bvx_mesh level = {0};
     bvx_lod_report report;
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
     char name[160], members[320], path[1024];
     const char *const method = s->method == COVER ? "coverage" : "edge-ratio";
     int n = snprintf(name, sizeof name, "ours %s, grid %d", method, s->grid);
@@ -111,7 +111,6 @@ static void one_level(bvx_context *ctx, const original *o, const setting *s, con
     if (s->threshold != 0.5) n += snprintf(name + n, sizeof name - (size_t)n, ", threshold %g", s->threshold);
     if (s->edge_samples != 0) n += snprintf(name + n, sizeof name - (size_t)n, ", steps %d", s->edge_samples);
     if (s->collapse != 0.0) n += snprintf(name + n, sizeof name - (size_t)n, ", collapse %g", s->collapse);
-    bvx_lod_options_init(&options, sizeof options);
     options.method = s->method;
     options.edge_samples = s->edge_samples;
     options.threshold = s->threshold;

@@ -63,13 +63,12 @@ static void count_tree(const stage *s, const bvx_octree *tree, job *j)
 static double run_refine(stage *s, job *j)
 {
     const bench_model *const m = s->model;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
     double const start = bench_clock(1);
 
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = j->levels;
+    o.levels = j->levels != 0 ? j->levels : BVX_NONE;
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, j->resolution, &base), m->name);
     bench_try(s->ctx, bvx_refine(s->ctx, &m->view, &base, &o, &tree), m->name);
     double const ms = bench_clock(1) - start;
@@ -102,13 +101,12 @@ static double run_surface_and_flood(stage *s, job *j)
 {
     static const int32_t corner[3] = {0, 0, 0};
     const bench_model *const m = s->model;
-    bvx_lattice_options o;
+    bvx_lattice_options o = {.struct_size = sizeof o};
     bvx_lattice lattice;
     bvx_grid surface = {0}, outside = {0};
     uint64_t count = 0;
     double const start = bench_clock(1);
 
-    bvx_lattice_options_init(&o, sizeof o);
     o.resolution = j->resolution;
     o.padding = 1;
     bench_try(s->ctx, bvx_lattice_fit_with(s->ctx, &m->view, &o, &lattice), m->name);
@@ -125,12 +123,11 @@ static double run_surface_and_flood(stage *s, job *j)
 static double run_grid(stage *s, job *j)
 {
     const bench_model *const m = s->model;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_lattice lattice;
     bvx_grid grid = {0};
     double const start = bench_clock(1);
 
-    bvx_voxelize_options_init(&o, sizeof o);
     if (j->kind == FLOOD_AND_VOTES) o.fill = BVX_FILL_FLOOD;
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, j->resolution, &lattice), m->name);
     if (j->kind == SURFACE)
@@ -362,14 +359,13 @@ static void show_large(const bench_model *m, FILE *targets)
 static double window_ms(stage *s, uint64_t vertex, uint64_t *peak, uint64_t *surface)
 {
     const bench_model *const m = s->model;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
     bvx_grid grid = {0};
     uint64_t const before = bvx_memory_used(s->ctx);
 
     bench_try(s->ctx, bvx_lattice_fit(s->ctx, &m->view, 16, &base), m->name);
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 12;
     for (int i = 0; i < 3; i++) {
         double const voxel = (m->points[3 * vertex + (uint64_t)i] - base.origin[i]) / base.spacing[i] *

@@ -151,7 +151,7 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
                      int runs)
 {
     static const char *const name[] = {"exact", "paper", "classic"};
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_sections_report report;
     bvx_certificate certificate;
     bvx_mesh mesh = {0};
@@ -161,7 +161,6 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
 
     memset(&times, 0, sizeof times);
     memset(&report, 0, sizeof report);
-    bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = o.grid[1] = grid;
     o.crossings = crossings;
     o.blend = blend;
@@ -264,13 +263,12 @@ static void show_joint_row(bvx_context *ctx, int bodies, int32_t cells, int runs
     static bench_times times;
     int32_t label[JOINT_MOST];
     bvx_sections s;
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     uint64_t triangles = 0;
     int sound = 1, spheres = 0;
 
     make_joint(&s, bodies);
     memset(&times, 0, sizeof times);
-    bvx_sections_options_init(&o, sizeof o);
     o.cells = cells;
     for (int i = 0; i < bodies; i++) label[i] = i + 1;
     bvx_memory_reset_peak(ctx);
@@ -374,20 +372,18 @@ static void make_any_planes(bvx_sections *s)
 static void show_any_planes(int runs)
 {
     bvx_sections s;
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
 
     make_any_planes(&s);
-    bvx_sections_options_init(&o, sizeof o);
     o.cells = ANY_CELLS;
     printf("\nA ball by %d random planes of %d points, %d cells\n\n", ANY_PLANES, ANY_POINTS, ANY_CELLS);
     printf("| threads | s | peak MiB | triangles |\n|--:|--:|--:|--:|\n");
     for (int32_t threads = 1; threads <= 2; threads++) {
-        bvx_context_options options;
+        bvx_context_options options = {.struct_size = sizeof options};
         bvx_context *ctx;
         double least = 1e300;
         uint64_t triangles = 0;
 
-        bvx_context_options_init(&options, sizeof options);
         options.threads = threads;
         if (bvx_context_create(&options, &ctx) != BVX_OK) exit(1);
         for (int i = 0; i < runs; i++) {

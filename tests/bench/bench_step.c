@@ -178,8 +178,7 @@ static int survives(bvx_context *ctx, const bvx_closest *surface, double const l
 
 static void measure_field(bvx_context *ctx, const bvx_mesh_view *v, const bvx_lattice *l, bvx_field *field)
 {
-    bvx_field_options o;
-    bvx_field_options_init(&o, sizeof o);
+    bvx_field_options o = {.struct_size = sizeof o};
     o.sign = BVX_SIGN_EXACT;
     o.features = 1;
     bench_try(ctx, bvx_measure_field(ctx, v, l, &o, field), "the field");
@@ -204,12 +203,11 @@ static void run_step(bvx_context *ctx, double dx, double dz, double sine, const 
     bench_try(ctx, bvx_closest_create(ctx, &v, &reference), "the step");
     measure_field(ctx, &v, &l, &field);
     for (int i = 0; i < MODES; i++) {
-        bvx_field_surface_options o;
+        bvx_field_surface_options o = {.struct_size = sizeof o};
         bvx_mesh m;
         bvx_mesh_view w;
         bvx_closest *surface = NULL;
         memset(&m, 0, sizeof m);
-        bvx_field_surface_options_init(&o, sizeof o);
         o.interpolation = modes[i];
         o.position_type = BVX_F64;
         bench_try(ctx, bvx_extract_field_surface(ctx, &field, &v, &o, &m), mode_names[i]);
@@ -275,7 +273,7 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
     bvx_mesh in;
     bvx_mesh_view v;
     bvx_lattice l;
-    bvx_lattice_options o;
+    bvx_lattice_options o = {.struct_size = sizeof o};
     bvx_field field;
     bvx_closest *reference = NULL;
     double error[MODES + 1];
@@ -289,20 +287,18 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
         return;
     }
     bvx_mesh_view_of(&in, &v);
-    bvx_lattice_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.padding = 2;
     bench_try(ctx, bvx_lattice_fit_with(ctx, &v, &o, &l), file);
     bench_try(ctx, bvx_closest_create(ctx, &v, &reference), file);
     measure_field(ctx, &v, &l, &field);
     for (int i = 0; i <= MODES; i++) { /* the last: sharp */
-        bvx_field_surface_options so;
+        bvx_field_surface_options so = {.struct_size = sizeof so};
         bvx_mesh m;
         memset(&m, 0, sizeof m);
-        bvx_field_surface_options_init(&so, sizeof so);
         so.interpolation = i < MODES ? modes[i] : BVX_EDGE_VECTOR;
         so.position_type = BVX_F64;
-        so.sharp = i == MODES;
+        so.sharp = BVX_SHARP_NEVER + (i == MODES);
         so.report = &report[i];
         bench_try(ctx, bvx_extract_field_surface(ctx, &field, &v, &so, &m), file);
         error[i] = paper_error(ctx, reference, &m, NULL, NULL) / l.spacing[0];

@@ -17,7 +17,7 @@ enum { VOLUME_SIDE = 512, VOLUME_RUNS = 9 };
 static void make_samples(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_buffer *file, bvx_volume *volume)
 {
     static const int32_t dims[3] = {VOLUME_SIDE, VOLUME_SIDE, VOLUME_SIDE};
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_lattice fitted, cube;
     bvx_field field;
     double origin[3];
@@ -27,7 +27,6 @@ static void make_samples(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_buffer
     for (int a = 0; a < 3; a++)
         origin[a] = fitted.origin[a] - 0.5 * (VOLUME_SIDE - fitted.dims[a]) * fitted.spacing[a];
     bench_try(ctx, bvx_lattice_make(ctx, origin, fitted.spacing, dims, &cube), "bvx_lattice_make");
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = 6;
     o.no_vectors = 1;
     bench_try(ctx, bvx_measure_field(ctx, mesh, &cube, &o, &field), "bvx_measure_field");
@@ -99,10 +98,9 @@ static void threshold_turned(volume_bench *b)
 static void surface_of(volume_bench *b, const bvx_volume_view *v)
 {
     bvx_volume_report r;
-    bvx_scalar_options o;
+    bvx_scalar_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
 
-    bvx_scalar_options_init(&o, sizeof o);
     o.below = 1;
     o.report = &r;
     bench_try(b->ctx, bvx_extract_scalar(b->ctx, v, &o, &mesh), "bvx_extract_scalar");

@@ -40,11 +40,10 @@ typedef struct stage {
 
 static double run_solid(const stage *s, job *j)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid grid = {0};
     double const start = bench_clock(1);
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = j->rule;
     bvx_status const status = bvx_voxelize_solid(s->ctx, &s->model->view, &s->lattice, &o, &grid);
     double const ms = bench_clock(1) - start;
@@ -58,12 +57,11 @@ static double run_solid(const stage *s, job *j)
 
 static double run_surface(const stage *s, job *j)
 {
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_attached attached = {0};
     bvx_grid grid = {0};
     double const start = bench_clock(1);
 
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = j->rule;
     o.report = &j->report;
     if (j->kind == ATTACHED) o.attached = &attached;
@@ -249,12 +247,11 @@ static void show_octree(bvx_context *ctx, bench_memory *memory, const bench_mode
 static void show_seed(bvx_context *ctx, const bench_model *m)
 {
     bvx_lattice lattice;
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_grid surface = {0};
     bvx_seed seed;
 
     bench_try(ctx, bvx_lattice_fit(ctx, &m->view, 256, &lattice), m->name);
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = BVX_SURFACE_SAMPLED;
     bench_try(ctx, bvx_voxelize_surface(ctx, &m->view, &lattice, &o, &surface), m->name);
     bench_try(ctx, bvx_find_seed(ctx, &surface, NULL, 0, &seed), m->name);

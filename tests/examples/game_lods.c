@@ -42,13 +42,12 @@ static int bake(bvx_context *ctx, const void *file, size_t size)
     bvx_lattice lattice;
     bvx_grid solid = {0};
     bvx_lod_report report[LEVELS];
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
     if (bvx_read_mesh(ctx, file, size, BVX_FORMAT_PLY, &mesh) != BVX_OK) return fail(ctx, "reading");
     bvx_mesh_view_of(&mesh, &view); /* an engine points the view at its own arrays instead */
     if (bvx_lattice_fit(ctx, &view, 8 * FINEST, &lattice) != BVX_OK) return fail(ctx, "lattice");
     if (bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK) return fail(ctx, "solid");
 
-    bvx_lod_options_init(&options, sizeof options);
     options.resolutions = resolutions;
     options.source_triangles = mesh.triangle_count;
     options.reports = report;
@@ -73,11 +72,10 @@ int main(int count, char **word)
     size_t size;
     void *const file = load(count > 1 ? word[1] : "fixtures/knot.ply", &size);
     void *const block = malloc(BLOCK_BYTES);
-    bvx_context_options options;
+    bvx_context_options options = {.struct_size = sizeof options};
     bvx_context *ctx;
     int status = 1;
 
-    bvx_context_options_init(&options, sizeof options);
     options.arena = block;
     options.arena_size = BLOCK_BYTES;
     options.threads = 1; /* the tool bakes one asset a thread */

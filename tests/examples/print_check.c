@@ -52,7 +52,7 @@ static bvx_status check(bvx_context *ctx, const void *bytes, size_t size, int32_
     bvx_lattice lattice;
     bvx_grid solid = {0};
     bvx_solid_report report;
-    bvx_voxelize_options options;
+    bvx_voxelize_options options = {.struct_size = sizeof options};
     bvx_buffer file = {0};
     uint64_t set = 0;
     bvx_status s = bvx_read_mesh(ctx, bytes, size, format, &part);
@@ -60,7 +60,6 @@ static bvx_status check(bvx_context *ctx, const void *bytes, size_t size, int32_
     if (s == BVX_OK) s = bvx_mesh_check(ctx, &view, 1, &c);
     if (s == BVX_OK) tell(&c);
 
-    bvx_voxelize_options_init(&options, sizeof options);
     options.fill = BVX_FILL_NONZERO; /* overlapping shells are one body, as slicers see them */
     options.report = &report;
     if (s == BVX_OK) s = bvx_lattice_fit(ctx, &view, 256, &lattice);

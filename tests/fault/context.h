@@ -14,8 +14,7 @@
 
 static inline bvx_context_options default_options(void)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
+    bvx_context_options o = {.struct_size = sizeof o};
     return o;
 }
 

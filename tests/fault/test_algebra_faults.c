@@ -154,13 +154,12 @@ static bvx_status resample(void *user, bvx_context *ctx)
 
 static bvx_status boolean_with(bvx_context *ctx, int other, int32_t operation, int32_t sharp)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.resolution = 20;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     status = bvx_boolean(ctx, &view[0], &view[other], operation, &o, &mesh);
     if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
     else left_behind |= mesh.positions != NULL || mesh.triangles != NULL || mesh.vertex_count != 0;

@@ -86,11 +86,10 @@ static bvx_status label(void *user, bvx_context *ctx)
 static bvx_status keep(void *user, bvx_context *ctx)
 {
     static const int32_t seeds[6] = {1, 2, 3, 60, 12, 11};
-    bvx_keep_options o;
+    bvx_keep_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
     (void)user;
-    bvx_keep_options_init(&o, sizeof o);
     o.largest = 3;
     o.seeds = seeds;
     o.seed_count = 2;
@@ -117,17 +116,15 @@ static bvx_status topology(void *user, bvx_context *ctx)
 static bvx_status points(void *user, bvx_context *ctx)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {1, 2, 3};
-    bvx_points_options o;
-    bvx_lattice_options fit;
+    bvx_points_options o = {.struct_size = sizeof o};
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice l;
     bvx_grid g = {0};
 
     (void)user;
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 30;
     assert_int_equal(bvx_lattice_fit_box(ctx, low, high, &fit, &l), BVX_OK);
     assert_int_equal(bvx_lattice_fit_points(ctx, &cloud_view, &fit, &l), BVX_OK);
-    bvx_points_options_init(&o, sizeof o);
     o.minimum = 2;
     o.body = 1;
     o.close_gaps = 1;
@@ -188,10 +185,9 @@ static void test_a_failed_call_in_place_changes_nothing(void **state)
             fault_heap heap = {0};
             bvx_context_options const base = default_options();
             bvx_context_options o = fault_options(&base, &heap);
-            bvx_keep_options keep_options;
+            bvx_keep_options keep_options = {.struct_size = sizeof keep_options};
             bvx_context *const ctx = context_with(&o);
             bvx_status status;
-            bvx_keep_options_init(&keep_options, sizeof keep_options);
             keep_options.largest = 1;
             heap.fail_at = heap.asked + fail_at;
             if (which == 0) status = bvx_grid_keep(ctx, &noise, &keep_options, &noise);

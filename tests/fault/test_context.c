@@ -215,23 +215,6 @@ static void test_create_keeps_to_the_portable_path(void **state)
 
 /* ---- Options of older and newer callers ---- */
 
-static void test_options_init_keeps_to_the_callers_size(void **state)
-{
-    unsigned char room[sizeof(bvx_context_options) + 64];
-
-    (void)state;
-    for (size_t size = 0; size <= sizeof room; size++) {
-        size_t stored = 0;
-        memset(room, 0xEE, sizeof room);
-        bvx_context_options_init((bvx_context_options *)(void *)room, size);
-        for (size_t i = size; i < sizeof room; i++) assert_int_equal(room[i], 0xEE);
-        if (size < sizeof stored) continue;
-        memcpy(&stored, room, sizeof stored);
-        assert_int_equal(stored, size);
-        for (size_t i = sizeof(bvx_context_options); i < size; i++) assert_int_equal(room[i], 0);
-    }
-}
-
 static void test_create_takes_options_of_an_older_caller(void **state)
 {
     bvx_context_options o = default_options();
@@ -286,7 +269,7 @@ static void test_create_refuses_a_size_that_is_none(void **state)
         assert_int_equal(bvx_context_create(&o, &ctx), BVX_ERR_ARGUMENT);
         assert_null(ctx);
         assert_string_equal(bvx_context_fault(BVX_VERSION, &o),
-                            "struct_size is not set; call bvx_context_options_init first");
+                            "struct_size is not the sizeof of the options");
     }
 }
 
@@ -413,7 +396,6 @@ int main(void)
         cmocka_unit_test(test_fault_of_an_arena_is_that_of_its_context),
         cmocka_unit_test(test_destroy_and_queries_take_null),
         cmocka_unit_test(test_create_keeps_to_the_portable_path),
-        cmocka_unit_test(test_options_init_keeps_to_the_callers_size),
         cmocka_unit_test(test_create_takes_options_of_an_older_caller),
         cmocka_unit_test(test_create_takes_options_of_a_newer_caller_with_a_zero_tail),
         cmocka_unit_test(test_create_refuses_a_size_that_is_none),

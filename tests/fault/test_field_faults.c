@@ -16,8 +16,8 @@ static int make_inputs(void **state)
     static const double centre[3] = {9, 8, 8}, radius[3] = {7, 6, 5};
     uint64_t seed = 4714;
     bvx_context_options o = default_options();
-    bvx_lattice_options fit;
-    bvx_field_options f;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
+    bvx_field_options f = {.struct_size = sizeof f};
 
     (void)state;
     o.threads = 1;
@@ -28,11 +28,9 @@ static int make_inputs(void **state)
         maker_remove(&holes, (size_t)maker_below(&seed, (int32_t)holes.triangles / 3));
     closed_view = maker_view(&closed);
     holes_view = maker_view(&holes);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 18;
     fit.padding = 2;
     assert_int_equal(bvx_lattice_fit_with(maker, &closed_view, &fit, &lattice), BVX_OK);
-    bvx_field_options_init(&f, sizeof f);
     f.half_width = 1.5;
     f.features = 1;
     assert_int_equal(bvx_measure_field(maker, &closed_view, &lattice, &f, &field), BVX_OK);
@@ -60,10 +58,9 @@ static bvx_status measure(bvx_context *ctx, const bvx_mesh_view *view, int32_t s
 {
     static const bvx_field empty = {0};
     bvx_field f = {0};
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_status status;
 
-    bvx_field_options_init(&o, sizeof o);
     o.sign = sign;
     o.half_width = half_width;
     o.features = features;

@@ -50,13 +50,12 @@ static int free_inputs(void **state)
 static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_view *mesh,
                                const bvx_grid *grid)
 {
-    bvx_field_surface_options o;
+    bvx_field_surface_options o = {.struct_size = sizeof o};
     bvx_mesh m;
     bvx_status status;
 
     memset(&m, 0, sizeof m);
-    bvx_field_surface_options_init(&o, sizeof o);
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.grid = grid;
     o.offset = grid != NULL ? -1.5 : 0.0;
     status = bvx_extract_field_surface(ctx, &field, mesh, &o, &m);

@@ -99,9 +99,8 @@ static bvx_status fill_by(bvx_context *ctx, const bvx_mesh_view *view, bvx_voxel
 
 static bvx_status vote(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_VOTE;
     o.check_edges = o.add_shell = 1;
     return fill_by(ctx, &holes_view, &o);
@@ -116,9 +115,8 @@ static bvx_status overlap(void *user, bvx_context *ctx)
 
 static bvx_status automatic(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     for (int a = 0; a < 3; a++) o.window.size[a] = 5 + a;
     return fill_by(ctx, &holes_view, &o);
 }
@@ -126,11 +124,10 @@ static bvx_status automatic(void *user, bvx_context *ctx)
 /* A patch that is turned as a whole. */
 static bvx_status sides(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_solid_report report;
 
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
     bvx_status const status = fill_by(ctx, &halves_view, &o);
     if (status == BVX_OK) assert_int_equal(report.turned, 10);
@@ -140,13 +137,12 @@ static bvx_status sides(void *user, bvx_context *ctx)
 /* Walls that are lost: of a shell thinner than voxels. */
 static bvx_status losses(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_solid_report report;
 
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
-    o.check_thin = 1;
+    o.check_thin = BVX_CHECK_ALWAYS;
     bvx_status const status = fill_by(ctx, &shell_view, &o);
     if (status == BVX_OK) assert_true(report.thin_voxels > 0);
     return status;
@@ -154,18 +150,16 @@ static bvx_status losses(void *user, bvx_context *ctx)
 
 static bvx_status regions(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_REGIONS;
     return fill_by(ctx, &holes_view, &o);
 }
 
 static bvx_status flood(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_FLOOD;
     o.close_gaps = 2;
     return fill_by(ctx, &hollow_view, &o);
@@ -173,13 +167,13 @@ static bvx_status flood(void *user, bvx_context *ctx)
 
 static bvx_status below(void *user, bvx_context *ctx)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
 
     (void)user;
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
-    o.axis = 1;
+    o.up = BVX_UP_Y;
     o.base = 4;
+    o.has_base = 1;
     o.second = &closed_view;
     return fill_by(ctx, &holes_view, &o);
 }

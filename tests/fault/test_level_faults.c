@@ -38,9 +38,8 @@ static const double errors[LEVELS] = {0.2, 0.6};
 
 static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_level_report *reports)
 {
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
 
-    bvx_simplify_options_init(&o, sizeof o);
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
     if (j->by_error == 3) o.attribute_weight = 10;
@@ -56,9 +55,8 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
 static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_level_report *reports,
                         bvx_levels_report *report)
 {
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
 
-    bvx_levels_options_init(&o, sizeof o);
     if (j->by_error == 1) o.target_errors = errors;
     else o.target_triangles = targets;
     if (j->by_error == 3) o.attribute_weight = 10;
@@ -255,11 +253,10 @@ static bvx_status plan_samples(void *user, bvx_context *ctx)
 {
     uint64_t const counts[2] = {500, 100};
     int32_t resolution = 0;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     bvx_status status;
     (void)user;
 
-    bvx_lod_options_init(&o, sizeof o);
     o.target_triangles = counts;
     status = bvx_plan_lods(ctx, &spoilt_view, &o, 2, 0, &resolution, NULL);
     if (status == BVX_OK) assert_true(resolution > 0);

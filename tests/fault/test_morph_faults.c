@@ -58,10 +58,9 @@ static bvx_status keep_grid(bvx_context *ctx, bvx_status status, bvx_grid *g)
 
 static bvx_status close_by_steps(void *user, bvx_context *ctx)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     (void)user;
-    bvx_morph_options_init(&o, sizeof o);
     o.neighbourhood = 18;
     o.steps = 9;
     return keep_grid(ctx, bvx_grid_close(ctx, &cubic, &o, &g), &g);
@@ -69,10 +68,9 @@ static bvx_status close_by_steps(void *user, bvx_context *ctx)
 
 static bvx_status dilate_by_steps(void *user, bvx_context *ctx)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     (void)user;
-    bvx_morph_options_init(&o, sizeof o);
     o.neighbourhood = 26;
     o.steps = 3;
     return keep_grid(ctx, bvx_grid_dilate(ctx, &stretched, &o, &g), &g);
@@ -80,22 +78,20 @@ static bvx_status dilate_by_steps(void *user, bvx_context *ctx)
 
 static bvx_status open_by_steps(void *user, bvx_context *ctx)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     (void)user;
-    bvx_morph_options_init(&o, sizeof o);
     o.steps = 17;
     return keep_grid(ctx, bvx_grid_open(ctx, &cubic, &o, &g), &g);
 }
 
 static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
     (void)user;
-    bvx_morph_options_init(&o, sizeof o);
-    o.neighbourhood = 0;
+    o.neighbourhood = BVX_BALL;
     o.radius = 2.5;
     o.beyond = 1;
     return keep_grid(ctx, bvx_grid_open(ctx, &stretched, &o, &g), &g);
@@ -103,11 +99,10 @@ static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
 
 static bvx_status erode_by_a_large_ball(void *user, bvx_context *ctx)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     (void)user;
-    bvx_morph_options_init(&o, sizeof o);
-    o.neighbourhood = 0;
+    o.neighbourhood = BVX_BALL;
     o.radius = 60.0;
     return keep_grid(ctx, bvx_grid_erode(ctx, &cubic, &o, &g), &g);
 }
@@ -116,12 +111,11 @@ static bvx_status hollow(void *user, bvx_context *ctx)
 {
     static const bvx_hollow_report untouched = {0, 0, {0, 0, 0}, {0}};
     bvx_hollow_report report = untouched;
-    bvx_hollow_options o;
+    bvx_hollow_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     bvx_status status;
 
     (void)user;
-    bvx_hollow_options_init(&o, sizeof o);
     o.thickness = 1.0;
     o.drain_radius = 1.5;
     o.report = &report;
@@ -135,9 +129,8 @@ static bvx_status measure(bvx_context *ctx, const bvx_grid *g, int32_t side)
     enum { VOXELS = 70 * 14 * 12 };
     static float values[VOXELS];
     static uint64_t nearest[VOXELS];
-    bvx_distance_options o;
+    bvx_distance_options o = {.struct_size = sizeof o};
     bvx_status status;
-    bvx_distance_options_init(&o, sizeof o);
     o.side = side;
     o.nearest = nearest;
     status = bvx_grid_distance(ctx, g, &o, BVX_F32, values, VOXELS);

@@ -128,12 +128,11 @@ static bvx_status run_refine(void *user, bvx_context *ctx)
 {
     refine_run *const run = user;
     bvx_octree *tree = NULL;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     uint64_t mark = 0;
 
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 4;
-    if (run->start < WITH_WINDOW) o.start_level = run->start;
+    if (run->start < WITH_WINDOW) o.start_level = run->start > 0 ? run->start : BVX_NONE;
     if (run->start == WITH_TOLERANCE) o.tolerance = 0.05;
     if (run->start == WITH_WINDOW) {
         bvx_window const window = {{10, 20, 30}, {17, 9, 20}};

@@ -53,13 +53,13 @@ static int free_inputs(void **state)
 
 static bvx_render_options cut_options(void)
 {
-    bvx_render_options o;
+    bvx_render_options o = {.struct_size = sizeof o};
 
-    bvx_render_options_init(&o, sizeof o);
     o.width = 40;
     o.height = 50;
     o.samples = 1;
     o.smooth = o.wireframe = 1;
+    o.cut = BVX_OPEN_X_HIGH | BVX_OPEN_Z_LOW;
     o.cut_high[0] = 20;
     o.cut_low[2] = 9.1;
     return o;

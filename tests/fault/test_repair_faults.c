@@ -12,18 +12,17 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
 {
     static const bvx_mesh empty = {0};
     bvx_repair_report report;
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = empty;
     bvx_status status;
     uint64_t hash;
 
     (void)user;
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = 14;
     o.least_part = 5;
     o.keep_largest = 1;
     o.least_cavity = 5;
-    o.sharp = 1;
+    o.sharp = BVX_SHARP_ALWAYS;
     o.measure = 1;
     o.measure_samples = 50;
     o.report = &report;

@@ -112,11 +112,10 @@ typedef struct section_run {
 
 static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_sections_report report;
     bvx_mesh mesh = {0};
 
-    bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 7;
     o.grid[1] = 5;
     o.cells = 8;
@@ -150,10 +149,9 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
 static bvx_status run_bodies(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
     static const int32_t labels[2] = {2, 1};
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh made[2] = {0};
 
-    bvx_sections_options_init(&o, sizeof o);
     o.cells = 8;
     bvx_status const built = bvx_build_bodies(ctx, &touching.s, &o, labels, 2, made);
     bvx_status status = built;
@@ -179,8 +177,7 @@ static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
         memset(&read, 0, sizeof read);
         status = bvx_write_sections(ctx, i >= 3 ? &oblique.s : &stack.s, formats[i], &file);
         if (status == BVX_OK) *mark = bvx_hash(file.bytes, (size_t)file.size, *mark);
-        bvx_read_sections_options o;
-        bvx_read_sections_options_init(&o, sizeof o);
+        bvx_read_sections_options o = {.struct_size = sizeof o};
         if (status == BVX_OK && i != 2)
             status = bvx_read_sections(ctx, file.bytes, file.size, formats[i], &o, &read);
         if (status != BVX_OK) run->wrong |= read.points != NULL;
@@ -192,11 +189,10 @@ static bvx_status run_files(section_run *run, bvx_context *ctx, uint64_t *mark)
 
 static bvx_status run_slice(section_run *run, bvx_context *ctx, uint64_t *mark)
 {
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
     bvx_sections cut;
 
     memset(&cut, 0, sizeof cut);
-    bvx_slice_options_init(&o, sizeof o);
     o.spacing = 0.4;
     bvx_status const status = bvx_slice_mesh(ctx, &view, &o, &cut);
     if (status != BVX_OK) run->wrong |= cut.points != NULL;
@@ -292,11 +288,10 @@ typedef struct close_points {
 static bvx_status run_close_points(void *user, bvx_context *ctx)
 {
     close_points *const run = user;
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 6;
     o.grid[1] = 5;
     status = bvx_build_sections(ctx, &run->stack.s, &o, &mesh);

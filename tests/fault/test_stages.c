@@ -43,7 +43,7 @@ static int make_inputs(void **state)
     static const double centre[3] = {17, 16, 15}, radius[3] = {14, 13, 12};
     uint64_t seed = 4711;
     bvx_context_options o = default_options();
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
 
     (void)state;
     o.threads = 1;
@@ -61,16 +61,14 @@ static int make_inputs(void **state)
     assert_int_equal(bvx_voxelize_solid(maker, &star_view, &coarse, NULL, &small), BVX_OK);
     for (int32_t format = BVX_FORMAT_STL; format <= BVX_FORMAT_PLY; format++)
         assert_int_equal(bvx_write_mesh(maker, &surface, format, &file[format]), BVX_OK);
-    bvx_extract_options_init(&e, sizeof e);
     e.keys = 1;
     for (int32_t i = 0; i < PARTS; i++) { /* thirds along z that share a layer */
         bvx_window w = {{0, 0, 0}, {0, 0, 0}};
-        bvx_voxelize_options v;
+        bvx_voxelize_options v = {.struct_size = sizeof v};
         bvx_grid g = {0};
         memcpy(w.size, lattice.dims, sizeof w.size);
         w.low[2] = (lattice.dims[2] - 1) * i / PARTS;
         w.size[2] = (lattice.dims[2] - 1) * (i + 1) / PARTS - w.low[2] + 1;
-        bvx_voxelize_options_init(&v, sizeof v);
         v.window = w;
         e.open_sides = (i > 0 ? BVX_OPEN_Z_LOW : 0) | (i < PARTS - 1 ? BVX_OPEN_Z_HIGH : 0);
         assert_int_equal(bvx_voxelize_solid(maker, &star_view, &lattice, &v, &g), BVX_OK);
@@ -138,14 +136,13 @@ static bvx_status voxelize(bvx_context *ctx, const bvx_mesh_view *view, int32_t 
 {
     static const bvx_solid_report empty = {0};
     bvx_solid_report report = {0};
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid grid = {0};
     bvx_status status;
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     o.report = &report;
-    if (fill != BVX_FILL_BELOW) o.check_thin = 1; /* by default it is left out under a limit */
+    if (fill != BVX_FILL_BELOW) o.check_thin = BVX_CHECK_ALWAYS; /* by default it is left out under a limit */
     status = bvx_voxelize_solid(ctx, view, &lattice, &o, &grid);
     if (status != BVX_OK) note_left(&report, &empty, sizeof empty);
     else assert_true((report.unbalanced_rows != 0) == (view == &holes_view));
@@ -182,11 +179,10 @@ static bvx_status extract(void *user, bvx_context *ctx)
 
 static bvx_status extract_keys(void *user, bvx_context *ctx)
 {
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
 
     (void)user;
-    bvx_extract_options_init(&o, sizeof o);
     o.keys = 1;
     o.position_type = BVX_F64;
     o.local_frame = 1;
@@ -293,11 +289,10 @@ static bvx_status read_finite(void *user, bvx_context *ctx)
 {
     bvx_mesh mesh = {0};
     uint64_t dropped = 0;
-    bvx_read_options options;
+    bvx_read_options options = {.struct_size = sizeof options};
     bvx_status status;
 
     (void)user;
-    bvx_read_options_init(&options, sizeof options);
     options.drop_nonfinite = 1;
     status = bvx_read_mesh_with(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ,
                                 &options, &mesh);
@@ -340,11 +335,10 @@ static bvx_status read_gltf(void *user, bvx_context *ctx)
 {
     int open = 0;
     bvx_mesh mesh = {0};
-    bvx_read_options options;
+    bvx_read_options options = {.struct_size = sizeof options};
     bvx_status status;
 
     (void)user;
-    bvx_read_options_init(&options, sizeof options);
     options.open_file = open_beside;
     options.close_file = close_beside;
     options.user = &open;
@@ -407,9 +401,8 @@ static bvx_status lods(bvx_context *ctx, const bvx_grid *grid, const bvx_lod_opt
 static bvx_status lods_by_resolution(void *user, bvx_context *ctx)
 {
     static const int32_t resolutions[3] = {30, 17, 8};
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_lod_options_init(&o, sizeof o);
     o.method = BVX_LOD_EDGE_RATIO;
     o.resolutions = resolutions;
     return lods(ctx, &solid, &o);
@@ -418,9 +411,8 @@ static bvx_status lods_by_resolution(void *user, bvx_context *ctx)
 static bvx_status lods_by_coverage(void *user, bvx_context *ctx)
 {
     static const int32_t resolutions[9] = {30, 20, 25, 14, 14, 15, 8, 9, 7};
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_lod_options_init(&o, sizeof o);
     o.method = BVX_LOD_COVERAGE;
     o.axis_resolutions = resolutions;
     return lods(ctx, &solid, &o);
@@ -429,9 +421,8 @@ static bvx_status lods_by_coverage(void *user, bvx_context *ctx)
 static bvx_status lods_by_target(void *user, bvx_context *ctx)
 {
     static const uint64_t targets[3] = {500, 200, 60};
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     (void)user;
-    bvx_lod_options_init(&o, sizeof o);
     o.target_triangles = targets;
     o.collapse = 3;
     return lods(ctx, &small, &o);
@@ -439,13 +430,12 @@ static bvx_status lods_by_target(void *user, bvx_context *ctx)
 
 static bvx_status render(void *user, bvx_context *ctx)
 {
-    bvx_render_options o;
+    bvx_render_options o = {.struct_size = sizeof o};
     bvx_image image = {0}, empty;
     bvx_status status;
 
     (void)user;
     memset(&empty, 0, sizeof empty);
-    bvx_render_options_init(&o, sizeof o);
     o.width = 40;
     o.height = 30;
     o.samples = 1;
@@ -508,10 +498,10 @@ static void test_progress_grows_over_several_blocks(void **state)
     static const int32_t dims[3] = {40, 70000, 1};
 
     (void)state;
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         fault_progress progress = {0};
         bvx_context_options o = default_options();
-        bvx_voxelize_options v;
+        bvx_voxelize_options v = {.struct_size = sizeof v};
         bvx_lattice l;
         bvx_grid grid = {0};
         bvx_context *ctx;
@@ -520,7 +510,6 @@ static void test_progress_grows_over_several_blocks(void **state)
         o.threads = 1;
         ctx = context_with(&o);
         assert_int_equal(bvx_lattice_make(ctx, origin, spacing, dims, &l), BVX_OK);
-        bvx_voxelize_options_init(&v, sizeof v);
         v.fill = fill;
         assert_int_equal(bvx_voxelize_solid(ctx, &holes_view, &l, &v, &grid), BVX_OK);
         assert_true(progress.calls > 10);
@@ -596,7 +585,7 @@ static void test_the_main_job_in_one_arena(void **state)
     bvx_mesh_view view;
     bvx_lattice fitted;
     bvx_grid grid = {0};
-    bvx_lod_options l;
+    bvx_lod_options l = {.struct_size = sizeof l};
     bvx_buffer out = {0};
     bvx_certificate c;
 
@@ -607,7 +596,6 @@ static void test_the_main_job_in_one_arena(void **state)
     o.arena_size = most;
     o.threads = 2;
     ctx = context_with(&o);
-    bvx_lod_options_init(&l, sizeof l);
     l.resolutions = resolutions;
     assert_int_equal(
         bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY, &mesh),
@@ -648,7 +636,7 @@ static void test_callers_arrays_survive_failures(void **state)
         bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
         bvx_context *const ctx = context_with(&o);
         bvx_grid grid = {0}, before;
-        bvx_voxelize_options by_rows;
+        bvx_voxelize_options by_rows = {.struct_size = sizeof by_rows};
         bvx_status status;
         uint64_t hash, want;
         grid.words = array;
@@ -656,7 +644,6 @@ static void test_callers_arrays_survive_failures(void **state)
         before = grid;
         heap.asked = 0;
         heap.fail_at = n;
-        bvx_voxelize_options_init(&by_rows, sizeof by_rows);
         by_rows.fill = BVX_FILL_PARITY;
         status = bvx_voxelize_solid(ctx, &holes_view, &lattice, &by_rows, &grid);
         if (status == BVX_OK) {

@@ -43,11 +43,10 @@ static bvx_status surface(bvx_context *ctx, int32_t mode, int attach)
     static const bvx_surface_report untouched = {5, 5, 5, {5, 5, 5, 5}};
     bvx_surface_report report = untouched;
     bvx_attached attached = {0};
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_grid grid = {0};
     bvx_status status;
 
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     o.report = &report;
     o.attached = attach ? &attached : NULL;
@@ -92,11 +91,10 @@ static bvx_status sampled_attached(void *user, bvx_context *ctx)
 
 static bvx_status faces_of(bvx_context *ctx, int32_t merged)
 {
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
     uint64_t vertices = 0, triangles = 0;
     status = bvx_faces_count(ctx, &solid, &o, &vertices, &triangles);

@@ -93,13 +93,12 @@ static bvx_status do_threshold_whole(void *user, bvx_context *ctx)
 
 static bvx_status do_scalar(void *user, bvx_context *ctx)
 {
-    bvx_scalar_options o;
+    bvx_scalar_options o = {.struct_size = sizeof o};
     bvx_volume_report report;
     bvx_mesh mesh = {0};
     bvx_status status;
 
     (void)user;
-    bvx_scalar_options_init(&o, sizeof o);
     o.level = 280;
     o.keys = 1;
     o.report = &report;
@@ -132,11 +131,10 @@ static int32_t unpack_nothing(void *user, const void *packed, uint64_t packed_by
 
 static bvx_status read_one(bvx_context *ctx, const char *bytes, size_t size)
 {
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     bvx_volume volume = {0};
     bvx_status status;
 
-    bvx_read_volume_options_init(&o, sizeof o);
     o.inflate = unpack_nothing;
     status = bvx_read_volume(ctx, bytes, size, BVX_FORMAT_NRRD, &o, &volume);
     left_behind |= status != BVX_OK && volume.view.samples != NULL;
@@ -232,9 +230,8 @@ static void test_an_unpacker_that_fails_at_every_call(void **state)
             bvx_context_options const base = default_options(), o = fault_options(&base, &heap);
             bvx_context *const ctx = context_with(&o);
             bad_unpacker u = {0, 0, 0};
-            bvx_read_volume_options options;
+            bvx_read_volume_options options = {.struct_size = sizeof options};
             uint64_t want = 0;
-            bvx_read_volume_options_init(&options, sizeof options);
             options.inflate = unpack_at_times;
             options.inflate_user = &u;
             u.fail_at = at;

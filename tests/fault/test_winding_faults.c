@@ -51,12 +51,11 @@ static int free_inputs(void **state)
 
 static bvx_status fill_view(bvx_context *ctx, const bvx_mesh_view *view, const bvx_lattice *on)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_solid_report report = {0};
     bvx_grid g = {0};
     bvx_status status;
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_WINDING;
     o.report = &report;
     status = bvx_voxelize_solid(ctx, view, on, &o, &g);

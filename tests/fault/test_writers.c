@@ -111,7 +111,7 @@ static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
 {
     bvx_mesh levels[2] = {sheet, sheet};
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
 
     if (w->check) return check_as(w, ctx, file);
     for (int l = 0; l < 2 && w->asset; l++) {
@@ -123,7 +123,6 @@ static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
     if (w->levels != 0)
         return bvx_write_levels(ctx, levels, w->levels, w->asset ? &asset_options : NULL, w->format, file);
     if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
-    bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
     if (w->asset) o.turn = BVX_TURN_Z_TO_Y;
     return bvx_write_mesh_with(ctx, levels, &o, w->format, file);

@@ -105,14 +105,13 @@ static void fuzz_moves(bvx_context *ctx, fuzz_input *in, const bvx_grid *a)
 static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *a,
                         const fuzz_mesh *b)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     bvx_boolean_report report;
     bvx_mesh mesh = {0}, twin = {0};
     int32_t const operation = fuzz_range(in, BVX_BOOLEAN_UNION, BVX_BOOLEAN_XOR);
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.resolution = fuzz_range(in, 1, 20);
-    o.sharp = fuzz_range(in, -1, 1);
+    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.position_type = BVX_F64;
     o.thin = fuzz_range(in, BVX_THIN_KEEP, BVX_THIN_DROP);

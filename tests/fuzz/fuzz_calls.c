@@ -5,11 +5,10 @@
 
 static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_lattice *lattice)
 {
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_field field = {0};
     bvx_buffer file = {0};
 
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = fuzz_range(in, 1, 8) / 4.0;
     o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_VOTE);
     o.features = 1;
@@ -38,25 +37,23 @@ static void fuzz_dense(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, con
 static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh *surface)
 {
     bvx_mesh_view view;
-    bvx_slice_options o;
-    bvx_sections_options b;
+    bvx_slice_options o = {.struct_size = sizeof o};
+    bvx_sections_options b = {.struct_size = sizeof b};
     bvx_sections sections = {0};
     bvx_mesh body = {0}, twin = {0};
 
     bvx_mesh_view_of(surface, &view);
-    bvx_slice_options_init(&o, sizeof o);
     o.normal[0] = fuzz_range(in, -2, 2);
     o.normal[1] = fuzz_range(in, -2, 2);
     o.spacing = fuzz_range(in, 2, 32) / 8.0;
     if (!fuzz_good(ctx, bvx_slice_mesh(ctx, &view, &o, &sections))) return;
-    bvx_sections_options_init(&b, sizeof b);
     b.grid[0] = fuzz_range(in, 2, 20);
     b.grid[1] = fuzz_range(in, 2, 20);
     b.layers = fuzz_range(in, 1, 3);
     b.blend = fuzz_range(in, BVX_BLEND_LINEAR, BVX_BLEND_AUTO);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
     b.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
-    b.depth = fuzz_range(in, 0, 5);
+    b.depth = fuzz_range(in, BVX_NONE, 5);
     { /* contours of voxel surfaces may touch themselves, which is refused in words */
         bvx_status const status = bvx_build_sections(ctx, &sections, &b, &body);
         if (status == BVX_ERR_FORMAT) fuzz_require(bvx_last_message(ctx)[0] != 0, "a failure without words");
@@ -128,13 +125,12 @@ static void fuzz_normals(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *
 
 static void fuzz_chosen_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m)
 {
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
     bvx_octree_leaf leaf[4];
     double points[12];
 
-    bvx_refine_options_init(&o, sizeof o);
     for (int i = 0; i < 12; i++) points[i] = fuzz_range(in, -8, 72) / 8.0;
     if (!fuzz_good(ctx, bvx_refine_choose(ctx, &m->view, fuzz_range(in, 1, 40), &o, &base)) ||
         !fuzz_good(ctx, bvx_refine(ctx, &m->view, &base, &o, &tree)))
@@ -150,19 +146,20 @@ static void fuzz_chosen_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *
 static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
                           const bvx_grid *solid)
 {
-    bvx_render_options o;
+    bvx_render_options o = {.struct_size = sizeof o};
     bvx_image image = {0}, twin = {0};
     bvx_buffer file = {0};
     int const kind = fuzz_range(in, 0, 3);
 
-    bvx_render_options_init(&o, sizeof o);
     o.width = fuzz_range(in, 1, 40);
     o.height = fuzz_range(in, 1, 40);
     o.samples = fuzz_range(in, 1, 2);
     o.smooth = fuzz_range(in, 0, 1);
     o.wireframe = fuzz_range(in, 0, 1);
     o.direction[0] = fuzz_range(in, -4, 4);
-    o.cut_low[fuzz_range(in, 0, 2)] = fuzz_range(in, -8, 64) / 8.0;
+    int const cut = fuzz_range(in, 0, 2);
+    o.cut = BVX_OPEN_X_LOW << 2 * cut;
+    o.cut_low[cut] = fuzz_range(in, -8, 64) / 8.0;
     for (int turn = 0; turn < 2; turn++) {
         bvx_context *const c = turn == 0 ? ctx : other;
         bvx_image *const i = turn == 0 ? &image : &twin;
@@ -224,8 +221,7 @@ static void fuzz_one(fuzz_input *in)
     fuzz_take_mesh(in, &m);
     if (m.triangles > 0 && fuzz_take_lattice(in, ctx, &m, 16, &lattice) &&
         fuzz_good(ctx, bvx_voxelize_solid(ctx, &m.view, &lattice, NULL, &solid))) {
-        bvx_extract_options o;
-        bvx_extract_options_init(&o, sizeof o);
+        bvx_extract_options o = {.struct_size = sizeof o};
         o.position_type = BVX_F64;
         fuzz_must(ctx, bvx_extract_surface(ctx, &solid, &o, &surface));
         switch (fuzz_range(in, 0, 7)) {

@@ -73,13 +73,12 @@ static void fuzz_keep(bvx_context *ctx, fuzz_input *in, const bvx_grid *g, int32
                       uint64_t count)
 {
     int32_t seeds[6];
-    bvx_keep_options o;
+    bvx_keep_options o = {.struct_size = sizeof o};
     bvx_keep_report r;
     bvx_grid kept = {0};
     uint64_t left = 0, parts = 0;
 
     for (int i = 0; i < 6; i++) seeds[i] = fuzz_range(in, 0, g->size[i % 3] - 1);
-    bvx_keep_options_init(&o, sizeof o);
     o.connectivity = connectivity;
     o.at_least = (uint64_t)fuzz_range(in, 0, 9);
     o.largest = (uint64_t)fuzz_range(in, 0, 5);
@@ -115,15 +114,14 @@ static void fuzz_topology(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
 {
     static fuzz_mesh m;
-    bvx_lattice_options fit;
-    bvx_points_options o;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
+    bvx_points_options o = {.struct_size = sizeof o};
     bvx_points_report r;
     bvx_lattice lattice, boxed;
     bvx_grid whole = {0}, part = {0}, body = {0};
     double low[3], high[3];
 
     fuzz_take_mesh(in, &m);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = fuzz_range(in, 1, 40);
     if (!fuzz_good(ctx, bvx_lattice_fit_points(ctx, &m.view, &fit, &lattice))) return;
     for (int a = 0; a < 3; a++) {
@@ -136,7 +134,6 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
     fuzz_must(ctx, bvx_lattice_fit_box(ctx, low, high, &fit, &boxed));
     fuzz_require(memcmp(&boxed, &lattice, sizeof boxed) == 0,
                  "the box of points has another lattice than they have");
-    bvx_points_options_init(&o, sizeof o);
     o.minimum = fuzz_range(in, 1, 5);
     o.report = &r;
     fuzz_must(ctx, bvx_voxelize_points(ctx, &m.view, &lattice, &o, &whole));

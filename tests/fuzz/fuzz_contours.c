@@ -50,13 +50,12 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_sections *s)
 
 static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t choice)
 {
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     bvx_mesh_view view;
     bvx_certificate c;
     bvx_status status;
 
-    bvx_sections_options_init(&o, sizeof o);
     o.grid[0] = 2 + choice % 7;
     o.grid[1] = 2 + choice % 11;
     o.depth = choice % 5;
@@ -88,7 +87,7 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
 /* All bodies at once, the first few of them. */
 static void fuzz_check_bodies(bvx_context *ctx, const bvx_sections *s, int32_t choice)
 {
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh mesh[4] = {0};
     int32_t label[4];
     uint32_t count = 0;
@@ -99,7 +98,6 @@ static void fuzz_check_bodies(bvx_context *ctx, const bvx_sections *s, int32_t c
         while (n < count && label[n] != s->loops[i].label) n++;
         if (n == count) label[count++] = s->loops[i].label;
     }
-    bvx_sections_options_init(&o, sizeof o);
     o.cells = 8 + choice % 9;
     o.caps = choice / 16 % 2;
     o.agree = choice / 32 % 2 == 0 ? 0.0 : 1e9;

@@ -52,12 +52,11 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
 
 static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m, const bvx_field *field)
 {
-    bvx_field_surface_options o;
+    bvx_field_surface_options o = {.struct_size = sizeof o};
     bvx_grid changed = {0};
     bvx_mesh mesh = {0};
 
     if (field->inside.words == NULL) return;
-    bvx_field_surface_options_init(&o, sizeof o);
     if (fuzz_range(in, 0, 1)) {
         fuzz_must(ctx, bvx_grid_union(ctx, &field->inside, &field->inside, &changed));
         for (int32_t n = 0; n < 12; n++)
@@ -69,7 +68,7 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
     }
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
     o.face_rule = fuzz_range(in, 0, 1);
-    o.sharp = fuzz_range(in, -1, 1);
+    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.position_type = BVX_F64;
     if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh)))
         fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
@@ -80,10 +79,9 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
 static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
                        const bvx_lattice *lattice)
 {
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_field whole = {0}, twin = {0}, part = {0};
 
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = fuzz_range(in, 1, 16) / 4.0;
     o.sign = fuzz_range(in, BVX_SIGN_AUTO, BVX_SIGN_NONE);
     o.value_type = BVX_F64;
@@ -111,14 +109,13 @@ static void fuzz_field(bvx_context *ctx, bvx_context *other, fuzz_input *in, con
 
 static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m)
 {
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0}, twin = {0};
 
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
     o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
-    o.sharp = fuzz_range(in, -1, 1);
+    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
     o.least_part = (uint64_t)fuzz_range(in, 0, 3);
     o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);

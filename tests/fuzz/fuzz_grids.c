@@ -137,11 +137,10 @@ static int fuzz_read_volume(bvx_context *ctx, const uint8_t *file, size_t size, 
 /* Packed samples, and those of a detached head, which are the same file here. */
 static void fuzz_read_packed(bvx_context *ctx, const uint8_t *file, size_t size)
 {
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     uint64_t files = 0;
     char name[64];
 
-    bvx_read_volume_options_init(&o, sizeof o);
     o.data = file;
     o.data_size = size;
     fuzz_read_volume(ctx, file, size, BVX_FORMAT_NRRD, &o, NULL);
@@ -154,10 +153,9 @@ static void fuzz_read_packed(bvx_context *ctx, const uint8_t *file, size_t size)
 /* The options stand in the file's first bytes. */
 static int fuzz_read_raw(bvx_context *ctx, const uint8_t *file, size_t size)
 {
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
 
     if (size <= FUZZ_RAW_HEAD) return 0;
-    bvx_read_volume_options_init(&o, sizeof o);
     o.sample_type = 1 + file[0] % 10;
     o.big_endian = file[1] & 1;
     for (int a = 0; a < 3; a++) o.size[a] = 1 + (file[2 + 2 * a] << (file[3 + 2 * a] & 31) % 22);
@@ -236,7 +234,7 @@ static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, in
     static const bvx_grid empty = {0};
     int32_t const number = formats[format].number;
     int const has_samples = format == FUZZ_NPY || format == FUZZ_NRRD || format == FUZZ_VTI;
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     bvx_status const status = bvx_read_grid(ctx, file, size, number, NULL, &g);
     int good = 0;
@@ -254,7 +252,6 @@ static int fuzz_read_grid(bvx_context *ctx, const uint8_t *file, size_t size, in
         fuzz_require(memcmp(&g, &empty, sizeof g) == 0, "a result behind an error");
     }
     fuzz_read_into_words(ctx, file, size, number, good ? &g : NULL);
-    bvx_read_volume_options_init(&o, sizeof o);
     if (has_samples) fuzz_read_volume(ctx, file, size, number, &o, good ? &g : NULL);
     if (format == FUZZ_NRRD) fuzz_read_packed(ctx, file, size);
     bvx_grid_free(ctx, &g);

@@ -51,10 +51,9 @@ static inline int32_t fuzz_range(fuzz_input *in, int32_t low, int32_t high)
 
 static inline bvx_context *fuzz_context_with(int32_t threads, int32_t cpu)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     o.cpu = cpu;
     o.memory_limit = FUZZ_MEMORY;
@@ -206,8 +205,7 @@ static inline int fuzz_take_lattice(fuzz_input *in, bvx_context *ctx, const fuzz
     int32_t dims[3];
 
     if (fuzz_range(in, 0, 3) != 0) {
-        bvx_lattice_options o;
-        bvx_lattice_options_init(&o, sizeof o);
+        bvx_lattice_options o = {.struct_size = sizeof o};
         o.resolution = fuzz_range(in, 1, most);
         o.padding = fuzz_range(in, 0, 2);
         return fuzz_good(ctx, bvx_lattice_fit_with(ctx, &m->view, &o, lattice));

@@ -5,7 +5,7 @@
 
 static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *targets, double *errors)
 {
-    bvx_levels_options_init(o, sizeof *o);
+    *o = (bvx_levels_options){.struct_size = sizeof *o};
     for (int i = 0; i < 2; i++) {
         targets[i] = (uint64_t)fuzz_range(in, 1, 2000);
         errors[i] = fuzz_range(in, 1, 64) / 16.0;
@@ -17,7 +17,7 @@ static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *t
     o->position_type = fuzz_range(in, 0, BVX_F64);
     if (fuzz_range(in, 0, 7) == 0) return;
     o->solid = 1;
-    o->sharp = fuzz_range(in, -1, 1);
+    o->sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o->resolution = fuzz_range(in, 2, 24);
     o->outer = fuzz_range(in, 0, 3) == 0;
     o->shell = fuzz_range(in, 0, 3) == 0 ? 0 : fuzz_range(in, 6, 16) / 4.0;
@@ -49,9 +49,8 @@ static void fuzz_plan(bvx_context *ctx, fuzz_input *in, const bvx_mesh_view *vie
 {
     uint64_t const target = (uint64_t)fuzz_range(in, 1, 100000);
     int32_t planned = 0, limited = -1;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
-    bvx_lod_options_init(&o, sizeof o);
     o.target_triangles = &target;
     o.collapse = fuzz_range(in, 0, 2) * 2;
     if (!fuzz_good(ctx, bvx_plan_lods(ctx, view, &o, 1, fuzz_range(in, 0, 4), &planned, &limited))) return;

@@ -70,11 +70,11 @@ static void fuzz_take_grid(fuzz_input *in, bvx_context *ctx, int32_t most, bvx_g
 
 static void fuzz_take_morph(fuzz_input *in, bvx_morph_options *o)
 {
-    static const int32_t neighbourhood[4] = {0, 6, 18, 26};
-    bvx_morph_options_init(o, sizeof *o);
+    static const int32_t neighbourhood[4] = {BVX_BALL, 6, 18, 26};
+    *o = (bvx_morph_options){.struct_size = sizeof *o};
     o->neighbourhood = neighbourhood[fuzz_range(in, 0, 3)];
     o->beyond = fuzz_range(in, 0, 1);
-    if (o->neighbourhood == 0) o->radius = fuzz_range(in, 0, 40) / 8.0;
+    if (o->neighbourhood == BVX_BALL) o->radius = fuzz_range(in, 0, 40) / 8.0;
     else o->steps = fuzz_range(in, 1, 6);
 }
 
@@ -128,8 +128,9 @@ static void fuzz_morph_window(bvx_context *ctx, fuzz_input *in, const bvx_grid *
     bvx_grid whole = {0}, part = {0}, made = {0}, cut = {0};
 
     for (int a = 0; a < 3; a++) {
-        int32_t const once = o->neighbourhood != 0 ? o->steps
-                                                   : (int32_t)ceil(o->radius / grid->lattice.spacing[a]);
+        int32_t const once = o->neighbourhood != BVX_BALL
+                                 ? o->steps
+                                 : (int32_t)ceil(o->radius / grid->lattice.spacing[a]);
         int32_t const halo = call < 2 ? once : 2 * once;
         int32_t const at = fuzz_range(in, 0, grid->size[a] - 1);
         int32_t const size = fuzz_range(in, 1, grid->size[a] - at);
@@ -207,9 +208,8 @@ static void fuzz_distances(bvx_context *ctx, bvx_context *other, fuzz_input *in,
     const double *const s = grid->lattice.spacing;
     int const cubic = s[0] == s[1] && s[0] == s[2];
     size_t const voxels = (size_t)grid->size[0] * (size_t)grid->size[1] * (size_t)grid->size[2];
-    bvx_distance_options o;
+    bvx_distance_options o = {.struct_size = sizeof o};
 
-    bvx_distance_options_init(&o, sizeof o);
     o.side = fuzz_range(in, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED);
     o.beyond = fuzz_range(in, BVX_BEYOND_NOTHING, BVX_BEYOND_SET);
     fuzz_must(other, bvx_grid_distance(other, grid, &o, BVX_F64, twins, voxels));
@@ -244,12 +244,11 @@ static void fuzz_distances(bvx_context *ctx, bvx_context *other, fuzz_input *in,
 /* A ball holds the centres within its radius: those whose nearest set voxel is no farther. */
 static void fuzz_ball(bvx_context *ctx, fuzz_input *in, const bvx_grid *grid)
 {
-    bvx_morph_options o;
+    bvx_morph_options o = {.struct_size = sizeof o};
     bvx_grid grown = {0};
     uint64_t which;
 
-    bvx_morph_options_init(&o, sizeof o);
-    o.neighbourhood = 0;
+    o.neighbourhood = BVX_BALL;
     o.radius = fuzz_range(in, 0, 60) / 8.0;
     o.beyond = fuzz_range(in, 0, 1);
     fuzz_must(ctx, bvx_grid_dilate(ctx, grid, &o, &grown));
@@ -268,12 +267,11 @@ static void fuzz_ball(bvx_context *ctx, fuzz_input *in, const bvx_grid *grid)
 /* The shell has the set voxels near an empty one; a hole takes more of it, and of the hollow nothing. */
 static void fuzz_shell(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_grid *grid)
 {
-    bvx_hollow_options o;
+    bvx_hollow_options o = {.struct_size = sizeof o};
     bvx_hollow_report report;
     bvx_grid shell = {0}, drained = {0}, twin = {0};
     uint64_t which, hollowed;
 
-    bvx_hollow_options_init(&o, sizeof o);
     o.thickness = fuzz_range(in, 1, 24) / 8.0;
     o.beyond = fuzz_range(in, 0, 1);
     o.report = &report;

@@ -89,13 +89,12 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
 static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
 {
     bvx_mesh levels[2] = {*m, *m};
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0}, twin = {0};
     bvx_mesh back = {0};
     bvx_status status;
     levels[1].triangle_count = (m->triangle_count + 1) / 2;
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
-    bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
     fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_PLY, &b) == BVX_OK,
                  "normals that cannot be written");
@@ -121,7 +120,7 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
 /* What is reported of a file is what reading it gives, and what does not fit is refused. */
 static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
 {
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_write_report r;
     bvx_buffer b = {0};
     bvx_mesh back = {0};
@@ -137,7 +136,6 @@ static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
     fuzz_require((status == BVX_OK) == (r.fits != 0), "a refusal that the report does not know");
     bvx_buffer_free(ctx, &b);
 
-    bvx_write_options_init(&o, sizeof o);
     o.rounding = BVX_ROUNDING_ALLOW;
     fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_STL, &b) == BVX_OK,
                  "rounding that is not allowed");
@@ -159,10 +157,9 @@ static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size
     bvx_mesh m = {0};
     uint64_t dropped = 0, a, b;
     bvx_read_report report = {0};
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_status status;
 
-    bvx_read_options_init(&o, sizeof o);
     o.drop_nonfinite = 1;
     o.report = &report;
     status = bvx_read_mesh_with(ctx, file, size, format, &o, &m);
@@ -185,12 +182,10 @@ static void fuzz_check_kept(bvx_context *ctx, const uint8_t *file, size_t size, 
 {
     bvx_mesh m = {0}, back = {0};
     bvx_buffer b = {0};
-    bvx_read_options o;
-    bvx_write_options w;
+    bvx_read_options o = {.struct_size = sizeof o};
+    bvx_write_options w = {.struct_size = sizeof w};
     bvx_status status;
 
-    bvx_read_options_init(&o, sizeof o);
-    bvx_write_options_init(&w, sizeof w);
     o.keep_file = 1;
     w.source = &m;
     w.rounding = BVX_ROUNDING_ALLOW;

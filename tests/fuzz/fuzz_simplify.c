@@ -13,7 +13,7 @@ static void fuzz_take_surface(bvx_context *ctx, fuzz_input *in, bvx_mesh *surfac
     int32_t dims[3];
     bvx_lattice lattice;
     bvx_grid bits = {0};
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
     int32_t const often = fuzz_range(in, 1, 4);
     for (int a = 0; a < 3; a++) dims[a] = fuzz_range(in, 1, SIDE);
     fuzz_must(ctx, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
@@ -21,7 +21,6 @@ static void fuzz_take_surface(bvx_context *ctx, fuzz_input *in, bvx_mesh *surfac
     for (int32_t z = 0; z < dims[2]; z++)
         for (int32_t y = 0; y < dims[1]; y++)
             for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&bits, x, y, z, fuzz_range(in, 0, often) == 0);
-    bvx_extract_options_init(&o, sizeof o);
     o.position_type = BVX_F64;
     o.face_rule = fuzz_range(in, 0, 1);
     fuzz_must(ctx, bvx_extract_surface(ctx, &bits, &o, surface));
@@ -120,7 +119,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_mesh level[2] = {{0}}, twin[2] = {{0}};
     bvx_level_report reports[2];
     bvx_mesh_view turned;
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
     bvx_certificate before;
     bvx_status status;
     uint64_t crossings;
@@ -128,7 +127,6 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     fuzz_require(colours != NULL, "no memory");
     fuzz_must(ctx, bvx_mesh_check(ctx, view, 1, &before));
     crossings = fuzz_crossings_of(ctx, view);
-    bvx_simplify_options_init(&o, sizeof o);
     for (int i = 0; i < 2; i++) {
         targets[i] = (uint64_t)fuzz_range(in, 1, 600);
         errors[i] = fuzz_range(in, 1, 64) / 64.0;

@@ -15,20 +15,19 @@ static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const
                      const bvx_lattice *lattice, bvx_grid *solid)
 {
     static fuzz_mesh second;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_solid_report report, again;
     bvx_grid twin = {0}, part = {0};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fuzz_range(in, BVX_FILL_PARITY, BVX_FILL_WINDING);
     o.report = &report;
     if (o.fill == BVX_FILL_FLOOD) o.close_gaps = fuzz_range(in, 0, 3);
     if (o.fill == BVX_FILL_BELOW) {
-        o.axis = fuzz_range(in, 0, 2);
+        o.up = fuzz_range(in, 0, 2);
         o.second = fuzz_second_view(in, &second);
     } else {
         o.add_shell = fuzz_range(in, 0, 1);
-        o.check_thin = fuzz_range(in, -1, 1);
+        o.check_thin = fuzz_range(in, BVX_CHECK_AUTO, BVX_CHECK_ALWAYS);
     }
     o.check_edges = fuzz_range(in, 0, 1);
     if (!fuzz_good(ctx, bvx_voxelize_solid(ctx, &m->view, lattice, &o, solid))) {
@@ -46,7 +45,7 @@ static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const
     }
     if (m->closed && o.fill == BVX_FILL_VOTE && !o.add_shell) {
         bvx_grid parity = {0};
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         fuzz_must(ctx, bvx_voxelize_solid(ctx, &m->view, lattice, &o, &parity));
         fuzz_grids_equal(&parity, solid, "vote differs from parity on a closed mesh");
         bvx_grid_free(ctx, &parity);
@@ -94,12 +93,11 @@ static void fuzz_merge(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid,
 
 static void fuzz_surface(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_grid *solid)
 {
-    bvx_extract_options o;
-    bvx_faces_options f;
+    bvx_extract_options o = {.struct_size = sizeof o};
+    bvx_faces_options f = {.struct_size = sizeof f};
     bvx_mesh whole = {0}, twin = {0}, faces = {0};
     uint64_t vertices = 0, triangles = 0;
 
-    bvx_extract_options_init(&o, sizeof o);
     o.face_rule = fuzz_range(in, 0, 1);
     o.position_type = BVX_F64;
     o.keys = 1;
@@ -111,7 +109,6 @@ static void fuzz_surface(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
     fuzz_require(vertices == whole.vertex_count && triangles == whole.triangle_count,
                  "another count than made");
     fuzz_merge(ctx, in, solid, &o, &whole);
-    bvx_faces_options_init(&f, sizeof f);
     f.position_type = BVX_F64;
     f.merged = fuzz_range(in, 0, 1);
     fuzz_must(ctx, bvx_faces_count(ctx, solid, &f, &vertices, &triangles));
@@ -125,14 +122,13 @@ static void fuzz_surface(bvx_context *ctx, bvx_context *other, fuzz_input *in, c
 
 static void fuzz_levels(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
 {
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     bvx_mesh level[2] = {{0}, {0}};
     int32_t resolutions[2];
     uint64_t targets[2];
     int32_t longest = 1;
 
     for (int a = 0; a < 3; a++) longest = solid->size[a] > longest ? solid->size[a] : longest;
-    bvx_lod_options_init(&o, sizeof o);
     o.method = fuzz_range(in, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE);
     if (o.method == BVX_LOD_EDGE_RATIO) o.edge_samples = fuzz_range(in, 0, 5);
     o.threshold = fuzz_range(in, 1, 15) / 16.0;

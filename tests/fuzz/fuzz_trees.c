@@ -91,7 +91,7 @@ static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_file *s)
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     static const int32_t dims[3] = {5, 5, 5}, one[3] = {1, 1, 1};
     bvx_mesh_view view = {0};
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
     bvx_buffer b = {0};
@@ -102,8 +102,7 @@ static void fuzz_seed_of(bvx_context *ctx, int kind, fuzz_file *s)
     view.triangle_count = 8;
     view.position_type = BVX_F32;
     view.index_type = BVX_U32;
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = kind == 3 ? 0 : kind == 4 ? 9 : 3;
+    o.levels = kind == 3 ? BVX_NONE : kind == 4 ? 9 : 3;
     if (kind == 2) o.tolerance = 0.05;
     for (int a = 0; a < 3 && (kind == 1 || kind == 4); a++) {
         o.window.low[a] = kind == 1 ? 10 : 100;

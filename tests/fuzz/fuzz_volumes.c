@@ -313,11 +313,10 @@ static void fuzz_halves(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v,
 static void fuzz_foretold(bvx_context *ctx, const fuzz_volume *v, const bvx_scalar_options *o,
                           const bvx_mesh *mesh)
 {
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
     bvx_grid inside = {0};
     uint64_t vertices = 0, triangles = 0;
 
-    bvx_extract_options_init(&e, sizeof e);
     e.face_rule = o->face_rule;
     fuzz_must(ctx, bvx_threshold(ctx, &v->view, o->below ? -HUGE_VAL : o->level,
                                  o->below ? o->level : HUGE_VAL, NULL, &inside));
@@ -329,12 +328,11 @@ static void fuzz_foretold(bvx_context *ctx, const fuzz_volume *v, const bvx_scal
 
 static void fuzz_scalar(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_volume *v)
 {
-    bvx_scalar_options o;
+    bvx_scalar_options o = {.struct_size = sizeof o};
     bvx_volume_report report;
     bvx_mesh mesh = {0}, twin = {0};
     uint64_t inside = 0;
 
-    bvx_scalar_options_init(&o, sizeof o);
     o.level = fuzz_range(in, -80, 80) / 4.0;
     o.below = fuzz_range(in, 0, 1);
     o.face_rule = fuzz_range(in, 0, 1);
@@ -366,10 +364,9 @@ static void fuzz_raw_file(bvx_context *ctx, fuzz_input *in, const fuzz_volume *v
     size_t const bytes = (size_t)v->bytes;
     size_t const size = before + count * bytes;
     uint8_t *const file = malloc(size);
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     bvx_volume read = {0};
 
-    bvx_read_volume_options_init(&o, sizeof o);
     o.sample_type = v->view.sample_type;
     o.big_endian = fuzz_range(in, 0, 1);
     o.offset = before;

@@ -20,12 +20,11 @@ static void fuzz_attached(const bvx_attached *attached, uint64_t set, uint32_t t
 static int fuzz_surface_voxels(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_mesh *m,
                                const bvx_lattice *lattice, bvx_grid *conservative)
 {
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_attached attached = {0};
     bvx_grid grid = {0}, twin = {0}, part = {0};
     uint64_t set = 0;
 
-    bvx_surface_options_init(&o, sizeof o);
     if (!fuzz_good(ctx, bvx_voxelize_surface(ctx, &m->view, lattice, &o, conservative))) return 0;
     o.mode = fuzz_range(in, BVX_SURFACE_CONSERVATIVE, BVX_SURFACE_SAMPLED);
     o.attached = fuzz_range(in, 0, 1) != 0 ? &attached : NULL;
@@ -103,25 +102,24 @@ static void fuzz_flood(const bvx_grid *surface, uint8_t *outside, int32_t *stack
 
 static void fuzz_tree(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m)
 {
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base, finest;
     bvx_octree *tree = NULL;
     bvx_grid surface = {0}, expanded = {0}, inside = {0};
     bvx_mesh mesh = {0};
-    bvx_surface_options s;
+    bvx_surface_options s = {.struct_size = sizeof s};
 
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = fuzz_range(in, 0, 3);
-    o.start_level = fuzz_range(in, -1, o.levels);
+    int32_t const levels = fuzz_range(in, 0, 3), start = fuzz_range(in, -1, levels);
+    o.levels = levels != 0 ? levels : BVX_NONE;
+    o.start_level = start < 0 ? 0 : start != 0 ? start : BVX_NONE;
     if (!fuzz_good(ctx, bvx_lattice_fit(ctx, &m->view, fuzz_range(in, 1, 5), &base)) ||
         !fuzz_good(ctx, bvx_refine(ctx, &m->view, &base, &o, &tree)))
         return;
-    fuzz_must(ctx, bvx_octree_lattice(ctx, tree, o.levels, &finest));
-    bvx_surface_options_init(&s, sizeof s);
+    fuzz_must(ctx, bvx_octree_lattice(ctx, tree, levels, &finest));
     fuzz_must(ctx, bvx_voxelize_surface(ctx, &m->view, &finest, &s, &surface));
-    fuzz_must(ctx, bvx_octree_expand(ctx, tree, o.levels, BVX_STATE_SURFACE, NULL, &expanded));
+    fuzz_must(ctx, bvx_octree_expand(ctx, tree, levels, BVX_STATE_SURFACE, NULL, &expanded));
     fuzz_grids_equal(&surface, &expanded, "a tree whose surface is not the uniform one");
-    fuzz_must(ctx, bvx_octree_expand(ctx, tree, o.levels, BVX_STATE_INSIDE, NULL, &inside));
+    fuzz_must(ctx, bvx_octree_expand(ctx, tree, levels, BVX_STATE_INSIDE, NULL, &inside));
     {
         size_t const voxels = (size_t)surface.size[0] * (size_t)surface.size[1] * (size_t)surface.size[2];
         uint8_t *const outside = malloc(voxels);

@@ -71,11 +71,10 @@ static void algebra_cases(golden *g)
     golden_begin(g, "meshes");
     for (int32_t operation = BVX_BOOLEAN_UNION; operation <= BVX_BOOLEAN_XOR; operation++) {
         static const char *const name[4] = {"union", "intersection", "difference", "xor"};
-        bvx_boolean_options o;
+        bvx_boolean_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        bvx_boolean_options_init(&o, sizeof o);
         o.resolution = 40;
-        o.sharp = operation & 1;
+        o.sharp = BVX_SHARP_NEVER + (operation & 1);
         mesh_value(g, name[operation], bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh),
                    &mesh);
     }
@@ -85,9 +84,8 @@ static void algebra_cases(golden *g)
     for (uint32_t i = 0; i < ball.vertices; i++) ball.v[i][0] = 2 + 0.01 * (ball.v[i][0] - 2);
     golden_begin(g, "thin_meshes");
     for (int32_t operation = BVX_BOOLEAN_UNION; operation <= BVX_BOOLEAN_DIFFERENCE; operation += 2) {
-        bvx_boolean_options o;
+        bvx_boolean_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        bvx_boolean_options_init(&o, sizeof o);
         o.resolution = 40;
         mesh_value(g, operation == 0 ? "union" : "difference",
                    bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);

@@ -13,7 +13,7 @@ static void part_values(golden *g, const bvx_grid *grid)
 
     for (int k = 0; k < 3; k++) {
         uint64_t count = 0, h = 0;
-        bvx_keep_options o;
+        bvx_keep_options o = {.struct_size = sizeof o};
         bvx_grid kept = {0};
         if (golden_good(g, bvx_grid_components(g->context, grid, kinds[k], parts, PART_LIST, &count))) {
             for (uint64_t i = 0; i < count; i++) {
@@ -28,7 +28,6 @@ static void part_values(golden *g, const bvx_grid *grid)
             for (uint64_t i = 0; i < voxels; i++) h = mixed_word(h, labels[i]);
             golden_hex(g, "labels", h);
         }
-        bvx_keep_options_init(&o, sizeof o);
         o.connectivity = kinds[k];
         o.at_least = 2;
         o.largest = 5;
@@ -89,10 +88,9 @@ static void lattice_value(golden *g, const char *key, const bvx_lattice *lattice
 static void box_case(golden *g)
 {
     static const double low[3] = {-1.25, 0.1, 3000.0}, high[3] = {2.5, 0.1, 3001.7};
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
 
-    bvx_lattice_options_init(&fit, sizeof fit);
     golden_begin(g, "box_lattice");
     fit.resolution = 100;
     if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
@@ -111,9 +109,9 @@ static void cloud_cases(golden *g)
 {
     static const char text[] = "# five\nx y z\n0.1 -2 3e2\n1,2,3,4\n\n5;6;7 // more\n0.5 0.25 0.125\n9 9 9";
     bvx_mesh_view view;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
-    bvx_points_options o;
+    bvx_points_options o = {.struct_size = sizeof o};
     bvx_points_report r;
     bvx_grid grid = {0};
     bvx_mesh points = {0};
@@ -122,9 +120,7 @@ static void cloud_cases(golden *g)
     box_case(g);
     shape_ball(&golden_shape, 40);
     shape_view(&golden_shape, &view);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 48;
-    bvx_points_options_init(&o, sizeof o);
     o.report = &r;
     golden_begin(g, "ball_cloud");
     if (golden_good(g, bvx_lattice_fit_points(g->context, &view, &fit, &lattice))) {

@@ -15,20 +15,18 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
 {
     static const char *const sign[] = {"auto", "exact", "normal", "pseudonormal", "winding", "vote", "none"};
     static const char *const edge[] = {"vector", "scalar", "middle", "paper", "tangent"};
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
 
     if (golden_skips(g, name)) return;
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = resolution;
     fit.padding = 3;
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit_with(g->context, view, &fit, &lattice)))
         for (int32_t s = BVX_SIGN_EXACT; s <= BVX_SIGN_NONE; s++) {
-            bvx_field_options o;
+            bvx_field_options o = {.struct_size = sizeof o};
             bvx_field field = {0};
             bvx_buffer file = {0};
-            bvx_field_options_init(&o, sizeof o);
             o.sign = s;
             o.features = 1;
             if (!golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field))) break;
@@ -36,12 +34,11 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
                 golden_hex(g, sign[s], bvx_hash(file.bytes, (size_t)file.size, field.value_count));
             bvx_buffer_free(g->context, &file);
             for (int32_t e = 0; s == BVX_SIGN_WINDING && e < 10; e++) {
-                bvx_field_surface_options so;
+                bvx_field_surface_options so = {.struct_size = sizeof so};
                 bvx_mesh mesh = {0};
-                bvx_field_surface_options_init(&so, sizeof so);
-                so.interpolation = e % 5;
-                so.sharp = e / 5;
-                if (so.sharp) golden_text(g, "sharp", "1");
+                so.interpolation = (e + 1) % 5; /* TANGENT last */
+                so.sharp = BVX_SHARP_NEVER + (e / 5);
+                if (so.sharp == BVX_SHARP_ALWAYS) golden_text(g, "sharp", "1");
                 mesh_value(g, edge[e % 5], bvx_extract_field_surface(g->context, &field, view, &so, &mesh),
                            &mesh);
             }
@@ -54,12 +51,11 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
 static void changed_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t resolution)
 {
     bvx_lattice lattice;
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_field field = {0};
     bvx_grid shell = {0};
 
     golden_begin(g, name);
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = 5;
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)) &&
         golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field)) &&
@@ -73,10 +69,9 @@ static void changed_values(golden *g, const char *name, const bvx_mesh_view *vie
                     if (bvx_grid_get(&shell, x, y, z) && !wall) bvx_grid_set(&shell, x, y, z, 0);
                 }
         for (int32_t sharp = 0; sharp < 2; sharp++) {
-            bvx_field_surface_options so;
+            bvx_field_surface_options so = {.struct_size = sizeof so};
             bvx_mesh mesh = {0};
-            bvx_field_surface_options_init(&so, sizeof so);
-            so.sharp = sharp;
+            so.sharp = BVX_SHARP_NEVER + sharp;
             so.grid = &shell;
             so.offset = -thickness;
             mesh_value(g, sharp ? "sharp" : "plain",
@@ -106,12 +101,11 @@ static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *v
     if (golden_skips(g, name)) return;
     golden_begin(g, name);
     for (int32_t sharp = 0; sharp < 2; sharp++) {
-        bvx_repair_options o;
+        bvx_repair_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        bvx_repair_options_init(&o, sizeof o);
         o.resolution = resolution;
         o.sign = sign;
-        o.sharp = sharp;
+        o.sharp = BVX_SHARP_NEVER + sharp;
         o.thin = thin;
         mesh_value(g, sharp ? "sharp" : "plain", bvx_repair(g->context, view, &o, &mesh), &mesh);
     }

@@ -222,9 +222,8 @@ static void surface_values(golden *g, const bvx_grid *solid, const char *key,
 
 static void surfaces_of(golden *g, const bvx_grid *solid)
 {
-    bvx_extract_options options;
+    bvx_extract_options options = {.struct_size = sizeof options};
 
-    bvx_extract_options_init(&options, sizeof options);
     surface_values(g, solid, "surface", &options);
     options.face_rule = BVX_FACE_JOIN;
     options.position_type = BVX_F64;
@@ -242,15 +241,14 @@ static void levels_of(golden *g, const bvx_grid *solid)
 
     for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++) {
         bvx_mesh levels[3] = {{0}};
-        bvx_lod_options options;
-        bvx_lod_options_init(&options, sizeof options);
+        bvx_lod_options options = {.struct_size = sizeof options};
         options.method = method;
         options.resolutions = resolutions;
         if (!golden_good(g, bvx_build_lods(g->context, solid, &options, 3, levels))) return;
         for (int32_t l = 0; l < 3; l++) {
             uint64_t hash = 0;
             if (golden_good(g, bvx_mesh_hash(g->context, &levels[l], &hash)))
-                golden_hex(g, keys[method - 1][l], hash);
+                golden_hex(g, keys[method][l], hash);
             bvx_mesh_free(g->context, &levels[l]);
         }
     }
@@ -260,10 +258,9 @@ static void collapsed_of(golden *g, const bvx_grid *solid)
 {
     static const uint64_t target = 1500;
     bvx_mesh level = {0};
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
     uint64_t hash = 0;
 
-    bvx_lod_options_init(&options, sizeof options);
     options.target_triangles = &target;
     options.collapse = 2.5;
     if (golden_good(g, bvx_build_lods(g->context, solid, &options, 1, &level)) &&
@@ -274,7 +271,7 @@ static void collapsed_of(golden *g, const bvx_grid *solid)
 
 static void solid_values(golden *g, const solid_case *c)
 {
-    bvx_voxelize_options options;
+    bvx_voxelize_options options = {.struct_size = sizeof options};
     bvx_solid_report report = {0};
     bvx_mesh_view view;
     bvx_lattice lattice;
@@ -283,7 +280,6 @@ static void solid_values(golden *g, const solid_case *c)
 
     if (golden_skips(g, c->name)) return;
     shape_view(&golden_shape, &view);
-    bvx_voxelize_options_init(&options, sizeof options);
     options.fill = c->fill;
     options.window = c->window;
     options.report = &report;
@@ -444,10 +440,9 @@ static int run_groups(golden *g, int write)
 int main(int argc, char **argv)
 {
     static golden g;
-    bvx_context_options options;
+    bvx_context_options options = {.struct_size = sizeof options};
     int write = 0, result;
 
-    bvx_context_options_init(&options, sizeof options);
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--write") == 0) {
             write = 1;

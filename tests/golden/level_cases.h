@@ -22,12 +22,11 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     static const uint64_t targets[2] = {900, 120};
     bvx_level_report reports[2];
     bvx_mesh levels[2] = {{0}};
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
 
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = targets;
     o.position_type = type;
-    o.even = even;
+    o.even = even > 0 ? even : BVX_NONE;
     o.reports = reports;
     golden_begin(g, name);
     if (golden_good(g, bvx_mesh_simplify(g->context, view, &o, 2, levels))) level_values(g, levels, reports);
@@ -43,16 +42,15 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     bvx_level_report reports[2];
     bvx_levels_report report;
     bvx_mesh levels[2] = {{0}};
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
     int32_t planned = 0;
 
     if (golden_skips(g, name)) return;
-    bvx_levels_options_init(&o, sizeof o);
     if (errors == NULL) o.target_triangles = targets;
     else o.target_errors = errors;
     o.position_type = type;
     o.resolution = resolution;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.reports = reports;
     o.report = &report;
     golden_begin(g, name);
@@ -96,10 +94,9 @@ static void planned_samples(golden *g, const bvx_mesh_view *view)
     static const int32_t sides[2] = {40, 90};
     static const uint64_t targets[2] = {50000, 300};
     int32_t by_sides = 0, by_triangles = 0, limited = -1;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
     golden_begin(g, "torus_planned_samples");
-    bvx_lod_options_init(&o, sizeof o);
     o.resolutions = sides;
     if (golden_good(g, bvx_plan_lods(g->context, view, &o, 2, 1, &by_sides, &limited))) {
         golden_u64(g, "by_sides", (uint64_t)by_sides);

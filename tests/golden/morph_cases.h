@@ -12,13 +12,12 @@ static int pitted_torus(golden *g, int32_t stretched, bvx_grid *grid)
 {
     static const int32_t sides[3] = {70, 43, 21};
     bvx_mesh_view view;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
     uint64_t state = 3;
 
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.padding = 2;
     if (stretched) memcpy(fit.axis_resolution, sides, sizeof sides);
     else fit.resolution = 66;
@@ -77,10 +76,9 @@ static void morphed(golden *g, const bvx_grid *grid, const bvx_grid *second, int
 
     for (int32_t i = 0; i < 4; i++) {
         char key[24];
-        bvx_morph_options o;
+        bvx_morph_options o = {.struct_size = sizeof o};
         bvx_grid made = {0};
-        bvx_morph_options_init(&o, sizeof o);
-        o.neighbourhood = neighbourhood;
+        o.neighbourhood = neighbourhood != 0 ? neighbourhood : BVX_BALL;
         o.steps = steps;
         o.radius = radius * least;
         o.beyond = second == grid ? (i + steps) & 1 : i == 1 || i == 2;
@@ -94,10 +92,9 @@ static void hollowed(golden *g, const bvx_grid *grid)
 {
     for (int32_t drain = 0; drain < 3; drain++) {
         static const char *const key[3] = {"hollow", "drained_z", "drained_x"};
-        bvx_hollow_options o;
+        bvx_hollow_options o = {.struct_size = sizeof o};
         bvx_hollow_report report;
         bvx_grid made = {0};
-        bvx_hollow_options_init(&o, sizeof o);
         o.thickness = 1.1 * grid->lattice.spacing[1];
         o.drain_radius = drain != 0 ? 2 * grid->lattice.spacing[0] : 0;
         o.drain_side = drain == 2 ? BVX_OPEN_X_HIGH : BVX_OPEN_Z_LOW;
@@ -121,9 +118,8 @@ static void distances_of(golden *g, const bvx_grid *grid)
 
     if (floats == NULL) exit(2);
     for (int32_t side = BVX_DISTANCE_OUTSIDE; side <= BVX_DISTANCE_SIGNED; side++) {
-        bvx_distance_options o;
+        bvx_distance_options o = {.struct_size = sizeof o};
         uint64_t h = 0;
-        bvx_distance_options_init(&o, sizeof o);
         o.side = side;
         o.beyond = side; /* each of three */
         o.nearest = nearest;

@@ -194,7 +194,7 @@ static void file_value(golden *g, const char *key, bvx_status status, bvx_buffer
 static void tree_question_cases(golden *g)
 {
     bvx_mesh_view view;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL, *back = NULL;
     bvx_buffer file = {0};
@@ -202,7 +202,6 @@ static void tree_question_cases(golden *g)
 
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
-    bvx_refine_options_init(&o, sizeof o);
     golden_begin(g, "torus_60");
     if (golden_good(g, bvx_refine_choose(g->context, &view, 60, &o, &base)) &&
         golden_good(g, bvx_refine(g->context, &view, &base, &o, &tree))) {
@@ -291,9 +290,8 @@ static void finite_mesh(golden *g, const bvx_mesh *mesh)
     bvx_mesh spoilt = {0};
     uint64_t dropped = 0;
     bvx_read_report report = {0};
-    bvx_read_options options;
+    bvx_read_options options = {.struct_size = sizeof options};
 
-    bvx_read_options_init(&options, sizeof options);
     options.drop_nonfinite = 1;
     options.report = &report;
     golden_begin(g, "finite");
@@ -327,11 +325,10 @@ static void written_value(golden *g, const bvx_mesh *mesh)
 static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *finer)
 {
     bvx_mesh levels[2];
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer file = {0};
 
     golden_begin(g, "meshes_with");
-    bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
     file_value(g, "obj_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_OBJ, &file), &file);
     file_value(g, "ply_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_PLY, &file), &file);
@@ -363,11 +360,10 @@ static void carried(golden *g, bvx_mesh *source, bvx_mesh *target)
 static void dense_values(golden *g, const bvx_mesh_view *view, const bvx_lattice *lattice)
 {
     static float values[1 << 16];
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_field field = {0};
 
     golden_begin(g, "dense");
-    bvx_field_options_init(&o, sizeof o);
     o.features = 1;
     o.half_width = 1;
     if (golden_good(g, bvx_measure_field(g->context, view, lattice, &o, &field))) {
@@ -394,18 +390,16 @@ static void dense_values(golden *g, const bvx_mesh_view *view, const bvx_lattice
 static void file_cases(golden *g)
 {
     bvx_mesh_view view;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
     bvx_grid solid = {0};
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
     bvx_mesh parts[1] = {{0}}, merged = {0};
 
     shape_torus(&golden_shape, 24, 12, 0.25, 5);
     shape_view(&golden_shape, &view);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 30;
     fit.padding = 1;
-    bvx_extract_options_init(&o, sizeof o);
     o.keys = 1;
     if (bvx_lattice_fit_with(g->context, &view, &fit, &lattice) == BVX_OK &&
         bvx_voxelize_solid(g->context, &view, &lattice, NULL, &solid) == BVX_OK &&
@@ -442,14 +436,12 @@ static void picture_cases(golden *g)
     bvx_mesh_view view;
     bvx_lattice lattice;
     bvx_grid solid = {0}, thin = {0};
-    bvx_render_options o;
-    bvx_surface_options s;
+    bvx_render_options o = {.struct_size = sizeof o};
+    bvx_surface_options s = {.struct_size = sizeof s};
     bvx_image image = {0};
 
     shape_torus(&golden_shape, 48, 20, 0.25, 7);
     shape_view(&golden_shape, &view);
-    bvx_render_options_init(&o, sizeof o);
-    bvx_surface_options_init(&s, sizeof s);
     s.mode = BVX_SURFACE_THIN;
     o.width = 160;
     o.height = 120;

@@ -13,9 +13,8 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
 
     for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
         for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
-            bvx_sections_options o;
+            bvx_sections_options o = {.struct_size = sizeof o};
             bvx_mesh mesh = {0};
-            bvx_sections_options_init(&o, sizeof o);
             o.crossings = crossings;
             o.caps = caps;
             o.blend = BVX_BLEND_LINEAR;
@@ -38,9 +37,8 @@ static void cubic_values(golden *g, const bvx_sections *sections, int32_t cells)
 
     for (int32_t crossings = BVX_CROSSINGS_EXACT; crossings <= BVX_CROSSINGS_CLASSIC; crossings++)
         for (int32_t layers = 1; layers <= 4; layers += 3) {
-            bvx_sections_options o;
+            bvx_sections_options o = {.struct_size = sizeof o};
             bvx_mesh mesh = {0};
-            bvx_sections_options_init(&o, sizeof o);
             o.crossings = crossings;
             o.grid[0] = o.grid[1] = cells;
             o.layers = layers;
@@ -83,11 +81,10 @@ static void normal_values(golden *g, const char *name, const bvx_mesh_view *view
 /* Contours of a mesh across an axis and askew: their file, and the bodies made of them. */
 static void slice_values(golden *g, const char *name, const bvx_mesh_view *view, double x, double y, double z)
 {
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
     bvx_sections sections;
 
     memset(&sections, 0, sizeof sections);
-    bvx_slice_options_init(&o, sizeof o);
     o.normal[0] = x;
     o.normal[1] = y;
     o.normal[2] = z;
@@ -131,7 +128,7 @@ static void mended_values(golden *g)
     static const double keyhole[] = {0, 0, 4, 0, 4, 4, 0, 4, 0, 2, 1, 2, 1, 3, 3, 3, 3, 1, 1, 1, 1, 2, 0, 2};
     static const double bow[] = {5, 0, 8, 3, 8, 0.5, 5, 4};
     static const double side[] = {4, 1, 4.5, 1, 4.5, 3, 4, 3};
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
 
     stack_clear(&golden_stack);
@@ -147,7 +144,6 @@ static void mended_values(golden *g)
         stack_round(&golden_stack, s, 1, 8 + 0.25 * k, 2, 1.5, 24, 0.1, 0.25, 0);
         stack_round(&golden_stack, s, 3, 8, 2, 1.5, 28, 0.1, 0.5, 1);
     }
-    bvx_sections_options_init(&o, sizeof o);
     o.mend = 1;
     golden_begin(g, "mended");
     mesh_value(g, "exact", bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
@@ -157,11 +153,10 @@ static void mended_values(golden *g)
 /* A shell through planes of any direction, then planes along the axes, one of them without a loop. */
 static void oblique_values(golden *g)
 {
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     uint64_t seed = 23;
 
-    bvx_sections_options_init(&o, sizeof o);
     o.cells = 24;
     golden_begin(g, "oblique");
     stack_oblique(&golden_stack);
@@ -190,9 +185,8 @@ static void lone_values(golden *g)
     stack_round(&golden_stack, 0, 0.5, 0, 1, 1, 30, 0, 0, 1);
     golden_begin(g, "lone");
     for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
-        bvx_sections_options o;
+        bvx_sections_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        bvx_sections_options_init(&o, sizeof o);
         o.caps = caps;
         o.thickness = 0.75;
         mesh_value(g, key[caps], bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
@@ -214,10 +208,9 @@ static void shifted_values(golden *g)
     }
     golden_begin(g, "shifted");
     for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
-        bvx_sections_options o;
+        bvx_sections_options o = {.struct_size = sizeof o};
         bvx_sections_report report;
         bvx_mesh mesh = {0};
-        bvx_sections_options_init(&o, sizeof o);
         o.caps = caps;
         o.join = 5;
         o.report = &report;
@@ -237,11 +230,10 @@ static void bodies_values(golden *g)
 
     golden_begin(g, "bodies");
     for (int way = 0; way < 2; way++) {
-        bvx_sections_options o;
+        bvx_sections_options o = {.struct_size = sizeof o};
         bvx_mesh made[2] = {0};
         bvx_status status;
 
-        bvx_sections_options_init(&o, sizeof o);
         o.cells = 20;
         if (way == 0) stack_clear(&golden_stack);
         else stack_oblique(&golden_stack);
@@ -272,11 +264,10 @@ static void section_cases(golden *g)
 {
     static const char *const name[] = {"random_1", "random_2", "random_3",
                                        "random_4", "random_5", "random_6"};
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     uint64_t seed = 99;
 
-    bvx_sections_options_init(&o, sizeof o);
     for (int i = 0; i < 6; i++) {
         bvx_status status;
         do {

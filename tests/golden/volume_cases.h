@@ -183,10 +183,9 @@ static void scalar_values(golden *g, uint8_t *memory)
     golden_begin(g, "surface");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         bvx_volume_view view;
-        bvx_scalar_options o;
+        bvx_scalar_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
         volume_of(g, cases[i].type, (int)(i & 1), memory, &view);
-        bvx_scalar_options_init(&o, sizeof o);
         o.level = cases[i].level;
         o.below = cases[i].below;
         o.face_rule = cases[i].join ? BVX_FACE_JOIN : BVX_FACE_SEPARATE;
@@ -257,10 +256,9 @@ static int32_t unpack_as_it_is(void *user, const void *packed, uint64_t packed_s
 static void read_value(golden *g, const char *key, const uint8_t *file, size_t size, int32_t format,
                        int32_t raw_type)
 {
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     bvx_volume volume = {0};
 
-    bvx_read_volume_options_init(&o, sizeof o);
     o.inflate = unpack_as_it_is;
     if (format == BVX_FORMAT_RAW) {
         o.sample_type = raw_type;

@@ -28,11 +28,10 @@ static void grid_value(golden *g, const char *key, bvx_grid *grid)
 
 static void faces_value(golden *g, const bvx_grid *grid, int32_t merged)
 {
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
 
-    bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
     if (golden_good(g, bvx_extract_faces(g->context, grid, &o, &mesh)) &&
         golden_good(g, bvx_mesh_hash(g->context, &mesh, &hash)))
@@ -48,10 +47,9 @@ static void surface_modes(golden *g, const char *name, const bvx_mesh_view *view
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
         for (int32_t m = BVX_SURFACE_CONSERVATIVE; m <= BVX_SURFACE_SAMPLED; m++) {
-            bvx_surface_options o;
+            bvx_surface_options o = {.struct_size = sizeof o};
             bvx_attached attached = {0};
             bvx_grid grid = {0};
-            bvx_surface_options_init(&o, sizeof o);
             o.mode = m;
             o.attached = &attached;
             if (!golden_good(g, bvx_voxelize_surface(g->context, view, &lattice, &o, &grid))) break;
@@ -88,16 +86,15 @@ static void fill_rules(golden *g, const char *name, const bvx_mesh_view *view, i
     golden_begin(g, name);
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)))
         for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_WINDING; fill++) {
-            bvx_voxelize_options o;
+            bvx_voxelize_options o = {.struct_size = sizeof o};
             bvx_grid grid = {0};
             bvx_status status;
-            bvx_voxelize_options_init(&o, sizeof o);
             o.fill = fill;
             o.close_gaps = fill == BVX_FILL_FLOOD;
             status = bvx_voxelize_solid(g->context, view, &lattice, &o, &grid);
             /* a flood that got in everywhere */
-            if (status == BVX_ERR_EMPTY) golden_text(g, rule[fill], "empty");
-            else if (golden_good(g, status)) grid_value(g, rule[fill], &grid);
+            if (status == BVX_ERR_EMPTY) golden_text(g, rule[fill - BVX_FILL_PARITY], "empty");
+            else if (golden_good(g, status)) grid_value(g, rule[fill - BVX_FILL_PARITY], &grid);
         }
     golden_end(g);
 }
@@ -125,15 +122,14 @@ static void fill_cases(golden *g)
 static void octree_values(golden *g, const char *name, const bvx_mesh_view *view, int32_t base_voxels,
                           int32_t levels, double tolerance, const bvx_window *window)
 {
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
     bvx_buffer file = {0};
     bvx_mesh mesh = {0};
     uint64_t hash = 0;
 
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = levels;
+    o.levels = levels != 0 ? levels : BVX_NONE;
     o.tolerance = tolerance;
     if (window != NULL) o.window = *window;
     golden_begin(g, name);

@@ -21,14 +21,13 @@ int main(void)
     bvx_context *ctx;
     bvx_lattice lattice;
     bvx_grid grid = {0};
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
     double volume[2];
 
     bvx_context_create(NULL, &ctx);
     bvx_lattice_make(ctx, origin, spacing, dims, &lattice);
     bvx_grid_create(ctx, &lattice, NULL, &grid);
     bvx_grid_set(&grid, 0, 0, 0, 1);
-    bvx_faces_options_init(&o, sizeof o);
     for (o.inward = 0; o.inward < 2; o.inward++) {
         bvx_mesh mesh = {0};
         bvx_mesh_view view;

@@ -4,7 +4,7 @@
 The comments of include/bitvox.h are read: each field of an option struct has its [Default: ] and, where it is a number, its [Limit: ],
 or names the list it chooses from (BVX_CAPS_...). Then:
 
-- each `_init` of the library gives that default;
+- where that is not 0, the field's row in the library says the same;
 - each call with such options refuses the nearest value outside the limit, by the field's name and with the reason of a range or a
   choice, and takes those at its ends;
 - the program's rows for the field take no more and no less, and their help says the same default;
@@ -29,6 +29,7 @@ else:
     WORK, ARCHIVE = Path(sys.argv[1]), sys.argv[2]
 HEADER = Path("include/bitvox.h").read_text()
 problems = []
+exec(Path("tests/tools/option_exceptions.py").read_text())
 
 
 def wrong(where, what):
@@ -43,7 +44,7 @@ for found in re.finditer(r"#define BVX_(\w+)_LIST\(X\)(.*?)(?=\n\S|\n\n)", HEADE
     LISTS[found.group(1)] = {name: (int(number), text) for name, number, text in rows}
 NAMES = {name: value[0] for rows in LISTS.values() for name, value in rows.items()}
 NAMES |= {name: int(value) for name, value in re.findall(r"\b(BVX_[A-Z0-9_]+) = (-?\d+)\b", HEADER)}
-NAMES |= {"BVX_FILLS_OF_BOOLEAN": None, "BVX_SIGNS_OF_REPAIR": None, "BVX_LABEL_ONLY": -(2**31)}
+NAMES |= {"BVX_FILLS_OF_BOOLEAN": None, "BVX_SIGNS_OF_REPAIR": None, "BVX_LABEL_ZERO": -(2**31)}
 
 
 def bits(name):
@@ -70,6 +71,7 @@ class Field:
         self.default, self.limit = tag("Default"), tag("Limit")
         self.whole, self.real = type in ("int32_t", "uint64_t", "uint8_t"), type == "double"
         self.pieces = self.read_limit() if self.whole or self.real else None
+        self.none = "BVX_NONE" in (self.limit or "")
 
     def where(self):
         return f"include/bitvox.h: {self.struct}.{self.name}"
@@ -122,7 +124,7 @@ class Field:
                 refused.append(end + sign * step if closed else end)
         smallest = 0 if self.type in ("uint64_t", "uint8_t") else -(2**31)
         largest = 2**31 - 1 if self.type == "int32_t" else 2**64 - 1
-        fits = [v for v in refused if not self.inside(v) and (self.real or smallest <= v <= largest)]
+        fits = [v for v in refused if v != 0 and not self.inside(v) and (self.real or smallest <= v <= largest)]  # 0 is the default
         return taken, sorted(set(fits)) + (["NAN"] if self.real and self.pieces else [])
 
 
@@ -190,14 +192,8 @@ def library():
             if f.name == "struct_size":
                 continue
             at = f'"{kind}", "{f.name}"'
-            default = [0] if f.name.startswith("reserved") else default_of(f)
             size = f"offsetof({f.struct}, {f.name}), sizeof ((({f.struct} *)0)->{f.name})"
             shape = "REAL" if f.real else "WIDE" if f.type == "uint64_t" else "BYTE" if f.type == "uint8_t" else "WHOLE" if f.type == "int32_t" else "BLOCK"
-            for i in range(f.length):
-                if default not in (None, "NULL") and shape != "BLOCK":
-                    lines.append(f"    default_is({at}, init_{kind}, {size}, {shape}, {i}, {literal(default[0] if len(default) == 1 else default[i] if i < len(default) else 0)});")
-            if default == "NULL" or (default == [0] and shape == "BLOCK"):
-                lines.append(f"    default_is({at}, init_{kind}, {size}, BLOCK, 0, 0.0);")
             if kind not in CALLS or f.name.startswith("reserved") or f.length > 1 or not f.pieces:
                 continue
             taken, refused = f.tries()
@@ -205,11 +201,26 @@ def library():
                 lines.append(f"    taken({at}, {CALLS[kind]}, {size}, {shape}, {literal(value)});")
             for value in refused:
                 lines.append(f"    refused({at}, {CALLS[kind]}, {size}, {shape}, {literal(value)});")
-    inits = "".join(f"static void init_{k}(void *o) {{ bvx_{k}_options_init(o, sizeof(bvx_{k}_options)); }}\n" for k in STRUCTS)
-    (WORK / "option_rows.h").write_text(f"{inits}static void all_rows(void)\n{{\n" + "\n".join(lines) + "\n}\n")
+    (WORK / "option_rows.h").write_text("static void all_rows(void)\n{\n" + "\n".join(lines) + "\n}\n")
     for kind in STRUCTS:
         if kind not in CALLS and kind != "context":
             wrong("tests/unit/call_table.h", f"no call takes bvx_{kind}_options")
+
+
+def standards():
+    """What 0 stands for: the rows BVXI_OR, and the fields of BY_HAND."""
+    sources = "".join(path.read_text() for path in sorted(Path("src").glob("*/*.[ch]")))
+    numbers = dict(re.findall(r"(?:#define|enum \{) (\w+) +(?:= )?(-?[\d.e-]+)", sources))
+    rows = {(struct, field): standard for struct, field, standard in re.findall(r"BVXI_OR\(\s*(bvx_\w+), (\w+), \w+, ([\w.]+),", sources)}
+    for f in fields:
+        told, row = default_of(f), rows.pop((f.struct, f.name), None)
+        if told in (None, "NULL") or not any(told[: f.length]) or (f.struct, f.name) in BY_HAND:
+            continue
+        found = number(numbers.get(row, row)) if row is not None else NAMES.get(f.default)
+        if found != told[0]:
+            wrong(f.where(), f"[Default: {f.default}], but 0 stands for {row} in the library's row")
+    for one in rows.keys() - BY_HAND.keys():
+        wrong(f"{one[0]}.{one[1]}", "has a row BVXI_OR, the header no such default")
 
 
 def program_sources():
@@ -219,6 +230,7 @@ def program_sources():
 
 def built():
     library()
+    standards()
     program = WORK / "option_contract"
     needed = subprocess.run([os.environ.get("MAKE_COMMAND", "make"), "-s", "print-needed"], check=True, capture_output=True, text=True).stdout.split()
     command = [*shlex.split(os.environ.get("CC", "cc")), "-std=c99", "-O1", "-Iinclude", "-Isrc", "-Itests/unit", f"-I{WORK}", "-DOPTION_CONTRACT", "-w",
@@ -252,11 +264,10 @@ FILLED = {
 SYNONYMS = {
     ("faces", "--merge"): "merged", ("refine", "--halvings"): "levels", ("sections", "--subdivide"): "depth", ("lod", "--outer-hull"): "outer", ("lod", "--attributes"): "attribute_weight",
     ("simplify", "--attributes"): "attribute_weight",
-    ("morph", "--drain"): "drain_radius", ("voxelize", "--up"): "axis", ("voxelize", "--value-type"): "value_type", ("refine", "--adaptive"): "tolerance",
+    ("morph", "--drain"): "drain_radius", ("voxelize", "--value-type"): "value_type", ("refine", "--adaptive"): "tolerance",
     ("components", "--keep-largest"): "largest", ("voxelize", "--keep-largest"): "largest", ("lod", "--keep-largest"): "largest",
     ("faces", "--keep-largest"): "largest", ("render", "--keep-largest"): "largest", ("convert", "--keep-largest"): "largest",
 }
-exec(Path("tests/tools/option_exceptions.py").read_text())
 
 
 def program(rows):
@@ -303,7 +314,7 @@ def compare_row(where, f, kind, low, high, least, names, base, help):
         for value, sign in ((lowest, -1), (highest, 1)):
             if abs(value) < 1e15 and not f.inside(value):
                 wrong(where, f"takes {value:g}, which {f.struct}.{f.name} [Limit: {f.limit}] refuses")
-            if value + sign * step != unset and f.inside(value + sign * step) and (value + sign * step >= 0 or f.type != "uint64_t") and abs(value) < 2**31 - 2 and \
+            if value + sign * step != unset and not (f.none and value + sign * step == -1) and f.inside(value + sign * step) and (value + sign * step >= 0 or f.type != "uint64_t") and abs(value) < 2**31 - 2 and \
                     (ends[0] if sign < 0 else ends[1]):
                 wrong(where, f"refuses {value + sign * step:g}, which {f.struct}.{f.name} [Limit: {f.limit}] takes")
     if kind == "FLAG":
@@ -374,6 +385,8 @@ def compare_function(where, of, node):
                         continue
                     if not f.inside(value):
                         wrong(where, f"{f.name}: takes {value}, which the header's [Limit: {f.limit}] refuses")
+                    elif f.none and value + sign == -1:
+                        continue
                     elif any(one[0 if sign < 0 else 2] is None for one in f.pieces) or default_of(f) == [value + sign]:
                         continue
                     elif f.inside(value + sign) and abs(value) < 2**31 - 1:

@@ -145,9 +145,8 @@ static inline const char *fault_end(fault_heap *heap)
 /* Options (a copy of base, or the defaults) that take memory from heap. */
 static inline bvx_context_options fault_options(const bvx_context_options *base, fault_heap *heap)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     if (base != NULL) o = *base;
-    else bvx_context_options_init(&o, sizeof o);
     o.alloc = fault_alloc;
     o.free = fault_free;
     o.alloc_user = heap;
@@ -373,10 +372,9 @@ static inline const char *fault_every_arena(fault_operation_fn *operation, void 
     const char *wrong = memory == NULL ? "no memory for the arena" : NULL;
 
     for (uint64_t n = 1; n <= steps && wrong == NULL; n++) {
-        bvx_context_options o;
+        bvx_context_options o = {.struct_size = sizeof o};
         bvx_context *context = NULL;
         if (base != NULL) o = *base;
-        else bvx_context_options_init(&o, sizeof o);
         o.arena = memory;
         o.arena_size = 4096 + (most - 4096) * n * n / steps / steps;
         if (bvx_context_create(&o, &context) != BVX_OK) {

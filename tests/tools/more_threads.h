@@ -44,9 +44,8 @@ static inline void run_by_turns(void *user, int32_t count, bvx_task_fn *task, vo
 
 static inline bvx_status create_with_more_threads(const bvx_context_options *options, bvx_context **context)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
 
-    bvx_context_options_init(&o, sizeof o);
     if (options != NULL) {
         if (options->struct_size != sizeof o || options->parallel != NULL || options->progress != NULL ||
             options->threads < 0 || options->threads > 1)

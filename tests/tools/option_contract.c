@@ -25,43 +25,6 @@ enum { WHOLE, WIDE, REAL, BYTE, BLOCK };
 static bvx_context *contract_context;
 static clock_t contract_until;
 
-static double value_of(const unsigned char *at, size_t size, int shape)
-{
-    int32_t whole;
-    uint64_t wide;
-    double real;
-
-    switch (shape) {
-    case WHOLE: memcpy(&whole, at, sizeof whole); return whole;
-    case WIDE: memcpy(&wide, at, sizeof wide); return (double)wide;
-    case REAL: memcpy(&real, at, sizeof real); return real;
-    case BYTE: return *at;
-    default:
-        for (size_t i = 0; i < size; i++)
-            if (at[i] != 0) return 1;
-        return 0;
-    }
-}
-
-static size_t size_of_shape(int shape)
-{
-    return shape == WHOLE ? 4 : shape == BYTE ? 1 : 8;
-}
-
-static void default_is(const char *kind, const char *field, void (*init)(void *), size_t at, size_t size,
-                       int shape, int i, double wanted)
-{
-    unsigned char bytes[4096];
-    double given;
-
-    memset(bytes, 0xa5, sizeof bytes);
-    init(bytes);
-    given = value_of(bytes + at + (size_t)i * size_of_shape(shape), size, shape);
-    if (given != wanted)
-        printf("wrong\tbvx_%s_options_init: %s is %.17g, the header says %.17g\n", kind, field, given,
-               wanted);
-}
-
 /* A value that is taken may ask for much: time and memory are bounded. */
 static int32_t stop_soon(void *user, const char *stage, double fraction)
 {
@@ -153,9 +116,8 @@ static void print_table(void)
 
 int main(void)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
 
-    bvx_context_options_init(&o, sizeof o);
     o.memory_limit = (uint64_t)256 << 20;
     o.progress = stop_soon;
     contract_until = clock() + 60 * CLOCKS_PER_SEC;

@@ -24,12 +24,11 @@ static void add_index(void *user, int32_t index, int32_t worker)
 int main(int argc, char **argv)
 {
     static probe p;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
     int *block = NULL, workers = 0;
 
     if (argc != 2) return 2;
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     if (bvx_context_create(&o, &ctx) != BVX_OK) return 2;
     p.race = strcmp(argv[1], "race") == 0;

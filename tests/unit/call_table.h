@@ -63,9 +63,8 @@ typedef struct world {
 } world;
 
 /* Options of a call, with the damage of this run. */
-#define TAKE_OPTIONS(kind, name)                   \
-    bvx_##kind##_options name;                     \
-    bvx_##kind##_options_init(&name, sizeof name); \
+#define TAKE_OPTIONS(kind, name)                              \
+    bvx_##kind##_options name = {.struct_size = sizeof name}; \
     if (w->wrong_size) name.struct_size = 1
 /* After what the call needs. */
 #define SPOIL(name) \
@@ -562,8 +561,7 @@ static bvx_status write_png(const world *w)
 }
 #define RENDER_OPTIONS       \
     TAKE_OPTIONS(render, o); \
-    o.width = o.height = 8;  \
-    TAKE_RESERVED(o.reserved)
+    o.width = o.height = 8
 static bvx_status render_mesh(const world *w)
 {
     RENDER_OPTIONS;
@@ -720,10 +718,10 @@ static const call calls[] = {
     CALL(write_slices, GRID, TO_BUFFER),
     CALL(write_sections, SECTIONS, TO_BUFFER),
     CALL(write_png, IMAGE, TO_BUFFER),
-    CALL(render_mesh, MESH | OPTIONS | RESERVED, TO_IMAGE),
-    CALL(render_grid, GRID | OPTIONS | RESERVED, TO_IMAGE),
-    CALL(render_difference, GRID | OTHER | OPTIONS | RESERVED, TO_IMAGE),
-    CALL(render_slices, GRID | OPTIONS | RESERVED, TO_IMAGE),
+    CALL(render_mesh, MESH | OPTIONS, TO_IMAGE),
+    CALL(render_grid, GRID | OPTIONS, TO_IMAGE),
+    CALL(render_difference, GRID | OTHER | OPTIONS, TO_IMAGE),
+    CALL(render_slices, GRID | OPTIONS, TO_IMAGE),
     CALL(read_grid, BYTES, TO_GRID),
     CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
     CALL(read_mesh_with, OPTIONS, TO_MESH),
@@ -776,11 +774,11 @@ static world right_world(bvx_context *ctx)
 #define MADE(call) TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, call, bvx_last_message(ctx))
 static void make_world(bvx_context *ctx)
 {
-    bvx_refine_options r;
-    bvx_field_options f;
-    bvx_slice_options s;
-    bvx_render_options p;
-    bvx_extract_options e;
+    bvx_refine_options r = {.struct_size = sizeof r};
+    bvx_field_options f = {.struct_size = sizeof f};
+    bvx_slice_options s = {.struct_size = sizeof s};
+    bvx_render_options p = {.struct_size = sizeof p};
+    bvx_extract_options e = {.struct_size = sizeof e};
 
     for (int v = 0; v < 8; v++)
         for (int a = 0; a < 3; a++) corner[v][a] = (v >> a & 1) != 0 ? 6.75f : 1.25f;
@@ -795,13 +793,10 @@ static void make_world(bvx_context *ctx)
     points.triangle_count = 0;
     MADE(bvx_lattice_make(ctx, unit_origin, unit_spacing, eight, &lattice));
     MADE(bvx_voxelize_solid(ctx, &mesh, &lattice, NULL, &solid));
-    bvx_refine_options_init(&r, sizeof r);
     r.levels = 1;
     MADE(bvx_refine(ctx, &mesh, &lattice, &r, &tree));
-    bvx_field_options_init(&f, sizeof f);
     f.half_width = 2;
     MADE(bvx_measure_field(ctx, &mesh, &lattice, &f, &field));
-    bvx_slice_options_init(&s, sizeof s);
     s.spacing = 1;
     MADE(bvx_slice_mesh(ctx, &mesh, &s, &sections));
     for (int i = 0; i < 512; i++) samples[i] = (uint8_t)(i % 8 > 2 && i % 8 < 6);
@@ -809,11 +804,9 @@ static void make_world(bvx_context *ctx)
     volume.sample_type = BVX_SAMPLE_U8;
     volume.lattice = lattice;
     for (int a = 0; a < 3; a++) volume.size[a] = 8;
-    bvx_extract_options_init(&e, sizeof e);
     e.keys = 1; /* for merging */
     MADE(bvx_extract_surface(ctx, &solid, &e, &body));
     MADE(bvx_extract_surface(ctx, &solid, NULL, &coloured));
-    bvx_render_options_init(&p, sizeof p);
     p.width = p.height = 8;
     MADE(bvx_render_mesh(ctx, &mesh, &p, &image));
     MADE(bvx_write_grid(ctx, &solid, BVX_FORMAT_NPY, &npy));

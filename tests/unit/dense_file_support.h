@@ -188,9 +188,8 @@ static inline void check_same_everywhere(const void *bytes, size_t size, int32_t
 
     for (int32_t threads = 1; threads <= 4; threads++)
         for (int32_t cpu = BVX_CPU_BEST; cpu <= BVX_CPU_PORTABLE; cpu++) {
-            bvx_context_options o;
+            bvx_context_options o = {.struct_size = sizeof o};
             bvx_grid g;
-            bvx_context_options_init(&o, sizeof o);
             o.threads = threads;
             o.cpu = cpu;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));

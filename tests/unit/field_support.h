@@ -37,8 +37,7 @@ static inline bvx_lattice lattice_with(double ox, double oy, double oz, double s
 
 static inline bvx_field_options field_options(double half_width, int32_t sign)
 {
-    bvx_field_options o;
-    bvx_field_options_init(&o, sizeof o);
+    bvx_field_options o = {.struct_size = sizeof o};
     o.half_width = half_width;
     o.sign = sign;
     o.features = 1;

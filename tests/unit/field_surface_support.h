@@ -27,10 +27,9 @@ void tearDown(void)
 
 static inline bvx_field_surface_options surface_options(int32_t sharp)
 {
-    bvx_field_surface_options o;
-    bvx_field_surface_options_init(&o, sizeof o);
+    bvx_field_surface_options o = {.struct_size = sizeof o};
     o.interpolation = BVX_EDGE_VECTOR;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     return o;
 }
 

@@ -10,9 +10,8 @@ static inline bvx_status fill_lattice(const bvx_lattice *l, int32_t fill, int32_
                                       bvx_solid_report *r)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     o.close_gaps = gaps;
     o.report = r;

@@ -162,8 +162,7 @@ static inline bvx_context *swap_context(const bvx_context_options *o)
 
 static inline bvx_context_options plain_options(int32_t threads)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
+    bvx_context_options o = {.struct_size = sizeof o};
     o.threads = threads;
     return o;
 }

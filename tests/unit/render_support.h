@@ -120,14 +120,19 @@ static inline bvx_mesh_view view_of_mesh(void)
 
 static inline bvx_render_options options_of(int32_t width, int32_t height, double x, double y, double z)
 {
-    bvx_render_options o;
+    bvx_render_options o = {.struct_size = sizeof o};
 
-    bvx_render_options_init(&o, sizeof o);
     o.width = width;
     o.height = height;
     o.direction[0] = x;
     o.direction[1] = y;
     o.direction[2] = z;
+    /* Cuts are open until a test moves one. */
+    o.cut = 63;
+    for (int a = 0; a < 3; a++) {
+        o.cut_low[a] = -(double)INFINITY;
+        o.cut_high[a] = (double)INFINITY;
+    }
     return o;
 }
 

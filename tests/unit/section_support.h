@@ -22,7 +22,7 @@ static void (*free_more)(void); /* what else a suite's tests made */
 void setUp(void)
 {
     suite_open(0);
-    bvx_sections_options_init(&o, sizeof o);
+    o = (bvx_sections_options){.struct_size = sizeof o};
     o.report = &report;
     o.mend = SECTION_MEND;
     stack_clear(&stack);

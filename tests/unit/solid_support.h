@@ -61,8 +61,7 @@ static inline bvx_status fill_with(bvx_context *c, const bvx_mesh_view *view, co
                                    const bvx_window *window, int32_t fill, bvx_grid *grid,
                                    bvx_solid_report *report)
 {
-    bvx_voxelize_options o;
-    bvx_voxelize_options_init(&o, sizeof o);
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     o.fill = fill;
     o.report = report;
     if (window != NULL) o.window = *window;

@@ -30,8 +30,7 @@ static int long_run; /* with BITVOX_LARGE: all trials, also those that take minu
 /* Defaults but for threads (0: as many as the machine has processors) and the code for vectors. */
 static inline bvx_context_options suite_options(int32_t threads, int32_t cpu)
 {
-    bvx_context_options o;
-    bvx_context_options_init(&o, sizeof o);
+    bvx_context_options o = {.struct_size = sizeof o};
     o.threads = threads;
     o.cpu = cpu;
     return o;

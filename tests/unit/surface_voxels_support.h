@@ -35,11 +35,10 @@ static inline bvx_window window_of(const bvx_lattice *l, const bvx_window *given
 static inline bvx_grid surface_by(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *l,
                                   const bvx_window *window, int32_t mode)
 {
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_grid grid = {0};
     bvx_status status;
 
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     if (window != NULL) o.window = *window;
     status = bvx_voxelize_surface(c, view, l, &o, &grid);
@@ -311,12 +310,11 @@ static inline void check_worker_count(int32_t mode, const bvx_lattice *l, int32_
 {
     bvx_surface_report one = {0}, many = {0};
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_surface_options how;
+    bvx_surface_options how = {.struct_size = sizeof how};
     bvx_grid first = {0}, other = {0};
     bvx_context *c;
     uint64_t formula;
 
-    bvx_surface_options_init(&how, sizeof how);
     how.mode = mode;
     how.report = &one;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, l, &how, &first));

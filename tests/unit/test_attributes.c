@@ -165,9 +165,8 @@ static bvx_mesh_view view_with(int own)
 
 static bvx_simplify_options options_for(const uint64_t *target)
 {
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
 
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = target;
     o.reports = report;
     return o;
@@ -711,7 +710,7 @@ static void test_indices_beyond_the_uvs_are_refused(void)
 {
     static const uint64_t target = 800;
     bvx_simplify_options const o = options_for(&target);
-    bvx_levels_options l;
+    bvx_levels_options l = {.struct_size = sizeof l};
     bvx_mesh_view view;
 
     make_torus(1);
@@ -719,7 +718,6 @@ static void test_indices_beyond_the_uvs_are_refused(void)
     view = view_with(1);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 1, level));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "triangle 10 has uv index"));
-    bvx_levels_options_init(&l, sizeof l);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &l, 1, level));
 }
 

@@ -14,12 +14,12 @@ static bvx_grid below_by(bvx_context *c, const bvx_lattice *l, const below_terms
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_mesh_view other;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
-    o.axis = b->axis;
+    o.up = (b->axis + 1) % 3; /* BVX_UP_Z, X, Y */
+    o.has_base = 1;
     o.base = b->base;
     o.report = r;
     if (b->window != NULL) o.window = *b->window;
@@ -216,12 +216,11 @@ static void test_refusals_name_the_second_mesh(void)
 {
     bvx_lattice const l = lattice_of(10, 10, 10);
     bvx_mesh_view view, other;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
     make_terrain(4, 4, 0, 3);
     view = other = maker_view(&mesh);
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
     o.second = &other;
     other.triangle_count = 0;

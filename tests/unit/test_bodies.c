@@ -601,7 +601,7 @@ static void refuse_bodies(bvx_status status, uint32_t count, const int32_t *labe
 
 static void test_what_bodies_are_refused(void)
 {
-    static const int32_t twice[2] = {1, 1}, absent[2] = {1, 7}, only[2] = {1, BVX_LABEL_ONLY};
+    static const int32_t twice[2] = {1, 1}, absent[2] = {1, 7}, only[2] = {1, BVX_LABEL_ZERO};
     half_space const half = {{1.0, 0.0, 0.0}, 0.0};
 
     make_sectors(0, 5, 2);
@@ -609,8 +609,8 @@ static void test_what_bodies_are_refused(void)
     refuse_bodies(BVX_ERR_ARGUMENT, 64, numbers, "1 to 63 bodies");
     refuse_bodies(BVX_ERR_ARGUMENT, 2, twice, "labels[0] and labels[1] are both 1");
     refuse_bodies(BVX_ERR_EMPTY, 2, absent, "no loop has the label 7");
-    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ONLY");
-    refuse_bodies(BVX_ERR_ARGUMENT, 2, only, "labels[1] is BVX_LABEL_ONLY");
+    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ZERO");
+    refuse_bodies(BVX_ERR_ARGUMENT, 2, only, "labels[1] is BVX_LABEL_ZERO");
     refuse_bodies(BVX_ERR_ARGUMENT, 2, NULL, "labels");
     o.caps = BVX_CAPS_OPEN;
     refuse_bodies(BVX_ERR_ARGUMENT, 2, numbers, "caps are flat or tapered");
@@ -631,7 +631,7 @@ static void test_what_bodies_are_refused(void)
     begin_sections(0, 3);
     add_piece(1, 1, 1.0, &half, 1, 0);
     refuse_bodies(BVX_ERR_EMPTY, 1, numbers, "only section 1 has contours");
-    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ONLY");
+    refuse_bodies(BVX_ERR_ARGUMENT, 1, only + 1, "labels[0] is BVX_LABEL_ZERO");
     o.caps = BVX_CAPS_TAPER;
     (void)build_good_bodies(1);
 }

@@ -30,8 +30,7 @@ void tearDown(void)
 
 static bvx_boolean_options with(int32_t resolution)
 {
-    bvx_boolean_options o;
-    bvx_boolean_options_init(&o, sizeof o);
+    bvx_boolean_options o = {.struct_size = sizeof o};
     o.resolution = resolution;
     o.keep_crumbs = 1; /* the solids are compared to the bit */
     o.thin = BVX_THIN_DROP;
@@ -199,7 +198,7 @@ static void test_solid_of_the_result_is_the_combined_solid(void)
             bvx_mesh_view view;
             uint64_t count;
             make_stars();
-            o.sharp = sharp;
+            o.sharp = BVX_SHARP_NEVER + sharp;
             o.position_type = BVX_F64;
             run(op, &o);
             check();
@@ -262,7 +261,7 @@ static void test_vertices_lie_on_the_operands(void)
         bvx_boolean_options o = with(48);
         double mean, middle, most;
         o.position_type = BVX_F64;
-        o.sharp = 0; /* vertices within cells need not lie on one of the faces */
+        o.sharp = BVX_SHARP_NEVER; /* vertices within cells need not lie on one of the faces */
         run(op, &o);
         most = distance_to_operands(&mean);
         TEST_ASSERT_TRUE(most < 0.6 * report.lattice.spacing[0]);
@@ -318,10 +317,10 @@ static void test_sharp_volumes_of_boxes(void)
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(48);
         double plain;
-        o.sharp = 0;
+        o.sharp = BVX_SHARP_NEVER;
         run(op, &o);
         plain = check().volume;
-        o.sharp = 1;
+        o.sharp = BVX_SHARP_ALWAYS;
         run(op, &o);
         TEST_ASSERT_DOUBLE_WITHIN(op == 3 ? 0.02 * want[op] : 2e-3 * want[op], want[op], check().volume);
         TEST_ASSERT_TRUE(op == 3 || fabs(check().volume - want[op]) < fabs(plain - want[op]));
@@ -423,15 +422,14 @@ static void test_threads_and_code_paths_are_not_seen(void)
     for (int sharp = 0; sharp < 2; sharp++) {
         uint64_t want = 0;
         for (int way = 0; way < 3; way++) {
-            bvx_context_options c;
+            bvx_context_options c = {.struct_size = sizeof c};
             bvx_boolean_options o = with(64);
             bvx_context *other;
             bvx_mesh m = {0};
             uint64_t hash;
-            bvx_context_options_init(&c, sizeof c);
             c.threads = way == 1 ? 3 : 1;
             c.cpu = way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST;
-            o.sharp = sharp;
+            o.sharp = BVX_SHARP_NEVER + sharp;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(other, &a, &b, BVX_BOOLEAN_DIFFERENCE, &o, &m));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(other, &m, &hash));
@@ -452,7 +450,7 @@ static void test_golden(void)
     for (int sharp = 0; sharp < 2; sharp++) {
         bvx_boolean_options o = with(40);
         uint64_t hash;
-        o.sharp = sharp;
+        o.sharp = BVX_SHARP_NEVER + sharp;
         run(BVX_BOOLEAN_DIFFERENCE, &o);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &hash));
         TEST_ASSERT_EQUAL_HEX64(want[sharp], hash);
@@ -474,7 +472,7 @@ static void test_refusals(void)
     make_stars();
     refuse(4, &o, BVX_ERR_ARGUMENT, "operation 4");
     refuse(-1, &o, BVX_ERR_ARGUMENT, "operation -1");
-    o.resolution = 0;
+    o.resolution = -1;
     refuse(0, &o, BVX_ERR_ARGUMENT, "resolution");
     o = with(16), o.fill = BVX_FILL_FLOOD;
     refuse(0, &o, BVX_ERR_ARGUMENT, "fill");
@@ -484,7 +482,7 @@ static void test_refusals(void)
     refuse(0, &o, BVX_ERR_ARGUMENT, "face_rule");
     o = with(16), o.position_type = 3;
     refuse(0, &o, BVX_ERR_ARGUMENT, "position_type");
-    o = with(16), o.sharp = 2;
+    o = with(16), o.sharp = 3;
     refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");
     o = with(16), o.reserved1 = 1;
     refuse(0, &o, BVX_ERR_ARGUMENT, "reserved");
@@ -512,7 +510,7 @@ static void test_lattice_beyond_doubles(void)
             static const double high[3] = {8.5e307, 8.5e307, 8.5e307};
             bvx_boolean_options o = with(resolution);
             bvx_status status;
-            o.sharp = sharp;
+            o.sharp = BVX_SHARP_NEVER + sharp;
             o.position_type = BVX_F64;
             make_boxes(low, high, low, high);
             status = bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made);

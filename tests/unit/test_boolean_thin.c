@@ -37,18 +37,17 @@ static void combine_on(int32_t operation, int32_t resolution, int32_t thin, int3
                        const bvx_lattice *lattice)
 {
     bvx_mesh_view const a = maker_view(&first), b = maker_view(&second);
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     uint64_t crossings;
     bvx_mesh_view v;
 
     bvx_mesh_free(ctx, &made);
     memset(&report, 0, sizeof report);
-    bvx_boolean_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(BVX_THIN_KEEP, o.thin);
     o.resolution = resolution;
     o.lattice = lattice;
     o.thin = thin;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, operation, &o, &made),
                                     bvx_last_message(ctx));
@@ -187,7 +186,7 @@ static void test_thick_bodies_are_as_without(void)
 /* A tray of thin walls, whose box is thick: the resolution that the refusal names does. */
 static void test_the_resolution_that_a_refusal_names_helps(void)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     bvx_mesh_view a, b;
     const char *number;
 
@@ -196,7 +195,6 @@ static void test_the_resolution_that_a_refusal_names_helps(void)
     box(&second, 0, 0, 0, 1, 1, 1);
     a = maker_view(&first);
     b = maker_view(&second);
-    bvx_boolean_options_init(&o, sizeof o);
     o.resolution = 30;
     o.thin = BVX_THIN_DROP;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made));
@@ -212,15 +210,14 @@ static void test_the_resolution_that_a_refusal_names_helps(void)
 
 static void test_refusals(void)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
     bvx_mesh_view a;
 
     box(&first, -1, -1, -1, 1, 1, 1);
     a = maker_view(&first);
-    bvx_boolean_options_init(&o, sizeof o);
     o.thin = BVX_THIN_SHELL;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &a, BVX_BOOLEAN_UNION, &o, &made));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "thin 0"));
+    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "thin 2"));
     o.thin = BVX_THIN_KEEP;
     o.reserved1 = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &a, BVX_BOOLEAN_UNION, &o, &made));

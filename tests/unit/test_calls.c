@@ -392,9 +392,10 @@ static void test_choices_out_of_range(void)
         BAD(voxelize_solid, voxelize, close_gaps, -1),
         BAD_SWITCH(voxelize_solid, voxelize, add_shell),
         BAD_SWITCH(voxelize_solid, voxelize, check_edges),
-        BAD(voxelize_solid, voxelize, check_thin, 2),
-        BAD(voxelize_solid, voxelize, check_thin, -2),
-        BAD(voxelize_solid, voxelize, axis, 3),
+        BAD(voxelize_solid, voxelize, check_thin, 3),
+        BAD(voxelize_solid, voxelize, check_thin, -1),
+        BAD(voxelize_solid, voxelize, up, 3),
+        BAD_SWITCH(voxelize_solid, voxelize, has_base),
         BAD(voxelize_surface, surface, mode, 99),
         BAD(voxelize_surface, surface, mode, -1),
         BAD(grid_dilate, morph, neighbourhood, 5),
@@ -416,7 +417,7 @@ static void test_choices_out_of_range(void)
         BAD(refine, refine, tolerance, -1),
         BAD(refine, refine, tolerance, (double)INFINITY),
         BAD(refine, refine, tolerance, (double)NAN),
-        BAD(voxelize_points, points, minimum, 0),
+        BAD(voxelize_points, points, minimum, -1),
         BAD(voxelize_points, points, body, 9),
         BAD(voxelize_points, points, close_gaps, -1),
         BAD(grid_keep, keep, connectivity, 7),
@@ -441,16 +442,16 @@ static void test_choices_out_of_range(void)
         BAD_SURFACE(extract_field_surface, field_surface),
         BAD(extract_field_surface, field_surface, interpolation, 99),
         BAD(extract_field_surface, field_surface, interpolation, -1),
-        BAD(extract_field_surface, field_surface, sharp, 2),
-        BAD(extract_field_surface, field_surface, sharp, -2),
+        BAD(extract_field_surface, field_surface, sharp, 3),
+        BAD(extract_field_surface, field_surface, sharp, -1),
         BAD(extract_field_surface, field_surface, offset, 1),
         BAD(extract_field_surface, field_surface, offset, (double)NAN),
         BAD_SURFACE(boolean, boolean),
         BAD(boolean, boolean, fill, 99),
         BAD(boolean, boolean, interpolation, 99),
         BAD_SWITCH(boolean, boolean, keep_crumbs),
-        BAD(boolean, boolean, sharp, 2),
-        BAD(boolean, boolean, sharp, -2),
+        BAD(boolean, boolean, sharp, 3),
+        BAD(boolean, boolean, sharp, -1),
         BAD(build_lods, lod, method, 9),
         BAD(build_lods, lod, method, -1),
         BAD(build_lods, lod, edge_samples, -1),
@@ -461,18 +462,17 @@ static void test_choices_out_of_range(void)
         BAD(build_sections, sections, layers, -1),
         BAD(build_sections, sections, caps, 9),
         BAD(build_sections, sections, crossings, 9),
-        BAD(build_sections, sections, depth, -1),
+        BAD(build_sections, sections, depth, -2),
         BAD(build_sections, sections, depth, 99),
         BAD(build_sections, sections, position_type, 9),
         BAD(build_sections, sections, spacing, -1),
-        BAD(slice_mesh, slice, label, BVX_LABEL_ONLY),
         BAD_SURFACE(repair, repair),
         BAD(repair, repair, sign, 99),
         BAD(repair, repair, sign, -1),
         BAD(repair, repair, sign, BVX_SIGN_NORMAL),
         BAD(repair, repair, interpolation, 99),
-        BAD(repair, repair, sharp, 2),
-        BAD(repair, repair, sharp, -2),
+        BAD(repair, repair, sharp, 3),
+        BAD(repair, repair, sharp, -1),
         BAD_SWITCH(repair, repair, measure),
         BAD_SWITCH(repair, repair, keep_crumbs),
         BAD_SWITCH(repair, repair, if_needed),
@@ -482,14 +482,14 @@ static void test_choices_out_of_range(void)
         BAD(mesh_simplify, simplify, error_kind, 2),
         BAD(mesh_simplify, simplify, error_kind, -1),
         BAD(mesh_simplify, simplify, position_type, 9),
-        BAD(mesh_simplify, simplify, even, -1),
+        BAD(mesh_simplify, simplify, even, -2),
         BAD(mesh_simplify, simplify, even, 1.5),
         BAD(mesh_simplify, simplify, even, (double)NAN),
         BAD_SWITCH(mesh_simplify, simplify, strict),
         BAD_SWITCH(mesh_simplify, simplify, lock_border),
         BAD_SWITCH(mesh_simplify, simplify, vertices),
         BAD_SWITCH(mesh_simplify, simplify, topology),
-        BAD(mesh_simplify, simplify, attribute_weight, -1),
+        BAD(mesh_simplify, simplify, attribute_weight, -2),
         BAD(mesh_simplify, simplify, attribute_weight, 1001),
         BAD_SWITCH(build_levels, levels, lock_border),
         BAD_SWITCH(build_levels, levels, vertices),
@@ -500,14 +500,14 @@ static void test_choices_out_of_range(void)
         BAD(plan_levels, levels, resolution, -1),
         BAD(build_levels, levels, error_kind, 2),
         BAD(build_levels, levels, position_type, 9),
-        BAD(build_levels, levels, even, -1),
+        BAD(build_levels, levels, even, -2),
         BAD(build_levels, levels, even, (double)NAN),
         BAD_SWITCH(build_levels, levels, strict),
         BAD_SWITCH(build_levels, levels, solid),
         BAD(build_levels, levels, resolution, -1),
         BAD(build_levels, levels, resolution, (1 << 24) + 1),
-        BAD(build_levels, levels, sharp, 2),
-        BAD(build_levels, levels, sharp, -2),
+        BAD(build_levels, levels, sharp, 3),
+        BAD(build_levels, levels, sharp, -1),
         BAD_SWITCH(build_levels, levels, outer),
         BAD(build_levels, levels, sign, 99),
         BAD(build_levels, levels, sign, -1),
@@ -625,7 +625,7 @@ static void test_sizes_beyond_memory_and_none(void)
     memset(&out, 0, sizeof out);
     for (int i = 0; i < 3; i++) {
         uint64_t const n = sizes[i];
-        bvx_read_volume_options o;
+        bvx_read_volume_options o = {.struct_size = sizeof o};
         expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
         expect_refused(ctx, bvx_read_mesh_with(ctx, text, n, BVX_FORMAT_PLY, NULL, &out.mesh),
                        "bvx_read_mesh_with");
@@ -639,7 +639,6 @@ static void test_sizes_beyond_memory_and_none(void)
         expect_refused(ctx, bvx_read_volume(ctx, text, n, BVX_FORMAT_NRRD, NULL, &out.volume),
                        "bvx_read_volume");
         expect_refused(ctx, bvx_volume_data_name(ctx, text, n, 0, NULL, 0, second), "bvx_volume_data_name");
-        bvx_read_volume_options_init(&o, sizeof o);
         o.data = text;
         o.data_size = n;
         expect_refused(ctx, bvx_read_volume(ctx, text, 1, BVX_FORMAT_NRRD, &o, &out.volume),
@@ -726,10 +725,9 @@ static void test_a_mesh_in_the_callers_arrays(void)
     make_world(ctx);
     for (int with_keys = 0; with_keys < 2; with_keys++)
         for (int way = 0; way < WAYS; way++) {
-            bvx_extract_options o;
+            bvx_extract_options o = {.struct_size = sizeof o};
             bvx_mesh given, before;
             bvx_status status;
-            bvx_extract_options_init(&o, sizeof o);
             o.position_type = BVX_F64;
             o.keys = with_keys;
             memset(&given, 0, sizeof given);
@@ -791,7 +789,7 @@ static void test_sections_that_contradict_themselves(void)
         case 5: bad_sections.section_count = (uint64_t)1 << 31; break;
         case 6: bad_sections.reserved2[2] = 1; break;
         case 7: loops[1].reserved = 1; break;
-        case 8: loops[1].label = BVX_LABEL_ONLY; break;
+        case 8: loops[1].label = BVX_LABEL_ZERO; break;
         case 9: loops[1].section = (uint32_t)sections.section_count; break;
         case 10: loops[1].first_point = sections.point_count + 1; break;
         case 11: loops[1].point_count = (uint32_t)sections.point_count; break;

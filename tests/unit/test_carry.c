@@ -265,12 +265,11 @@ static void test_carry_clears_what_the_capacity_leaves(void)
 static void test_carry_is_the_same_for_any_threads(void)
 {
     uint8_t *one = NULL;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
 
     make_star(&source, BVX_F32, 7, 12);
     give_colours(&source);
     make_star(&target, BVX_F32, 6, 30);
-    bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 4; o.threads++) {
         bvx_context *other;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));

@@ -402,12 +402,11 @@ static void test_cast_is_the_same_for_any_threads(void)
     enum { RAYS = 3000 };
     static double rays[6 * RAYS];
     static bvx_ray_hit one[RAYS], many[RAYS];
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     make_plain(100, 50, 50);
     scatter(5);
     for (int i = 0; i < 6 * RAYS; i++)
         rays[i] = maker_between(&seed, -10, 60, 100) - (i % 6 > 2 ? 25.005 : 0);
-    bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 8; o.threads++) {
         bvx_context *other;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));

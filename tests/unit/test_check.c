@@ -715,7 +715,7 @@ static void test_check_runs_in_an_arena(void)
     want = check(1);
     for (uint64_t size = 1024; size <= SIZE; size += 1 + size / 7) {
         bvx_status status;
-        bvx_context_options_init(&o, sizeof o);
+        o = (bvx_context_options){.struct_size = sizeof o};
         o.arena = memory;
         o.arena_size = size;
         if (bvx_context_create(&o, &small) != BVX_OK) continue;

@@ -235,9 +235,8 @@ static void test_wrong_calls(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_STL, &r));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "too large for the format's 32-bit floats"));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, &m, 1, NULL, BVX_FORMAT_OBJ, &r));
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0};
-    bvx_write_options_init(&o, sizeof o);
     o.rounding = 2;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &b));
 }

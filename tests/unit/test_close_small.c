@@ -34,11 +34,10 @@ static size_t make_holes(void)
 
 static void simplify_to(uint64_t target, int32_t topology, int32_t vertices)
 {
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
     bvx_mesh_view const view = maker_view(&mesh);
 
     drop_levels();
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
     o.topology = topology;
     o.vertices = vertices;

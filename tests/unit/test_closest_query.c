@@ -332,12 +332,11 @@ static void test_closest_is_the_same_for_any_threads(void)
     enum { POINTS = 4000 };
     static double points[3 * POINTS];
     static bvx_closest_point one[POINTS], many[POINTS];
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_mesh_view v;
     make_mesh(3);
     v = maker_view(&m);
     for (int i = 0; i < 3 * POINTS; i++) points[i] = maker_between(&seed, -12, 12, 10);
-    bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 8; o.threads++) {
         bvx_closest_point *const to = o.threads == 1 ? one : many;
         bvx_context *other;
@@ -364,7 +363,7 @@ static void test_closest_does_not_depend_on_the_other_points(void)
     enum { POINTS = (1 << 16) + 500 };
     static double points[3 * POINTS];
     static bvx_closest_point found[2][POINTS];
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_mesh_view v;
 
     make_mesh(3);
@@ -374,7 +373,6 @@ static void test_closest_does_not_depend_on_the_other_points(void)
             points[3 * i + a] = maker_between(&seed, -12, 12, 10) * (i % 7 == 0 ? 40.0 : 1.0);
     for (int a = 0; a < 3; a++) points[a] = 0x1p900; /* a box in which the others share a cell */
 
-    bvx_context_options_init(&o, sizeof o);
     for (int portable = 0; portable < 2; portable++) {
         bvx_context *other;
         bvx_closest *closest;

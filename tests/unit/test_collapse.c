@@ -29,8 +29,7 @@ static void solid_of_source(int32_t resolution, bvx_grid *solid)
 
 static bvx_status level(const bvx_grid *solid, uint64_t target, double collapse, int32_t type, bvx_mesh *mesh)
 {
-    bvx_lod_options options;
-    bvx_lod_options_init(&options, sizeof options);
+    bvx_lod_options options = {.struct_size = sizeof options};
     options.target_triangles = &target;
     options.collapse = collapse;
     options.position_type = type;
@@ -48,10 +47,9 @@ static bvx_certificate certify(const bvx_mesh *mesh)
 
 static void simplify_to(const bvx_mesh *mesh, uint64_t target, bvx_mesh *fewer)
 {
-    bvx_simplify_options options;
+    bvx_simplify_options options = {.struct_size = sizeof options};
     bvx_mesh_view view;
 
-    bvx_simplify_options_init(&options, sizeof options);
     options.target_triangles = &target;
     bvx_mesh_view_of(mesh, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &options, 1, fewer));
@@ -117,8 +115,7 @@ static void test_collapse_keeps_noise_manifold(void)
             for (int32_t y = 0; y < dims[1]; y++)
                 for (int32_t x = 0; x < dims[0]; x++)
                     bvx_grid_set(&noise, x, y, z, (shape_random(&seed) >> 33) % every == 0);
-        bvx_extract_options options;
-        bvx_extract_options_init(&options, sizeof options);
+        bvx_extract_options options = {.struct_size = sizeof options};
         options.position_type = BVX_F64;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &noise, &options, &mesh));
         before = certify(&mesh);
@@ -141,10 +138,9 @@ static void test_flat_faces_cost_nothing(void)
     bvx_lattice lattice;
     bvx_grid block = {0};
     bvx_mesh mesh = {0}, fewer = {0};
-    bvx_extract_options options;
+    bvx_extract_options options = {.struct_size = sizeof options};
     bvx_certificate before, after;
 
-    bvx_extract_options_init(&options, sizeof options);
     options.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &block));
@@ -182,14 +178,13 @@ static void test_bad_options_are_named(void)
 {
     bvx_grid solid = {0};
     bvx_mesh mesh = {0};
-    bvx_lod_options options;
+    bvx_lod_options options = {.struct_size = sizeof options};
     int32_t const resolution = 8;
 
     shape_ball(&source, 4);
     solid_of_source(16, &solid);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, level(&solid, 100, 0.5, BVX_F32, &mesh));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, level(&solid, 100, 65, BVX_F32, &mesh));
-    bvx_lod_options_init(&options, sizeof options);
     options.resolutions = &resolution;
     options.collapse = 2;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_lods(ctx, &solid, &options, 1, &mesh));

@@ -199,12 +199,11 @@ static void test_compare_over_a_shared_word(void)
 static void test_compare_is_the_same_for_any_threads(void)
 {
     bvx_grid_difference one, many;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
 
     make_grids(200, 60, 50);
     scatter(&a, 20);
     scatter(&b, 20);
-    bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 8; o.threads++) {
         bvx_context *other;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));

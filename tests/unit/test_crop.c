@@ -342,8 +342,7 @@ static bvx_status union_call(bvx_grid *result)
 }
 static bvx_status hollow_call(bvx_grid *result)
 {
-    bvx_hollow_options o;
-    bvx_hollow_options_init(&o, sizeof o);
+    bvx_hollow_options o = {.struct_size = sizeof o};
     o.thickness = 2;
     return bvx_grid_hollow(ctx, &grid, &o, result);
 }

@@ -278,7 +278,7 @@ static void test_threads_and_capacities(void)
     TEST_ASSERT_TRUE(want > FEW);
     memcpy(wanted, pairs, sizeof pairs);
     for (int32_t threads = 1; threads <= 5; threads += 2) {
-        bvx_context_options_init(&o, sizeof o);
+        o = (bvx_context_options){.struct_size = sizeof o};
         o.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));
         memset(pairs, 0, sizeof pairs);
@@ -335,9 +335,8 @@ static bvx_status list_some(void *user, bvx_context *context)
 static void test_every_allocation_may_fail_and_every_progress_call_may_cancel(void)
 {
     uint64_t allocations = 0, calls = 0;
-    bvx_context_options one_thread;
+    bvx_context_options one_thread = {.struct_size = sizeof one_thread};
 
-    bvx_context_options_init(&one_thread, sizeof one_thread);
     one_thread.threads = 1;
     make_spoiled(12);
     TEST_ASSERT_NULL(fault_every_allocation(list_some, NULL, &one_thread, &allocations));

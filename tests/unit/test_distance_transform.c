@@ -4,8 +4,7 @@
 
 static bvx_distance_options options_of(int32_t side, int32_t beyond, uint64_t *nearest)
 {
-    bvx_distance_options o;
-    bvx_distance_options_init(&o, sizeof o);
+    bvx_distance_options o = {.struct_size = sizeof o};
     o.side = side;
     o.beyond = beyond;
     o.nearest = nearest;

@@ -121,13 +121,12 @@ static void test_the_function_that_was_called(void)
     bvx_mesh_view const good = tetrahedron();
     bvx_mesh_view bad = good;
     bvx_mesh mesh = {0};
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
 
     bad.position_type = 9;
     failed(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &good, &bad, BVX_BOOLEAN_UNION, NULL, &mesh), BVX_REASON_CHOICE,
            "bvx_boolean");
     TEST_ASSERT_EQUAL_STRING_LEN("mesh b: ", error->text, 8);
-    bvx_levels_options_init(&o, sizeof o);
     o.sign = BVX_SIGN_NORMAL;
     o.solid = 1;
     failed(BVX_ERR_ARGUMENT, bvx_build_levels(ctx, &good, &o, 1, &mesh), BVX_REASON_CHOICE,
@@ -181,12 +180,11 @@ static void no_free(void *user, void *block, size_t size, size_t align)
 
 static void test_memory_capacity_and_the_callback(void)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_grid grid = {0};
     uint64_t words[8];
     int calls = 0;
 
-    bvx_context_options_init(&o, sizeof o);
     o.memory_limit = 4096;
     failed(BVX_ERR_BUDGET, make_again(&o, &grid), BVX_REASON_BUDGET, "bvx_grid_create");
     TEST_ASSERT_TRUE(error->value_count >= 3 && error->value[0] == 32768.0); /* the bytes wanted */
@@ -198,7 +196,7 @@ static void test_memory_capacity_and_the_callback(void)
     o.alloc_user = &calls;
     failed(BVX_ERR_MEMORY, make_again(&o, &grid), BVX_REASON_MEMORY, "bvx_grid_create");
 
-    bvx_context_options_init(&o, sizeof o);
+    o = (bvx_context_options){.struct_size = sizeof o};
     grid.words = words;
     grid.word_capacity = 8;
     failed(BVX_ERR_CAPACITY, make_again(&o, &grid), BVX_REASON_CAPACITY, "bvx_grid_create");
@@ -218,15 +216,15 @@ static void test_positions_that_are_too_coarse(void)
     double origin[3] = {5e6, 0, 0};
     float samples[512] = {0};
     bvx_volume_view volume = {0};
-    bvx_scalar_options o;
+    bvx_scalar_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0};
 
     samples[100] = 1;
     volume.samples = samples;
     volume.sample_type = BVX_SAMPLE_F32;
     memcpy(volume.size, dims, sizeof dims);
-    bvx_scalar_options_init(&o, sizeof o);
     o.level = 0.5;
+    o.position_type = BVX_F32;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &volume.lattice));
     failed(BVX_ERR_RANGE, bvx_extract_scalar(ctx, &volume, &o, &mesh), BVX_REASON_FLOATS_COARSE,
            "bvx_extract_scalar");
@@ -246,12 +244,11 @@ static void test_levels_by_their_numbers(void)
     bvx_mesh level[3] = {{0}};
     bvx_grid grid = {0};
     bvx_lattice lattice;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));
     bvx_grid_set(&grid, 4, 4, 4, 1);
-    bvx_lod_options_init(&o, sizeof o);
     o.resolutions = resolutions;
     failed(BVX_ERR_RANGE, bvx_build_lods(ctx, &grid, &o, 3, level), BVX_REASON_INDEX, "bvx_build_lods");
     TEST_ASSERT_EQUAL_INT64(2, error->index);
@@ -266,12 +263,11 @@ static void test_levels_by_their_numbers(void)
 static void test_choices_and_reserved_fields(void)
 {
     bvx_mesh_view const view = tetrahedron();
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_lattice lattice;
     bvx_grid grid = {0};
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 8, &lattice));
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = 99;
     failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_CHOICE,
            "bvx_voxelize_solid");
@@ -294,7 +290,7 @@ static void test_counts_and_bytes(void)
     bvx_mesh mesh = {0};
     bvx_image image = {0};
     bvx_buffer file = {0};
-    bvx_render_options r;
+    bvx_render_options r = {.struct_size = sizeof r};
     bvx_lattice lattice;
     int32_t const dims[3] = {1, 1, 1};
     double const low[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
@@ -307,9 +303,8 @@ static void test_counts_and_bytes(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, low, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));
     bvx_grid_set(&grid, 0, 0, 0, 1);
-    bvx_render_options_init(&r, sizeof r);
-    r.colour[3] = 1;
-    failed(BVX_ERR_ARGUMENT, bvx_render_grid(ctx, &grid, &r, &image), BVX_REASON_RESERVED, "bvx_render_grid");
+    r.cut = 64;
+    failed(BVX_ERR_ARGUMENT, bvx_render_grid(ctx, &grid, &r, &image), BVX_REASON_RANGE, "bvx_render_grid");
     bvx_grid_free(ctx, &grid);
 }
 

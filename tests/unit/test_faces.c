@@ -136,11 +136,10 @@ static face_list merged_list(const bvx_grid *g)
 
 static bvx_mesh faces_of(bvx_context *c, const bvx_grid *g, int32_t merged, int32_t type, int32_t local)
 {
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
     bvx_mesh m = {0};
     uint64_t vertices, triangles;
 
-    bvx_faces_options_init(&o, sizeof o);
     o.merged = merged;
     o.position_type = type;
     o.local_frame = local;
@@ -371,8 +370,7 @@ static void test_fills_the_callers_arrays(void)
         bvx_mesh m = {0}, mine = own;
         float *const p = maker_grow(NULL, (size_t)own.vertex_count * 12);
         uint32_t *const t = maker_grow(NULL, (size_t)own.triangle_count * 12);
-        bvx_faces_options o;
-        bvx_faces_options_init(&o, sizeof o);
+        bvx_faces_options o = {.struct_size = sizeof o};
         o.merged = merged;
         m.positions = p;
         m.triangles = t;
@@ -417,8 +415,9 @@ static void test_refusals(void)
     for (int32_t merged = 0; merged < 2; merged++) {
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, far, fine, dims, &l));
         g = noise_grid(ctx, &l, NULL, 2);
-        bvx_faces_options_init(&o, sizeof o);
+        o = (bvx_faces_options){.struct_size = sizeof o};
         o.merged = merged;
+        o.position_type = BVX_F32;
         assert_faces_refused(&g, &o, BVX_ERR_RANGE, "f32");
         o.position_type = BVX_F64;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_faces(ctx, &g, &o, &m));
@@ -434,7 +433,7 @@ static void test_refusals(void)
     g = noise_grid(ctx, &l, NULL, 2);
     for (int32_t field = 0; field < 4; field++) {
         static const char *const words[] = {"position_type", "merged", "local_frame", "reserved"};
-        bvx_faces_options_init(&o, sizeof o);
+        o = (bvx_faces_options){.struct_size = sizeof o};
         *(field == 0   ? &o.position_type
           : field == 1 ? &o.merged
           : field == 2 ? &o.local_frame

@@ -123,12 +123,11 @@ static void test_box_by_hand(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 70, 5, 5);
     double const low[3] = {60, 1, 1}, high[3] = {68, 4, 4};
-    bvx_field_options o;
+    bvx_field_options o = {.struct_size = sizeof o};
     bvx_field f;
     const float *d, *v;
 
     maker_box(&mesh, low, high);
-    bvx_field_options_init(&o, sizeof o);
     o.half_width = 1;
     f = field_by(ctx, &l, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_SIGN_EXACT, f.sign); /* it is closed and oriented */
@@ -393,12 +392,12 @@ static void test_options_out_of_range(void)
         change;                                                             \
         TEST_ASSERT_EQUAL_INT32(status, refused(ctx, &view, &l, &o, word)); \
     } while (0)
-    REFUSED(o.half_width = 0, BVX_ERR_ARGUMENT, "half_width is 0");
+    REFUSED(o.half_width = -1, BVX_ERR_ARGUMENT, "half_width is -1");
     REFUSED(o.half_width = -1, BVX_ERR_ARGUMENT, "half_width");
     REFUSED(o.half_width = (double)NAN, BVX_ERR_ARGUMENT, "half_width");
     REFUSED(o.sign = -1, BVX_ERR_ARGUMENT, "sign -1");
     REFUSED(o.sign = 7, BVX_ERR_ARGUMENT, "sign 7");
-    REFUSED(o.value_type = 0, BVX_ERR_ARGUMENT, "value_type 0");
+    REFUSED(o.value_type = -1, BVX_ERR_ARGUMENT, "value_type -1");
     REFUSED(o.value_type = 3, BVX_ERR_ARGUMENT, "value_type 3");
     REFUSED(o.no_vectors = 2, BVX_ERR_ARGUMENT, "no_vectors is 2");
     REFUSED(o.features = -1, BVX_ERR_ARGUMENT, "features is -1");
@@ -406,7 +405,7 @@ static void test_options_out_of_range(void)
     REFUSED(o.window.size[0] = 3, BVX_ERR_RANGE, "window");
     REFUSED((o.window.low[2] = 10, o.window.size[0] = o.window.size[1] = o.window.size[2] = 3), BVX_ERR_RANGE,
             "window");
-    REFUSED(o.struct_size = 1, BVX_ERR_ARGUMENT, "size 1");
+    REFUSED(o.struct_size = 1, BVX_ERR_ARGUMENT, "struct_size of the options is 1");
 #undef REFUSED
     o = good;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_measure_field(NULL, &view, &l, &o, &f));
@@ -472,13 +471,12 @@ static void test_memory_limit_is_kept(void)
 {
     bvx_lattice const l = lattice_with(0, 0, 0, 1, 1, 1, 40, 40, 40);
     bvx_field_options const o = field_options(HUGE_VAL, BVX_SIGN_EXACT);
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     bvx_context *small = NULL;
     bvx_mesh_view view;
 
     add_star(&l);
     view = maker_view(&mesh);
-    bvx_context_options_init(&c, sizeof c);
     c.memory_limit = 1 << 18;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &small));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, refused(small, &view, &l, &o, "limit"));

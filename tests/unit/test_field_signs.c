@@ -21,9 +21,8 @@ static void add_star(const bvx_lattice *l, double jitter)
 static bvx_grid solid_of(const bvx_lattice *l, int32_t fill)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = fill;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(ctx, &view, l, &o, &g), bvx_last_message(ctx));
     return g;

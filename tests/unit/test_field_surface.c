@@ -104,13 +104,12 @@ static void assert_is_oracle(const bvx_field_surface_options *given, uint64_t se
 {
     bvx_field_surface_options o = *given;
     bvx_field_surface_report report;
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
     uint64_t count[3] = {0, 0, 0}, unsure = 0;
     oracle_surface s;
     bvx_mesh m;
 
     o.report = &report;
-    bvx_extract_options_init(&e, sizeof e);
     e.face_rule = o.face_rule;
     e.local_frame = o.local_frame;
     m = surface_of(ctx, NULL, &o);
@@ -151,7 +150,7 @@ static void test_surface_is_the_oracles(void)
     for (int n = 0; n < (quick ? 40 : 400); n++) {
         bvx_lattice const l = random_lattice();
         bvx_field_surface_options o = surface_options(0);
-        o.interpolation = maker_below(&seed, 4);
+        o.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
         o.face_rule = maker_below(&seed, 2);
         o.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
         o.local_frame = maker_below(&seed, 2);
@@ -219,7 +218,7 @@ static void test_numbers_that_are_none_do_no_harm(void)
             if (k < 7) ((double *)field.vectors)[i] = odd[k];
             if (k < 7 && i < field.value_count) ((double *)field.distances)[i] = odd[k];
         }
-        o.interpolation = maker_below(&seed, 4);
+        o.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
         o.position_type = BVX_F64;
         m = surface_of(ctx, NULL, &o);
         assert_certificate(&m);

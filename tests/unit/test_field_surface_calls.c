@@ -71,13 +71,13 @@ static void test_wrong_fields_are_refused(void)
     double const spacing[3] = {1, 1, 1};
     bvx_lattice const l = lattice_at(origin, spacing, 4, 5, 6);
     bvx_field_surface_options const o = surface_options(0);
-    bvx_field_surface_options scalar = o, sharp = o, doubles = o;
+    bvx_field_surface_options scalar = o, sharp = o, doubles = o, floats = o;
     bvx_field good;
     bvx_mesh_view view;
     double const low[3] = {3, 3, 3}, high[3] = {5, 5, 5};
 
     scalar.interpolation = BVX_EDGE_SCALAR;
-    sharp.sharp = 1;
+    sharp.sharp = BVX_SHARP_ALWAYS;
     doubles.position_type = BVX_F64;
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
@@ -102,7 +102,7 @@ static void test_wrong_fields_are_refused(void)
     mesh.t[4] = 99, assert_refused(BVX_ERR_RANGE, &view, &sharp, "triangle 1"), mesh.t[4] = 0;
     view.position_type = 7, assert_refused(BVX_ERR_ARGUMENT, &view, &sharp, "position_type");
     memcpy(field.inside.lattice.origin, far, sizeof far), memcpy(field.band.lattice.origin, far, sizeof far);
-    assert_refused(BVX_ERR_RANGE, NULL, &o, "f32");
+    floats.position_type = BVX_F32, assert_refused(BVX_ERR_RANGE, NULL, &floats, "f32");
     memcpy(field.inside.lattice.origin, beyond, sizeof far),
         memcpy(field.band.lattice.origin, beyond, sizeof far);
     assert_refused(BVX_ERR_RANGE, NULL, &doubles, "doubles");

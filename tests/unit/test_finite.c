@@ -150,10 +150,9 @@ static bvx_status read_finite_of(bvx_context *context, const void *bytes, size_t
                                  uint64_t *dropped, bvx_mesh *m)
 {
     bvx_read_report report = {0};
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_status status;
 
-    bvx_read_options_init(&o, sizeof o);
     o.drop_nonfinite = 1;
     o.report = &report;
     status = bvx_read_mesh_with(context, bytes, size, format, &o, m);

@@ -274,7 +274,7 @@ static void test_refusals(void)
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t fill = BVX_FILL_FLOOD; fill <= BVX_FILL_REGIONS; fill++) {
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         o.fill = fill;
         o.window = part;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &l, &o, &g));
@@ -285,7 +285,7 @@ static void test_refusals(void)
         bvx_grid_free(ctx, &g);
     }
     for (int i = 0; i < 12; i++) {
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         switch (i) {
         case 0: o.close_gaps = 1; break;
         case 1:
@@ -298,16 +298,17 @@ static void test_refusals(void)
             break;
         case 3: o.add_shell = 2; break;
         case 4: o.check_edges = -1; break;
-        case 5: o.axis = 1; break;
+        case 5: o.up = BVX_UP_Y; break;
         case 6:
             o.fill = BVX_FILL_BELOW;
-            o.axis = 3;
+            o.up = 3;
             break;
         case 7:
             o.fill = BVX_FILL_BELOW;
+            o.has_base = 1;
             o.base = (double)NAN;
             break;
-        case 8: o.base = 1; break;
+        case 8: o.has_base = 1; break;
         case 9: o.second = &view; break;
         case 10:
             o.fill = BVX_FILL_BELOW;
@@ -333,10 +334,9 @@ static void test_threads_change_nothing(void)
         for (int i = 0; i < 4; i++) {
             bvx_context *const c = suite_context(threads[i], BVX_CPU_BEST);
             bvx_mesh_view const view = maker_view(&mesh);
-            bvx_voxelize_options o;
+            bvx_voxelize_options o = {.struct_size = sizeof o};
             bvx_grid g = {0};
             bvx_status now;
-            bvx_voxelize_options_init(&o, sizeof o);
             o.fill = trial % 2 ? BVX_FILL_FLOOD : BVX_FILL_REGIONS;
             o.close_gaps = trial % 2 ? trial % 7 : 0;
             o.report = i == 0 ? &r : &s;

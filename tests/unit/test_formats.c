@@ -80,11 +80,10 @@ static void test_the_sets_are_what_readers_and_writers_take(void)
     static const bvx_mesh no_mesh = {0};
     static const bvx_grid no_grid = {0};
     bvx_context *ctx = NULL;
-    bvx_read_volume_options raw;
+    bvx_read_volume_options raw = {.struct_size = sizeof raw};
     int32_t meshes = 0, grids = 0, points = 0, contours = 0, volumes = 0;
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(NULL, &ctx));
-    bvx_read_volume_options_init(&raw, sizeof raw);
     raw.sample_type = BVX_SAMPLE_U8;
     raw.size[0] = raw.size[1] = raw.size[2] = 9; /* more than there are */
     for (int32_t f = 1; f < 31; f++) {

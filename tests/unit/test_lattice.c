@@ -25,8 +25,7 @@ void tearDown(void)
 
 static bvx_lattice_options fit_options(void)
 {
-    bvx_lattice_options o;
-    bvx_lattice_options_init(&o, sizeof o);
+    bvx_lattice_options o = {.struct_size = sizeof o};
     return o;
 }
 

@@ -37,8 +37,7 @@ static void open_star(int half)
 static bvx_levels_options options_at(int32_t resolution)
 {
     static const uint64_t target = 500;
-    bvx_levels_options o;
-    bvx_levels_options_init(&o, sizeof o);
+    bvx_levels_options o = {.struct_size = sizeof o};
     o.target_triangles = &target;
     o.resolution = resolution;
     o.report = &found;
@@ -88,7 +87,7 @@ static void test_memory_is_as_the_header_says(void)
             if (way == 0) make_star(40, 40);
             else make_star(200, 200);
             if (way == 2 || way == 3) open_star(way == 3);
-            if (way == 4) o.sharp = 1;
+            if (way == 4) o.sharp = BVX_SHARP_ALWAYS;
             view = maker_view(&mesh);
             share = share_of_stated(name[way], &view, &o, 0);
             if (share > largest) largest = share;
@@ -133,10 +132,9 @@ static bvx_context *limited; /* that of the last call that succeeded */
 static bvx_status build_within(uint64_t limit, const bvx_levels_options *o, bvx_mesh *made, uint64_t *peak)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     bvx_status status;
 
-    bvx_context_options_init(&c, sizeof c);
     c.threads = 1;
     c.memory_limit = limit;
     memset(&found, 0, sizeof found);

@@ -8,8 +8,7 @@ static bvx_levels_report found;
 
 static bvx_levels_options defaults(void)
 {
-    bvx_levels_options o;
-    bvx_levels_options_init(&o, sizeof o);
+    bvx_levels_options o = {.struct_size = sizeof o};
     o.reports = report;
     o.report = &found;
     return o;
@@ -43,10 +42,10 @@ static void check_levels(const char *name, const uint64_t *targets, uint64_t cou
     }
 }
 
-/* All defaults, of a mesh with a hole: as with options that were filled by their _init function. */
+/* All defaults, of a mesh with a hole: as with options that are all zero. */
 static void test_no_options_are_the_defaults(void)
 {
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
     bvx_mesh plain[2] = {{0}};
     bvx_mesh_view view;
 
@@ -55,7 +54,6 @@ static void test_no_options_are_the_defaults(void)
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_levels(ctx, &view, NULL, 2, plain),
                                     bvx_last_message(ctx));
-    bvx_levels_options_init(&o, sizeof o);
     drop_levels();
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &o, 2, level));
     for (int i = 0; i < 2; i++) {
@@ -72,7 +70,7 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
         static const uint64_t targets[2] = {900, 200};
         bvx_mesh alone[2] = {{0}};
         bvx_levels_options o = defaults();
-        bvx_simplify_options s;
+        bvx_simplify_options s = {.struct_size = sizeof s};
         bvx_certificate before;
         bvx_mesh_view view;
         make_shape(&level_shapes[n]);
@@ -90,7 +88,6 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
                                          where);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
         TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
-        bvx_simplify_options_init(&s, sizeof s);
         s.target_triangles = targets;
         s.position_type = BVX_F64;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
@@ -322,7 +319,7 @@ static void all_defects(int32_t resolution, int32_t sharp)
             defect_kinds[kind].make(&shape, &seed);
             mesh = shape.mesh;
             o.resolution = resolution;
-            o.sharp = sharp;
+            o.sharp = BVX_SHARP_NEVER + sharp;
             o.target_triangles = targets;
             o.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
             snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which],
@@ -563,7 +560,7 @@ static void test_threads_do_not_matter(void)
     static const uint64_t targets[2] = {1500, 200};
 
     for (int way = 0; way < 2; way++) {
-        bvx_context_options c;
+        bvx_context_options c = {.struct_size = sizeof c};
         bvx_context *other;
         bvx_levels_options o = defaults();
         bvx_levels_report more;
@@ -576,7 +573,6 @@ static void test_threads_do_not_matter(void)
         o.target_triangles = targets;
         if (way == 1) o.resolution = 80;
         build(&o, 2);
-        bvx_context_options_init(&c, sizeof c);
         c.threads = 4;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         o.report = &more;
@@ -609,10 +605,9 @@ static void test_the_plan(void)
     static const double error = 0.5;
     uint64_t target = 1;
     int32_t before = 0;
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
 
     make_shape(shape_named("sphere"));
-    bvx_levels_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(256, plan(NULL, 3));
     o.target_triangles = &target;
     for (; target < 1000000; target *= 2) { /* it only rises, between its ends */
@@ -693,8 +688,8 @@ static void test_contradictions(void)
         if (way / 3 == 4) o.least_cavity = 1;
         if (way / 3 == 5) o.outer = 1;
         if (way / 3 == 6) o.solid = 1;
-        if (way / 3 == 7) o.sharp = 0;
-        if (way / 3 == 8) o.sharp = 1;
+        if (way / 3 == 7) o.sharp = BVX_SHARP_NEVER;
+        if (way / 3 == 8) o.sharp = BVX_SHARP_ALWAYS;
         if (way / 3 == 9) o.shell = 3;
         if (way / 3 == 10) o.keep_largest = 1;
         if (way % 3 == 0) o.lock_border = 1;
@@ -756,19 +751,17 @@ static bvx_mesh_view spiky_ball(uint64_t number)
 static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_t target,
                                 bvx_repair_report *r)
 {
-    bvx_repair_options o;
-    bvx_simplify_options s;
+    bvx_repair_options o = {.struct_size = sizeof o};
+    bvx_simplify_options s = {.struct_size = sizeof s};
     bvx_mesh surface = {0}, small = {0};
     bvx_mesh_view repaired;
     bvx_distance_report d;
 
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = 64;
     o.thin = thin;
     o.report = r;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_repair(ctx, view, &o, &surface));
     bvx_mesh_view_of(&surface, &repaired);
-    bvx_simplify_options_init(&s, sizeof s);
     s.target_triangles = &target;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &repaired, &s, 1, &small));
     bvx_mesh_view_of(&small, &repaired);
@@ -788,14 +781,13 @@ static void test_thin_walls_do_not_make_handles(void)
     for (int i = 0; i < 6; i++) {
         bvx_mesh_view const view = spiky_ball(number[i]);
         bvx_repair_report kept, lost;
-        bvx_levels_options o;
+        bvx_levels_options o = {.struct_size = sizeof o};
         int is_left;
         double const with = level_of_repaired(&view, BVX_THIN_KEEP, target, &kept);
 
         level_of_repaired(&view, BVX_THIN_SHELL, target, &lost);
         TEST_ASSERT_TRUE(kept.thin_kept && kept.after.components == 1 && lost.after.components == 1);
         drop_levels();
-        bvx_levels_options_init(&o, sizeof o);
         o.resolution = 64;
         o.target_triangles = &target;
         o.measure_samples = 5000;

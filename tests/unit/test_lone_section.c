@@ -93,7 +93,7 @@ static void test_what_stands_beside_it_changes_nothing(void)
         uint64_t alone, beside;
 
         stack_clear(&stack);
-        o.label = BVX_LABEL_ONLY;
+        o.label = 0;
         o.thickness = 0.25;
         o.caps = caps;
         add_ring(0.0);

@@ -30,8 +30,7 @@ void tearDown(void)
 
 static bvx_extract_options extract_options(void)
 {
-    bvx_extract_options o;
-    bvx_extract_options_init(&o, sizeof o);
+    bvx_extract_options o = {.struct_size = sizeof o};
     o.keys = 1;
     return o;
 }

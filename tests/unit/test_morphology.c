@@ -8,9 +8,8 @@ enum { DILATE, ERODE, OPEN, CLOSE };
 
 static bvx_morph_options steps_of(int32_t neighbourhood, int32_t steps, int32_t beyond)
 {
-    bvx_morph_options o;
-    bvx_morph_options_init(&o, sizeof o);
-    o.neighbourhood = neighbourhood;
+    bvx_morph_options o = {.struct_size = sizeof o};
+    o.neighbourhood = neighbourhood != 0 ? neighbourhood : BVX_BALL;
     o.steps = steps;
     o.beyond = beyond;
     return o;
@@ -64,7 +63,7 @@ static void wide_free(wide_box *b)
 static int in_reach(const bvx_morph_options *o, const double s[3], int32_t dx, int32_t dy, int32_t dz)
 {
     int32_t const axes = (dx != 0) + (dy != 0) + (dz != 0);
-    if (o->neighbourhood == 0) {
+    if (o->neighbourhood == BVX_BALL) {
         double const x = dx * s[0], y = dy * s[1], z = dz * s[2];
         return x * x + y * y + z * z <= o->radius * o->radius * (1.0 + 1e-12);
     }
@@ -78,7 +77,7 @@ static void wide_step(wide_box *b, const bvx_morph_options *o, const double s[3]
     int32_t offset[4096][3], count = 0, reach[3] = {1, 1, 1};
     uint8_t *made = b->spare;
 
-    for (int a = 0; a < 3 && o->neighbourhood == 0; a++) reach[a] = (int32_t)(o->radius / s[a]) + 1;
+    for (int a = 0; a < 3 && o->neighbourhood == BVX_BALL; a++) reach[a] = (int32_t)(o->radius / s[a]) + 1;
     for (int32_t dz = -reach[2]; dz <= reach[2]; dz++)
         for (int32_t dy = -reach[1]; dy <= reach[1]; dy++)
             for (int32_t dx = -reach[0]; dx <= reach[0]; dx++)
@@ -110,7 +109,7 @@ static void expect_voxel_by_voxel(int operation, const bvx_morph_options *o)
     double least = s[0] < s[1] ? s[0] : s[1];
 
     if (s[2] < least) least = s[2];
-    int32_t const reach = o->neighbourhood != 0 ? o->steps : (int32_t)(o->radius / least) + 1;
+    int32_t const reach = o->neighbourhood != BVX_BALL ? o->steps : (int32_t)(o->radius / least) + 1;
     wide_box b = wide_of(&grid, 2 * reach + 1, o->beyond);
     bvx_grid result = {0};
     int32_t wrong = 0;
@@ -256,8 +255,7 @@ static void test_balls_equal_distances(void)
         size_t const n = voxels_of(&grid);
         double *const d = room_for(n, sizeof *d);
         bvx_morph_options const o = ball_of(r, beyond);
-        bvx_distance_options far;
-        bvx_distance_options_init(&far, sizeof far);
+        bvx_distance_options far = {.struct_size = sizeof far};
         far.side = erode ? BVX_DISTANCE_INSIDE : BVX_DISTANCE_OUTSIDE;
         far.beyond = beyond ? BVX_BEYOND_SET : BVX_BEYOND_EMPTY;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &far, BVX_F64, d, n));
@@ -445,7 +443,7 @@ static void test_what_morphology_refuses(void)
         for (int bad = 0; bad < 9; bad++) {
             o = steps_of(6, 1, 0);
             if (bad == 0) o.neighbourhood = 7;
-            if (bad == 1) o.steps = 0;
+            if (bad == 1) o.steps = -1;
             if (bad == 2) o.steps = 65537;
             if (bad == 3) o.radius = 1.0;
             if (bad == 4) o.beyond = 2;
@@ -470,8 +468,7 @@ static void test_what_morphology_refuses(void)
 
 static bvx_hollow_options hollow_of(double thickness, bvx_hollow_report *report)
 {
-    bvx_hollow_options o;
-    bvx_hollow_options_init(&o, sizeof o);
+    bvx_hollow_options o = {.struct_size = sizeof o};
     o.thickness = thickness;
     o.report = report;
     return o;

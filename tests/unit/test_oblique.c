@@ -641,10 +641,9 @@ static int32_t count_report(void *user, const char *stage, double fraction)
 
 static void count_reports(void)
 {
-    bvx_context_options with;
+    bvx_context_options with = {.struct_size = sizeof with};
 
     suite_close();
-    bvx_context_options_init(&with, sizeof with);
     with.progress = count_report;
     with.threads = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&with, &ctx));
@@ -804,10 +803,9 @@ static void test_threads_change_no_oblique_body(void)
     make_ball(5, 12, 0.5);
     o.cells = 32;
     for (int i = 0; i < 3; i++) {
-        bvx_context_options c;
+        bvx_context_options c = {.struct_size = sizeof c};
         bvx_context *other;
         bvx_mesh made = {0};
-        bvx_context_options_init(&c, sizeof c);
         c.threads = 1 + 3 * i;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_sections(other, &stack.s, &o, &made));

@@ -15,7 +15,7 @@ static void make_tree(int32_t nx, int32_t ny, int32_t nz, int32_t levels)
     const int32_t dims[3] = {nx, ny, nz};
     double centre[3], radius[3];
     bvx_lattice base;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     maker_mesh m = {0};
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
@@ -25,8 +25,7 @@ static void make_tree(int32_t nx, int32_t ny, int32_t nz, int32_t levels)
     }
     maker_star(&m, &seed, centre, radius, 0.2, 6, 8, 1024);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = levels;
+    o.levels = levels != 0 ? levels : BVX_NONE;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_refine(ctx, &view, &base, &o, &tree));
     maker_free(&m);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, tree, levels, &lattice));

@@ -261,9 +261,7 @@ static void test_keep_by_every_rule(void)
 {
     for (int round = 0; round < (quick ? 6 : 60); round++) {
         int32_t seeds[9];
-        bvx_keep_options o;
-        bvx_keep_options_init(&o, sizeof o);
-        TEST_ASSERT_EQUAL_INT32(6, o.connectivity);
+        bvx_keep_options o = {.struct_size = sizeof o};
         make_grid(1 + maker_below(&seed, 130), 1 + maker_below(&seed, 9), 1 + maker_below(&seed, 9));
         scatter(5 + maker_below(&seed, 40));
         o.connectivity = kinds[round % 3];
@@ -451,7 +449,7 @@ static void test_parts_refuse(void)
     uint32_t labels[10];
     uint64_t count = 0;
     bvx_topology t;
-    bvx_keep_options o;
+    bvx_keep_options o = {.struct_size = sizeof o};
     bvx_grid result = {0}, none = {0};
     int32_t out[3] = {0, 1, 0};
 
@@ -473,15 +471,14 @@ static void test_parts_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 0, 0, &result, NULL),
                    "connectivity is 0");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_fill_cavities(ctx, &grid, 6, 0, NULL, NULL), "result is NULL");
-    bvx_keep_options_init(&o, sizeof o);
     o.connectivity = 4;
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "connectivity 4");
-    bvx_keep_options_init(&o, sizeof o);
+    o = (bvx_keep_options){.struct_size = sizeof o};
     o.seed_count = 1;
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "seeds is NULL");
     o.seeds = out;
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "seed 0 at (0, 1, 0)");
-    bvx_keep_options_init(&o, sizeof o);
+    o = (bvx_keep_options){.struct_size = sizeof o};
     o.reserved = 1;
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, &o, &result), "reserved");
     expect_refused(BVX_ERR_ARGUMENT, bvx_grid_keep(ctx, &grid, NULL, NULL), "result is NULL");

@@ -29,7 +29,7 @@ void setUp(void)
 {
     suite_open(1);
     memset(&mesh, 0, sizeof mesh);
-    bvx_lod_options_init(&options, sizeof options);
+    options = (bvx_lod_options){.struct_size = sizeof options};
 }
 
 void tearDown(void)
@@ -89,9 +89,8 @@ static void test_memory_decides_where_it_is_short(void)
 
     options.resolutions = &finest;
     for (int32_t n = finest; n <= 8 * finest; n++) {
-        bvx_lattice_options o;
+        bvx_lattice_options o = {.struct_size = sizeof o};
         bvx_lattice lattice;
-        bvx_lattice_options_init(&o, sizeof o);
         o.resolution = n;
         o.padding = 2;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_with(ctx, &view, &o, &lattice));

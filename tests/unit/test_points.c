@@ -56,7 +56,7 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
 {
     size_t const n = (size_t)w->size[0] * (size_t)w->size[1] * (size_t)w->size[2];
     uint32_t *const count = calloc(n, sizeof *count);
-    bvx_points_options o;
+    bvx_points_options o = {.struct_size = sizeof o};
     bvx_points_report report, want = {0};
     bvx_grid g = {0};
 
@@ -73,8 +73,6 @@ static void expect_counted(const bvx_lattice *l, const bvx_window *w, int32_t mi
             count[((size_t)v[2] * (size_t)w->size[1] + (size_t)v[1]) * (size_t)w->size[0] + (size_t)v[0]]++;
     }
     for (size_t i = 0; i < n; i++) want.occupied += count[i] >= (uint32_t)minimum;
-    bvx_points_options_init(&o, sizeof o);
-    TEST_ASSERT_EQUAL_INT32(1, o.minimum);
     o.minimum = minimum;
     o.window = *w;
     o.report = &report;
@@ -112,13 +110,12 @@ static void test_points_are_counted_in_their_voxels(void)
 static void test_a_fitted_lattice_holds_the_cloud(void)
 {
     for (int round = 0; round < 40; round++) {
-        bvx_lattice_options o;
+        bvx_lattice_options o = {.struct_size = sizeof o};
         bvx_lattice l;
-        bvx_points_options p;
+        bvx_points_options p = {.struct_size = sizeof p};
         bvx_points_report report;
         bvx_grid g = {0};
         scatter(2 + (uint64_t)maker_below(&seed, 500), 1000, 0.001 * (1 + maker_below(&seed, 50)));
-        bvx_lattice_options_init(&o, sizeof o);
         if (round % 3 == 0) o.resolution = 1 + maker_below(&seed, 70);
         if (round % 3 == 1)
             o.spacing[0] = o.spacing[1] = o.spacing[2] = 0.07 + 0.01 * maker_below(&seed, 100);
@@ -126,7 +123,6 @@ static void test_a_fitted_lattice_holds_the_cloud(void)
             for (int a = 0; a < 3; a++) o.axis_resolution[a] = 1 + maker_below(&seed, 40);
         o.padding = round % 2;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &o, &l));
-        bvx_points_options_init(&p, sizeof p);
         p.report = &report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, &p, &g));
         TEST_ASSERT_EQUAL_UINT64(0, report.outside);
@@ -142,7 +138,7 @@ static void test_points_of_any_view(void)
     static const uint32_t wild[3] = {7, 1000000, 3};
     bvx_grid a = {0}, b = {0};
     bvx_mesh_view strided;
-    bvx_lattice_options o;
+    bvx_lattice_options o = {.struct_size = sizeof o};
     bvx_lattice l, m;
     uint64_t first = 0, second = 1;
 
@@ -157,7 +153,6 @@ static void test_points_of_any_view(void)
     strided.indices = wild;
     strided.index_type = BVX_U32;
     strided.triangle_count = 1;
-    bvx_lattice_options_init(&o, sizeof o);
     o.resolution = 9;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &o, &l));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &strided, &o, &m));
@@ -250,7 +245,7 @@ static void test_a_body_is_closed_and_filled(void)
     int32_t const dims[3] = {26, 22, 23};
     bvx_grid shell = {0}, body = {0}, want = {0};
     bvx_points_report report;
-    bvx_points_options o;
+    bvx_points_options o = {.struct_size = sizeof o};
     bvx_lattice l;
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
@@ -264,7 +259,6 @@ static void test_a_body_is_closed_and_filled(void)
         cloud[i][1] = 11 + 9 * r * sin(turn);
         cloud[i][2] = z > 0.97 ? 3 : 12.5 + 9 * z;
     }
-    bvx_points_options_init(&o, sizeof o);
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, &o, &shell));
     TEST_ASSERT_EQUAL_UINT64(0, report.pockets + report.filled);
@@ -290,22 +284,21 @@ static void test_points_refuse(void)
 {
     bvx_window const part = {{0, 0, 0}, {1, 1, 1}};
     bvx_points_options o;
-    bvx_lattice_options fit;
+    bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice l;
     bvx_grid g = {0};
 
     scatter(20, 30, 0.25);
-    bvx_lattice_options_init(&fit, sizeof fit);
     fit.resolution = 4;
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, NULL, &fit, &l), "points is NULL");
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, NULL, &l), "exactly one of");
     expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, &fit, NULL), "lattice is NULL");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &fit, &l));
     for (int which = 0; which < 6; which++) {
-        static const char *const words[6] = {"minimum is 0",  "body is 2", "close_gaps is -1",
+        static const char *const words[6] = {"minimum is -1", "body is 2", "close_gaps is -1",
                                              "requires body", "reserved",  "whole lattice"};
-        bvx_points_options_init(&o, sizeof o);
-        if (which == 0) o.minimum = 0;
+        o = (bvx_points_options){.struct_size = sizeof o};
+        if (which == 0) o.minimum = -1;
         if (which == 1) o.body = 2;
         if (which == 2) o.close_gaps = -1;
         if (which == 3) o.close_gaps = 1;

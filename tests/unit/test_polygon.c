@@ -728,11 +728,10 @@ static int32_t stop_at(void *user, const char *stage, double fraction)
 
 static bvx_status cut_with(uint64_t limit, int *stop, uint64_t *peak)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvxi_polygon own = {0};
     bvx_status status;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     o.memory_limit = limit;
     o.progress = stop != NULL ? stop_at : NULL;

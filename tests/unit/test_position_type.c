@@ -24,9 +24,8 @@ typedef bvx_status make_fn(const world *w, int32_t type, int32_t local, bvx_mesh
 
 static bvx_status surface(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
 
-    bvx_extract_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     return bvx_extract_surface(ctx, &w->solid, &o, mesh);
@@ -34,9 +33,8 @@ static bvx_status surface(const world *w, int32_t type, int32_t local, bvx_mesh 
 
 static bvx_status faces(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
 
-    bvx_faces_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     return bvx_extract_faces(ctx, &w->solid, &o, mesh);
@@ -44,9 +42,8 @@ static bvx_status faces(const world *w, int32_t type, int32_t local, bvx_mesh *m
 
 static bvx_status merged_faces(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_faces_options o;
+    bvx_faces_options o = {.struct_size = sizeof o};
 
-    bvx_faces_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     o.merged = 1;
@@ -55,9 +52,8 @@ static bvx_status merged_faces(const world *w, int32_t type, int32_t local, bvx_
 
 static bvx_status scalar(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_scalar_options o;
+    bvx_scalar_options o = {.struct_size = sizeof o};
 
-    bvx_scalar_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     return bvx_extract_scalar(ctx, &w->volume, &o, mesh);
@@ -65,9 +61,8 @@ static bvx_status scalar(const world *w, int32_t type, int32_t local, bvx_mesh *
 
 static bvx_status field_surface(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_field_surface_options o;
+    bvx_field_surface_options o = {.struct_size = sizeof o};
 
-    bvx_field_surface_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     return bvx_extract_field_surface(ctx, &w->field, &w->view, &o, mesh);
@@ -75,20 +70,18 @@ static bvx_status field_surface(const world *w, int32_t type, int32_t local, bvx
 
 static bvx_status sharp_surface(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_field_surface_options o;
+    bvx_field_surface_options o = {.struct_size = sizeof o};
 
-    bvx_field_surface_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
-    o.sharp = 1;
+    o.sharp = BVX_SHARP_ALWAYS;
     return bvx_extract_field_surface(ctx, &w->field, &w->view, &o, mesh);
 }
 
 static bvx_status octree(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
 
-    bvx_extract_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     return bvx_extract_octree(ctx, w->tree, 0, &o, mesh);
@@ -97,9 +90,8 @@ static bvx_status octree(const world *w, int32_t type, int32_t local, bvx_mesh *
 static bvx_status lods(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
     int32_t const resolution = w->solid.size[0];
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
-    bvx_lod_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     o.resolutions = &resolution;
@@ -109,9 +101,8 @@ static bvx_status lods(const world *w, int32_t type, int32_t local, bvx_mesh *me
 static bvx_status collapsed_lods(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
     uint64_t const target = 100;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
-    bvx_lod_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     o.target_triangles = &target;
@@ -121,9 +112,8 @@ static bvx_status collapsed_lods(const world *w, int32_t type, int32_t local, bv
 
 static bvx_status repair(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
 
-    bvx_repair_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     o.lattice = &w->lattice;
@@ -132,9 +122,8 @@ static bvx_status repair(const world *w, int32_t type, int32_t local, bvx_mesh *
 
 static bvx_status boolean(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.position_type = type;
     o.local_frame = local;
     o.lattice = &w->lattice;
@@ -144,10 +133,9 @@ static bvx_status boolean(const world *w, int32_t type, int32_t local, bvx_mesh 
 static bvx_status levels(const world *w, int32_t type, int32_t local, bvx_mesh *mesh)
 {
     uint64_t const target = 200;
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
 
     (void)local;
-    bvx_levels_options_init(&o, sizeof o);
     o.position_type = type;
     o.solid = 1;
     o.target_triangles = &target;
@@ -231,13 +219,11 @@ static void test_a_local_frame_needs_no_doubles(void)
 static void test_counts_are_given_wherever_the_grid_lies(void)
 {
     for (int i = 0; i < 2; i++) {
-        bvx_extract_options e;
-        bvx_faces_options f;
+        bvx_extract_options e = {.struct_size = sizeof e};
+        bvx_faces_options f = {.struct_size = sizeof f};
         uint64_t vertices, triangles;
         bvx_mesh mesh = {0};
 
-        bvx_extract_options_init(&e, sizeof e);
-        bvx_faces_options_init(&f, sizeof f);
         e.position_type = f.position_type = BVX_POSITION_AUTO;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_count(ctx, &worlds[i].solid, &e, &vertices, &triangles));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &worlds[i].solid, &e, &mesh));
@@ -257,7 +243,7 @@ static void test_each_level_has_its_own_type(void)
     static const double origin[3] = {0, 4096, 0}, spacing[3] = {0.0625, 0.0625, 0.0625};
     static const int32_t dims[3] = {32, 32, 32}, resolution[2] = {32, 4};
     bvx_lattice lattice;
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
     bvx_grid solid = {0};
     bvx_mesh level[2] = {{0}};
 
@@ -266,8 +252,8 @@ static void test_each_level_has_its_own_type(void)
     for (int32_t z = 4; z < 28; z++)
         for (int32_t y = 4; y < 28; y++)
             for (int32_t x = 4; x < 28; x++) bvx_grid_set(&solid, x, y, z, 1);
-    bvx_lod_options_init(&o, sizeof o);
     o.resolutions = resolution;
+    o.position_type = BVX_F32;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_lods(ctx, &solid, &o, 2, level));
     o.position_type = BVX_POSITION_AUTO;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_lods(ctx, &solid, &o, 2, level));
@@ -280,17 +266,15 @@ static void test_each_level_has_its_own_type(void)
 /* Contours are doubles, and so is what is built of them; a mesh that is simplified keeps its type. */
 static void test_without_voxels_the_input_decides(void)
 {
-    bvx_sections_options so;
-    bvx_slice_options cut;
-    bvx_simplify_options si;
+    bvx_sections_options so = {.struct_size = sizeof so};
+    bvx_slice_options cut = {.struct_size = sizeof cut};
+    bvx_simplify_options si = {.struct_size = sizeof si};
     bvx_sections sections = {0};
     bvx_mesh mesh = {0};
 
-    bvx_slice_options_init(&cut, sizeof cut);
     cut.spacing = 0.04;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &worlds[0].view, &cut, &sections),
                                     bvx_last_message(ctx));
-    bvx_sections_options_init(&so, sizeof so);
     so.position_type = BVX_POSITION_AUTO;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_build_sections(ctx, &sections, &so, &mesh),
                                     bvx_last_message(ctx));
@@ -298,7 +282,6 @@ static void test_without_voxels_the_input_decides(void)
     bvx_mesh_free(ctx, &mesh);
     bvx_sections_free(ctx, &sections);
 
-    bvx_simplify_options_init(&si, sizeof si);
     TEST_ASSERT_EQUAL_INT32(BVX_POSITION_AUTO, si.position_type);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &worlds[0].view, &si, 1, &mesh));
     TEST_ASSERT_EQUAL_INT32(BVX_F64, mesh.position_type);
@@ -313,8 +296,8 @@ static void make_world(world *w, const double origin[3])
                                            2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
     static const double spacing[3] = {0.01, 0.01, 0.01};
     static const int32_t dims[3] = {24, 24, 24};
-    bvx_refine_options refining;
-    bvx_field_options measuring;
+    bvx_refine_options refining = {.struct_size = sizeof refining};
+    bvx_field_options measuring = {.struct_size = sizeof measuring};
 
     for (int v = 0; v < 6; v++)
         for (int a = 0; a < 3; a++)
@@ -327,11 +310,9 @@ static void make_world(world *w, const double origin[3])
     w->view.index_type = BVX_U32;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &w->lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &w->view, &w->lattice, NULL, &w->solid));
-    bvx_field_options_init(&measuring, sizeof measuring);
     measuring.features = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(
         BVX_OK, bvx_measure_field(ctx, &w->view, &w->lattice, &measuring, &w->field), bvx_last_message(ctx));
-    bvx_refine_options_init(&refining, sizeof refining);
     refining.levels = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_refine(ctx, &w->view, &w->lattice, &refining, &w->tree));
     for (int i = 0; i < 24 * 24 * 24; i++) {

@@ -6,6 +6,7 @@
 #include "call_table.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <math.h>
 
 void setUp(void)
@@ -38,10 +39,9 @@ static int32_t note_progress(void *user, const char *stage, double fraction)
 
 static bvx_context *watched_context(record *r, int32_t threads)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     o.progress = note_progress;
     o.progress_user = r;
@@ -291,10 +291,9 @@ static bvx_status all_works(bvx_context *ctx, int deep)
 static void test_works_share_the_fraction(void)
 {
     static const double want[] = {0, 0.125, 0.25, 0.25, 0.5, 0.75, 0.75, 0.75, 1.0, 1.0};
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
 
-    bvx_context_options_init(&o, sizeof o);
     o.progress = note_fraction;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     for (int again = 0; again < 2; again++) {

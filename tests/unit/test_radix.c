@@ -61,11 +61,10 @@ static void test_sort_by_threads_is_that_of_one(void)
     static const uint64_t masks[] = {UINT64_MAX, 0xff, 0xff00000000000003, 0x0f0f0f000000, 0};
     uint64_t *const key = malloc(2 * MANY * sizeof *key), *const other_key = key + MANY;
     uint32_t *const number = malloc(2 * MANY * sizeof *number), *const other_number = number + MANY;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *alone, *many;
     uint64_t seed = 5;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &alone));
     o.threads = 4;

@@ -808,13 +808,12 @@ static void close_in(void *user, bvx_file_bytes *found)
 static bvx_status read_beside(const char *text, folder *f, bvx_read_report *report, bvx_mesh *m)
 {
     size_t const n = set_json(text);
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_status status;
 
     memset(f, 0, sizeof *f);
     memset(m, 0, sizeof *m);
     memset(report, 0, sizeof *report);
-    bvx_read_options_init(&o, sizeof o);
     o.open_file = open_in;
     o.close_file = close_in;
     o.user = f;
@@ -975,7 +974,7 @@ static void test_losses(void)
 /* Triangles with a corner nowhere go, with all that vertices and triangles have. */
 static void test_drop_nonfinite(void)
 {
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_read_report report = {0};
     bvx_mesh m = {0};
     size_t n;
@@ -983,7 +982,6 @@ static void test_drop_nonfinite(void)
     begin_two();
     put_f32(bin + 12, INFINITY, 0);
     n = make_glb(TWO_PRIMITIVES("{'attributes':{'POSITION':0,'TEXCOORD_1':3},'indices':1,'material':0}"));
-    bvx_read_options_init(&o, sizeof o);
     o.drop_nonfinite = 1;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh_with(ctx, file, n, BVX_FORMAT_GLB, &o, &m),
@@ -999,13 +997,12 @@ static void test_drop_nonfinite(void)
 
 static void test_options_are_checked(void)
 {
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_mesh m = {0};
     size_t n;
 
     begin_quad();
     n = make_glb(HEAD ONE_NODE QUAD VIEWS BUFFER);
-    bvx_read_options_init(&o, sizeof o);
     o.open_file = open_in;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh_with(ctx, file, n, BVX_FORMAT_GLB, &o, &m));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "open_file and close_file"));

@@ -227,7 +227,7 @@ static void test_octrees_take_at_most(void)
     static const int32_t dims[3] = {15, 15, 15};
     bvx_mesh_view view = {0};
     bvx_lattice base;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_octree *tree = NULL, *back = NULL;
     bvx_buffer b = {0};
 
@@ -236,7 +236,6 @@ static void test_octrees_take_at_most(void)
     view.vertex_count = view.triangle_count = 4;
     view.position_type = BVX_F32;
     view.index_type = BVX_U32;
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 5;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine(ctx, &view, &base, &o, &tree), bvx_last_message(ctx));

@@ -266,10 +266,9 @@ static void test_read_grid_arguments(void)
 static void test_npy_budget(void)
 {
     bvx_context *const plain = ctx;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
-    bvx_context_options_init(&o, sizeof o);
     o.memory_limit = 39;
     start_npy(1, "{'descr': '|b1', 'fortran_order': True, 'shape': (1, 5, 1), }");
     hand_number(&made, 0x0101010101, 5, 0);

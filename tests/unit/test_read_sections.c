@@ -143,9 +143,8 @@ static void test_csl_with_the_other_sign_of_d(void)
                                "2 3 1 0 0 -1 -2\n0 0 2 1 0 2 1 1 2\n3 1 0 1 2\n3 0 0 0 0 1 3\n"
                                "4 3 1 0 0 1 0\n0 0 0 1 0 0 1 1 0\n3 1 0 1 2\n";
     uint64_t flipped = 7;
-    bvx_read_sections_options o;
+    bvx_read_sections_options o = {.struct_size = sizeof o};
 
-    bvx_read_sections_options_init(&o, sizeof o);
     o.flipped = &flipped;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, text, sizeof text - 1, BVX_FORMAT_CSL, &o, &s));
     TEST_ASSERT_EQUAL_UINT64(2, flipped); /* the plane without points and that at 0 have no side to tell */
@@ -313,7 +312,7 @@ static void test_csv_of_many_sections(void)
 
 static void test_csv_refusals(void)
 {
-    bvx_read_sections_options o;
+    bvx_read_sections_options o = {.struct_size = sizeof o};
     static const char gap[] = HEAD "1,0,1,0,0\n1,0,1,1,0\n1,0,1,1,1\n";
 
     refuse("", BVX_FORMAT_CSV, BVX_ERR_EMPTY, "no head line");
@@ -333,7 +332,6 @@ static void test_csv_refusals(void)
            "line 2: the label is not a whole number");
     refuse("section,position,loop,x,y,label\n1,0,1,0,0,1\n1,0,1,1,0,2\n", BVX_FORMAT_CSV, BVX_ERR_FORMAT,
            "line 3: the loop has another label");
-    bvx_read_sections_options_init(&o, sizeof o);
     o.close_gap = 1.5;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_sections(ctx, gap, sizeof gap - 1, BVX_FORMAT_CSV, &o, &t));
     bvx_sections_free(ctx, &t);
@@ -458,10 +456,9 @@ static bvx_status slice(const bvx_slice_options *o)
 static void test_slices_of_a_box(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {4, 3, 2}, at[3] = {0.0, 1.0, 2.0};
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
 
     maker_box(&body, low, high);
-    bvx_slice_options_init(&o, sizeof o);
     o.positions = at;
     o.position_count = 3;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, slice(&o));
@@ -492,10 +489,9 @@ static void test_slices_of_a_box(void)
 static void test_slices_refuse(void)
 {
     static const double low[3] = {0, 0, 0}, high[3] = {4, 3, 2}, up[2] = {1.0, 1.0};
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
 
     maker_box(&body, low, high);
-    bvx_slice_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, slice(&o));
     o.spacing = 1e-9;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, slice(&o));
@@ -530,14 +526,12 @@ static void test_mesh_to_contours_to_mesh(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
     double const volume = c.volume;
     for (int n = 8; n <= 64; n *= 2) {
-        bvx_slice_options o;
-        bvx_sections_options b;
+        bvx_slice_options o = {.struct_size = sizeof o};
+        bvx_sections_options b = {.struct_size = sizeof b};
         bvx_mesh back = {0};
         bvx_mesh_view v;
-        bvx_slice_options_init(&o, sizeof o);
         o.spacing = (c.high[2] - c.low[2]) / n;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, slice(&o));
-        bvx_sections_options_init(&b, sizeof b);
         b.caps = BVX_CAPS_TAPER;
         if (bvx_build_sections(ctx, &t, &b, &back) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
         bvx_mesh_view_of(&back, &v);

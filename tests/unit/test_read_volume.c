@@ -136,9 +136,8 @@ static int32_t unpack_inverted(void *user, const void *packed, uint64_t packed_s
 static void test_nrrd_gzip_by_the_callers_function(void)
 {
     int calls = 0;
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
 
-    bvx_read_volume_options_init(&o, sizeof o);
     o.inflate = unpack_inverted;
     o.inflate_user = &calls;
     for (int big = 0; big < 2; big++) {
@@ -166,9 +165,8 @@ static void test_nrrd_detached(void)
     uint8_t data[25];
     char name[64];
     uint64_t count = 0;
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
 
-    bvx_read_volume_options_init(&o, sizeof o);
     put_samples(data, BVX_SAMPLE_U8, 0);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, read_text(head, NULL, 0, BVX_FORMAT_NRRD, &o));
     o.data = data;
@@ -289,10 +287,9 @@ static void test_several_data_files_are_not_packed_or_skipped(void)
 
 static void test_samples_alone(void)
 {
-    bvx_read_volume_options o;
+    bvx_read_volume_options o = {.struct_size = sizeof o};
     uint8_t data[256];
 
-    bvx_read_volume_options_init(&o, sizeof o);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, read_text("x", NULL, 0, BVX_FORMAT_RAW, &o));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, read_text("x", NULL, 0, BVX_FORMAT_RAW, NULL));
     for (int32_t type = BVX_SAMPLE_U8; type <= BVX_SAMPLE_F64; type++)

@@ -24,12 +24,11 @@ static void base_of(int32_t nx, int32_t ny, int32_t nz, double spacing, bvx_latt
 static bvx_octree *refined(bvx_context *c, const bvx_mesh_view *view, const bvx_lattice *base, int32_t levels,
                            int32_t start)
 {
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_octree *tree = NULL;
 
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = levels;
-    o.start_level = start;
+    o.levels = levels != 0 ? levels : BVX_NONE;
+    o.start_level = start < 0 ? 0 : start != 0 ? start : BVX_NONE;
     bvx_status const status = bvx_refine(c, view, base, &o, &tree);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, status, bvx_last_message(c));
     return tree;
@@ -401,7 +400,7 @@ static void test_refusals(void)
 {
     maker_mesh m = {0};
     bvx_lattice base;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_octree *tree = NULL;
     bvx_octree_level counts[3];
     bvx_octree_leaf leaf;
@@ -414,15 +413,14 @@ static void test_refusals(void)
     base_of(4, 4, 4, 1, &base);
     box_shell(&m, 1, 3);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
-    TEST_ASSERT_EQUAL_INT32(6, o.levels);
+    TEST_ASSERT_EQUAL_INT32(0, o.levels);
     empty.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_refine(ctx, &empty, &base, &o, &tree));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(NULL, &view, &base, &o, &tree));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, NULL, &base, &o, &tree));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, &view, NULL, &o, &tree));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, &view, &base, &o, NULL));
-    o.levels = -1;
+    o.levels = -2;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, &view, &base, &o, &tree));
     o.levels = 24;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_refine(ctx, &view, &base, &o, &tree));
@@ -433,7 +431,7 @@ static void test_refusals(void)
     o.start_level = -2;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, &view, &base, &o, &tree));
     base.dims[0] = base.dims[1] = base.dims[2] = 2048;
-    o.start_level = -1;
+    o.start_level = 0;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_refine(ctx, &view, &base, &o, &tree));
     TEST_ASSERT_NULL(tree);
     base_of(4, 4, 4, 1, &base);
@@ -469,22 +467,20 @@ static void test_a_limit_names_the_levels_that_fit(void)
     uint64_t const peak = bvx_memory_peak(free_context);
     bvx_context_destroy(free_context);
     for (int n = 1; n <= 60; n++) {
-        bvx_context_options co;
+        bvx_context_options co = {.struct_size = sizeof co};
         bvx_context *c = NULL;
-        bvx_refine_options o;
+        bvx_refine_options o = {.struct_size = sizeof o};
         bvx_octree *tree = NULL;
-        bvx_context_options_init(&co, sizeof co);
         co.threads = 1;
         co.memory_limit = peak * (uint64_t)n * (uint64_t)n / 3600;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&co, &c));
-        bvx_refine_options_init(&o, sizeof o);
         o.levels = 7;
         bvx_status status = bvx_refine(c, &view, &base, &o, &tree);
         if (status != BVX_OK) {
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, status);
             const char *const fits = strstr(bvx_last_message(c), "levels = ");
             if (fits != NULL) {
-                o.levels = fits[9] - '0';
+                o.levels = fits[9] != '0' ? fits[9] - '0' : BVX_NONE;
                 TEST_ASSERT_LESS_THAN(7, o.levels);
                 TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_refine(c, &view, &base, &o, &tree),
                                                 bvx_last_message(c));

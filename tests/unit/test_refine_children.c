@@ -105,8 +105,7 @@ static void check_batch(void)
 {
     for (int32_t cpu = BVX_CPU_PORTABLE; cpu <= BVX_CPU_AVX2; cpu++) {
         bvx_context *ctx = NULL;
-        bvx_context_options o;
-        bvx_context_options_init(&o, sizeof o);
+        bvx_context_options o = {.struct_size = sizeof o};
         o.cpu = cpu;
         if (bvx_context_create(&o, &ctx) != BVX_OK) continue; /* this processor has it not */
         bvxi_children_of_batch(&batch, batched, (int32_t)batch_half, bvxi_cpu(ctx));

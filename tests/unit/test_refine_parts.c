@@ -79,13 +79,12 @@ static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels,
                          uint64_t *inside)
 {
     bvx_mesh_view const view = maker_view(m);
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base, lattice;
     uniform u = {{{0}, {0}, {0}, 0}, NULL, 0};
 
     base_of(base_side, &base);
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = levels;
+    o.levels = levels != 0 ? levels : BVX_NONE;
     for (o.outer_levels = 0; o.outer_levels <= levels; o.outer_levels++) {
         uint64_t count;
         for (int a = 0; a < 3; a++) {
@@ -118,7 +117,7 @@ static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels,
         TEST_ASSERT_EQUAL_UINT64(u.count, covered);
         free(leaf);
         /* the same from every start level */
-        for (o.start_level = 0; o.start_level <= levels; o.start_level++) {
+        for (o.start_level = BVX_NONE; o.start_level <= levels; o.start_level++) {
             uint64_t again;
             bvx_octree *const other = tree_of(&view, &base, &o);
             bvx_octree_leaf *const first = leaves_of(tree, &count), *const second = leaves_of(other, &again);
@@ -128,7 +127,7 @@ static void check_window(const maker_mesh *m, int32_t base_side, int32_t levels,
             free(second);
             bvx_octree_free(ctx, other);
         }
-        o.start_level = -1;
+        o.start_level = 0;
         bvx_octree_free(ctx, tree);
     }
     uniform_free(&u);
@@ -172,9 +171,9 @@ static void test_a_window_of_a_deep_lattice(void)
 {
     maker_mesh m = {0};
     bvx_lattice base, lattice;
-    bvx_refine_options o;
-    bvx_surface_options so;
-    bvx_voxelize_options vo;
+    bvx_refine_options o = {.struct_size = sizeof o};
+    bvx_surface_options so = {.struct_size = sizeof so};
+    bvx_voxelize_options vo = {.struct_size = sizeof vo};
     bvx_grid surface = {0}, solid = {0};
     uint64_t set = 0, all = 0, seed = 9;
     const double centre[3] = {4, 4, 4}, radius[3] = {3.5, 3.5, 3.5};
@@ -182,9 +181,6 @@ static void test_a_window_of_a_deep_lattice(void)
     base_of(8, &base);
     maker_star(&m, &seed, centre, radius, 0.05, 20, 20, 1024);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
-    bvx_surface_options_init(&so, sizeof so);
-    bvx_voxelize_options_init(&vo, sizeof vo);
     o.levels = 13; /* 65536 */
     for (int a = 0; a < 3; a++) {
         o.window.low[a] = (int32_t)(m.p[3 * 77 + a] * 8192) - 50; /* about a vertex */
@@ -269,9 +265,9 @@ static void assert_leaf_is_flat(const maker_mesh *m, const bvx_grid *surface, co
 static uint64_t check_tolerance(const maker_mesh *m, int32_t side, int32_t levels, double tolerance)
 {
     bvx_mesh_view const view = maker_view(m);
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base, lattice;
-    bvx_surface_options so;
+    bvx_surface_options so = {.struct_size = sizeof so};
     bvx_attached attached = {0};
     bvx_grid surface = {0};
     uint64_t count, covered = 0, flat = 0;
@@ -279,13 +275,11 @@ static uint64_t check_tolerance(const maker_mesh *m, int32_t side, int32_t level
     uniform u;
 
     base_of(side, &base);
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = levels;
+    o.levels = levels != 0 ? levels : BVX_NONE;
     o.tolerance = tolerance;
     bvx_octree *const tree = tree_of(&view, &base, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_lattice(ctx, tree, levels, &lattice));
     uniform_make(ctx, &view, &lattice, &u);
-    bvx_surface_options_init(&so, sizeof so);
     so.attached = &attached;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &lattice, &so, &surface));
     uint32_t *const rank = maker_grow(NULL, u.count * sizeof *rank);
@@ -341,12 +335,11 @@ static void test_flat_voxels_stay_whole(void)
 
 static void check_extracted(const bvx_octree *tree, int32_t states, int32_t keys)
 {
-    bvx_extract_options o;
+    bvx_extract_options o = {.struct_size = sizeof o};
     bvx_mesh whole = {0}, blocks = {0};
     bvx_grid grid = {0};
     uint64_t first, second;
 
-    bvx_extract_options_init(&o, sizeof o);
     o.position_type = BVX_F64;
     o.keys = keys;
     TEST_ASSERT_EQUAL_INT32(BVX_OK,
@@ -377,7 +370,7 @@ static void test_blocks_make_the_whole_surface(void)
             const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
             double centre[3], radius[3];
             bvx_lattice base;
-            bvx_refine_options o;
+            bvx_refine_options o = {.struct_size = sizeof o};
             for (int a = 0; a < 3; a++) {
                 centre[a] = sides[i][a] / 2.0;
                 radius[a] = sides[i][a] * 0.52; /* beyond the sides here and there */
@@ -385,8 +378,7 @@ static void test_blocks_make_the_whole_surface(void)
             maker_star(&m, &seed, centre, radius, 0.1, 9, 9, 1024);
             bvx_mesh_view const view = maker_view(&m);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, sides[i], &base));
-            bvx_refine_options_init(&o, sizeof o);
-            o.levels = levels;
+            o.levels = levels != 0 ? levels : BVX_NONE;
             bvx_octree *const tree = tree_of(&view, &base, &o);
             check_extracted(tree, 0, 1);
             check_extracted(tree, BVX_STATE_OUTSIDE, 0);
@@ -404,21 +396,19 @@ static void test_an_empty_surface(void)
 {
     maker_mesh m = {0};
     const double low[3] = {40, 1, 1}, high[3] = {43, 3, 3};
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_mesh mesh = {0};
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
 
     base_of(4, &base);
     maker_box(&m, low, high);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
     bvx_octree *const tree = tree_of(&view, &base, &o);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_octree(ctx, tree, 0, NULL, &mesh),
                                     bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(0, mesh.triangle_count);
     bvx_mesh_free(ctx, &mesh);
-    bvx_extract_options_init(&e, sizeof e);
     e.open_sides = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_octree(ctx, tree, 0, &e, &mesh));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_octree(ctx, tree, 8, NULL, &mesh));
@@ -432,14 +422,13 @@ static void test_refusals(void)
 {
     maker_mesh m = {0};
     const double low[3] = {1, 1, 1}, high[3] = {3, 3, 3};
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_lattice base;
     bvx_octree *tree = NULL;
 
     base_of(4, &base);
     maker_box(&m, low, high);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 3;
     o.outer_levels = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_refine(ctx, &view, &base, &o, &tree));

@@ -314,14 +314,13 @@ static void test_bad_inputs(void)
     bvx_lattice const l = lattice_of(10, 10, 10);
     double const low[3] = {2, 2, 2}, high[3] = {7, 7, 7};
     bvx_window const part = {{1, 0, 0}, {9, 10, 10}};
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     bvx_grid g = {0};
     uint32_t kept;
 
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_REGIONS;
     o.window = part;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &l, &o, &g));

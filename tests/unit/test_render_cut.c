@@ -216,7 +216,7 @@ static void test_mesh_cut_leaves_no_gap_between_neighbours(void)
             add_triangle(a, a + 1, a + N + 2);
             add_triangle(a, a + N + 2, a + N + 1);
         }
-    o.background[2] = 0;
+    o.background[0] = o.background[1] = 255;
     o.cut_low[0] = 7.3;
     o.cut_high[0] = 17.3;
     o.cut_low[1] = 20.1;

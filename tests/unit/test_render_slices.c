@@ -371,8 +371,8 @@ static void test_slices_refuse_bad_arguments(void)
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1025, &o, "1025 slices");
     refused_sheet(BVX_ERR_ARGUMENT, NULL, 0, 1, &o, "grid");
     refused_sheet(BVX_ERR_EMPTY, &empty, 0, 1, &o, "no voxel is set");
-    o.width = 0;
-    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "width is 0");
+    o.width = -1;
+    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "width is -1");
     o = good;
     o.smooth = 2;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "smooth");
@@ -380,8 +380,8 @@ static void test_slices_refuse_bad_arguments(void)
     o.samples = 5;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "samples");
     o = good;
-    o.reserved = 2;
-    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "reserved");
+    o.cut = 64;
+    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "cut is 64");
     o = good;
     o.cut_high[1] = (double)NAN;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "along y");

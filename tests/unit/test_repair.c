@@ -22,8 +22,7 @@ static bvx_mesh repaired_by(bvx_context *c, const bvx_mesh_view *view, const bvx
 
 static bvx_repair_options defaults(int32_t resolution)
 {
-    bvx_repair_options o;
-    bvx_repair_options_init(&o, sizeof o);
+    bvx_repair_options o = {.struct_size = sizeof o};
     o.resolution = resolution;
     return o;
 }
@@ -473,7 +472,7 @@ static void test_sheet_without_shells_is_an_error(void)
     memset(&out, 0, sizeof out);
     make_plate(4);
     view = maker_view(&mesh);
-    o.shell = 0;
+    o.shell = BVX_NONE;
     if (bvx_repair(ctx, &view, &o, &out) == BVX_OK) { /* the plate is bent, so a sliver may be left */
         TEST_ASSERT_TRUE(out.triangle_count > 0);
         bvx_mesh_free(ctx, &out);
@@ -582,7 +581,7 @@ static void test_anything_is_closed(void)
         o.sign = signs[maker_below(&seed, 4)];
         o.interpolation = maker_below(&seed, 5);
         o.face_rule = maker_below(&seed, 2);
-        o.sharp = maker_below(&seed, 2);
+        o.sharp = BVX_SHARP_NEVER + maker_below(&seed, 2);
         out = repaired_by(ctx, &view, &o);
         assert_certified(&out);
         bvx_mesh_free(ctx, &out);
@@ -600,7 +599,7 @@ static void test_threads_and_code_paths_do_not_show(void)
         maker_clear(&mesh);
         make_anything(trial);
         view = maker_view(&mesh);
-        o.sharp = trial & 1;
+        o.sharp = BVX_SHARP_NEVER + (trial & 1);
         for (int i = 0; i < 6; i++) {
             bvx_context *const c = suite_context(threads[i % 3], cpu[i / 3]);
             bvx_mesh out = repaired_by(c, &view, &o);
@@ -681,9 +680,10 @@ static void test_bad_options(void)
     o.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
     o.shell = 1.0, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
     o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
-    o.sharp = 2, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
-    o.resolution = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
-    o.measure = 1, o.measure_samples = 0, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
+    o.sharp = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
+    o.resolution = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
+    o.measure = 1, o.measure_samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"),
+    o = defaults(16);
     o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
     o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),

@@ -20,11 +20,10 @@ static void describe(const defect_kind *kind, int32_t which, int32_t resolution)
 static bvx_mesh repaired_shape(int32_t resolution)
 {
     bvx_mesh_view const view = maker_view(&shape.mesh);
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out;
 
     memset(&out, 0, sizeof out);
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.position_type = BVX_F64;
     o.report = &report;

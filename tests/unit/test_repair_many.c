@@ -174,10 +174,9 @@ static void assert_repaired(const body *b, int kind, int trial, int32_t resoluti
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_repair_report report;
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out = {0};
 
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
@@ -222,13 +221,12 @@ static int assert_told(const body *b, int kind, int trial, int32_t resolution)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_solid_report report;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_lattice l;
     bvx_grid g = {0};
     double off;
     char text[160];
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_AUTO;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, resolution, &l));

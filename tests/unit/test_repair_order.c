@@ -12,12 +12,11 @@ static int32_t thin = BVX_THIN_SHELL;
 static bvx_mesh surface_of(int32_t resolution, int32_t sharp, int32_t type)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out = {0};
 
-    bvx_repair_options_init(&o, sizeof o);
     o.resolution = resolution;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.thin = thin;
     o.position_type = type;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));

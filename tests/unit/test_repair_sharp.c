@@ -7,10 +7,9 @@ static bvx_repair_report report;
 
 static bvx_repair_options sharp_options(int32_t resolution, int32_t sharp)
 {
-    bvx_repair_options o;
-    bvx_repair_options_init(&o, sizeof o);
+    bvx_repair_options o = {.struct_size = sizeof o};
     o.resolution = resolution;
-    o.sharp = sharp;
+    o.sharp = BVX_SHARP_NEVER + sharp;
     o.report = &report;
     return o;
 }
@@ -97,7 +96,7 @@ static void test_default_leaves_a_ball_smooth(void)
     make_smooth_star();
     by_default = repaired(&o);
     TEST_ASSERT_EQUAL_INT32(0, report.sharp);
-    o.sharp = 0;
+    o.sharp = BVX_SHARP_NEVER;
     plain = repaired(&o);
     TEST_ASSERT_EQUAL_UINT64(plain.vertex_count, by_default.vertex_count);
     TEST_ASSERT_EQUAL_MEMORY(plain.positions, by_default.positions, plain.vertex_count * 12);
@@ -139,7 +138,7 @@ static void test_boolean_is_sharp_where_one_body_is(void)
         maker_box(&box, low, high);
         view[0] = maker_view(&mesh);
         view[1] = smooth ? view[0] : maker_view(&box);
-        bvx_boolean_options_init(&o, sizeof o);
+        o = (bvx_boolean_options){.struct_size = sizeof o};
         o.resolution = 24;
         o.report = &r;
         TEST_ASSERT_EQUAL_INT32(-1, o.sharp);
@@ -343,14 +342,13 @@ static void test_boolean_drops_crumbs(void)
     maker_box(&box, low, high);
     for (int k = 1; k < 5; k++) {
         bvx_boolean_report r;
-        bvx_boolean_options o;
+        bvx_boolean_options o = {.struct_size = sizeof o};
         bvx_mesh_view view[2], made;
         bvx_certificate c;
         bvx_mesh out = {0};
         make_wedge(k);
         view[0] = maker_view(&mesh);
         view[1] = maker_view(&box);
-        bvx_boolean_options_init(&o, sizeof o);
         o.resolution = 70;
         o.report = &r;
 

@@ -9,10 +9,9 @@ static bvx_repair_report report;
 static bvx_mesh repaired_at(bvx_context *c, int32_t resolution, int32_t thin)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out;
 
-    bvx_repair_options_init(&o, sizeof o);
     memset(&out, 0, sizeof out);
     memset(&report, 0, sizeof report);
     o.resolution = resolution;

@@ -105,18 +105,16 @@ ROW(read_volume, bvx_read_volume(c, m->npy.bytes, m->npy.size, BVX_FORMAT_NPY, N
 
 static bvx_status slice(bvx_context *c, const model *m, results *r)
 {
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
 
-    bvx_slice_options_init(&o, sizeof o);
     o.spacing = 1;
     return bvx_slice_mesh(c, &m->view, &o, &r->sections);
 }
 
 static bvx_status hollow(bvx_context *c, const model *m, results *r)
 {
-    bvx_hollow_options o;
+    bvx_hollow_options o = {.struct_size = sizeof o};
 
-    bvx_hollow_options_init(&o, sizeof o);
     o.thickness = 1;
     return bvx_grid_hollow(c, &m->solid, &o, &r->grid);
 }
@@ -137,9 +135,8 @@ static bvx_status crop(bvx_context *c, const model *m, results *r)
 
 static bvx_status read_finite(bvx_context *c, const model *m, results *r)
 {
-    bvx_read_options options;
+    bvx_read_options options = {.struct_size = sizeof options};
 
-    bvx_read_options_init(&options, sizeof options);
     options.drop_nonfinite = 1;
     return bvx_read_mesh_with(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &options, &r->mesh[0]);
 }
@@ -192,27 +189,24 @@ static bvx_status fill(bvx_context *c, const model *m, results *r)
 
 static bvx_status touch(bvx_context *c, const model *m, results *r)
 {
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
 
-    bvx_surface_options_init(&o, sizeof o);
     o.attached = &r->attached;
     return bvx_voxelize_surface(c, &m->view, &m->lattice, &o, &r->grid);
 }
 
 static bvx_status repair(bvx_context *c, const model *m, results *r)
 {
-    bvx_repair_options o;
+    bvx_repair_options o = {.struct_size = sizeof o};
 
-    bvx_repair_options_init(&o, sizeof o);
     o.lattice = &m->lattice;
     return bvx_repair(c, &m->view, &o, &r->mesh[0]);
 }
 
 static bvx_status boolean(bvx_context *c, const model *m, results *r)
 {
-    bvx_boolean_options o;
+    bvx_boolean_options o = {.struct_size = sizeof o};
 
-    bvx_boolean_options_init(&o, sizeof o);
     o.lattice = &m->lattice;
     return bvx_boolean(c, &m->view, &m->view, BVX_BOOLEAN_UNION, &o, &r->mesh[0]);
 }
@@ -220,25 +214,23 @@ static bvx_status boolean(bvx_context *c, const model *m, results *r)
 static bvx_status lods(bvx_context *c, const model *m, results *r)
 {
     int32_t const resolutions[2] = {m->size, m->size / 2};
-    bvx_lod_options o;
+    bvx_lod_options o = {.struct_size = sizeof o};
 
-    bvx_lod_options_init(&o, sizeof o);
     o.resolutions = resolutions;
     return bvx_build_lods(c, &m->solid, &o, 2, r->mesh);
 }
 
 static bvx_status refine(bvx_context *c, const model *m, results *r)
 {
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
 
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 1;
     return bvx_refine(c, &m->view, &m->lattice, &o, &r->tree);
 }
 
 static void picture_options(const model *m, bvx_render_options *o)
 {
-    bvx_render_options_init(o, sizeof *o);
+    *o = (bvx_render_options){.struct_size = sizeof *o};
     o->width = o->height = 4 * m->size;
 }
 
@@ -456,12 +448,11 @@ static void test_failures_leave_results_that_can_be_used(void)
     for (int i = 0; i < ROWS; i++) {
         uint64_t const expected = fresh_signature(&rows[i], &models[0]);
         failing f = {INT64_MAX, 0};
-        bvx_context_options o;
+        bvx_context_options o = {.struct_size = sizeof o};
         bvx_context *c = NULL;
         results r = {0};
         bvx_status status = BVX_ERR_MEMORY;
 
-        bvx_context_options_init(&o, sizeof o);
         o.alloc = fail_alloc;
         o.free = fail_free;
         o.alloc_user = &f;
@@ -603,9 +594,9 @@ static void make_model(model *m, int32_t size)
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     int32_t const dims[3] = {size, size, size};
     double const middle = size / 2.0, radius = size / 2.0 - 1.5;
-    bvx_refine_options refining;
-    bvx_render_options picture;
-    bvx_slice_options slicing;
+    bvx_refine_options refining = {.struct_size = sizeof refining};
+    bvx_render_options picture = {.struct_size = sizeof picture};
+    bvx_slice_options slicing = {.struct_size = sizeof slicing};
     uint64_t at = 0;
 
     m->size = size;
@@ -627,9 +618,8 @@ static void make_model(model *m, int32_t size)
     MADE(bvx_threshold(ctx, &m->volume, 0, 1e9, NULL, &m->solid));
     MADE(bvx_extract_scalar(ctx, &m->volume, NULL, &m->mesh));
     {
-        bvx_extract_options o;
+        bvx_extract_options o = {.struct_size = sizeof o};
 
-        bvx_extract_options_init(&o, sizeof o);
         o.keys = 1;
         MADE(bvx_extract_surface(ctx, &m->solid, &o, &m->parts[0]));
     }
@@ -637,13 +627,10 @@ static void make_model(model *m, int32_t size)
     for (uint64_t i = 0; i < m->mesh.vertex_count * 4; i++) m->colours[i] = (uint8_t)(i % 251);
     bvx_mesh_view_of(&m->mesh, &m->view);
     MADE(bvx_measure_field(ctx, &m->view, &m->lattice, NULL, &m->field));
-    bvx_refine_options_init(&refining, sizeof refining);
     refining.levels = 1;
     MADE(bvx_refine(ctx, &m->view, &m->lattice, &refining, &m->tree));
-    bvx_slice_options_init(&slicing, sizeof slicing);
     slicing.spacing = 1;
     MADE(bvx_slice_mesh(ctx, &m->view, &slicing, &m->sections));
-    bvx_render_options_init(&picture, sizeof picture);
     picture.width = picture.height = size;
     MADE(bvx_render_mesh(ctx, &m->view, &picture, &m->image));
     MADE(bvx_write_mesh(ctx, &m->mesh, BVX_FORMAT_PLY, &m->ply));

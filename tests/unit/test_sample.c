@@ -173,10 +173,9 @@ static void test_sample_is_the_same_for_any_threads(void)
     static double points[3 * POINTS], one[4 * POINTS], many[4 * POINTS];
     static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
     static const int32_t low[3] = {0, 0, 0}, size[3] = {40, 40, 40};
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     make_grid(origin, spacing, low, size);
     for (int i = 0; i < 3 * POINTS; i++) points[i] = maker_between(&seed, -1, 41, 977);
-    bvx_context_options_init(&o, sizeof o);
     for (o.threads = 1; o.threads <= 8; o.threads++) {
         bvx_context *other;
         double *const to = o.threads == 1 ? one : many;

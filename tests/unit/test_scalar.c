@@ -6,8 +6,7 @@ static const int x_first[3] = {0, 1, 2}, z_first[3] = {2, 1, 0};
 
 static bvx_scalar_options level_options(double level)
 {
-    bvx_scalar_options o;
-    bvx_scalar_options_init(&o, sizeof o);
+    bvx_scalar_options o = {.struct_size = sizeof o};
     o.level = level;
     o.position_type = BVX_F64;
     return o;
@@ -83,14 +82,13 @@ static bvx_certificate certify(const bvx_mesh *m)
 static bvx_certificate check_scalar(const test_volume *t, const bvx_scalar_options *options)
 {
     bvx_scalar_options o = *options;
-    bvx_extract_options e;
+    bvx_extract_options e = {.struct_size = sizeof e};
     bvx_mesh m = {0}, bits = {0}, floats = {0};
     bvx_grid g = {0};
     bvx_volume_report r, counted;
     bvx_certificate c;
 
     o.report = &r;
-    bvx_extract_options_init(&e, sizeof e);
     e.face_rule = o.face_rule;
     e.position_type = BVX_F64;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_scalar(ctx, &t->view, &o, &m), bvx_last_message(ctx));

@@ -229,10 +229,10 @@ static void test_auto_goes_by_the_number_of_sections(void)
         uint64_t body[3];
 
         make_ball(sections, 0.0);
-        bvx_sections_options_init(&o, sizeof o);
+        o = (bvx_sections_options){.struct_size = sizeof o};
         o.layers = 3;
         TEST_ASSERT_EQUAL_INT32(BVX_BLEND_AUTO, o.blend);
-        for (int32_t blend = BVX_BLEND_LINEAR; blend <= BVX_BLEND_AUTO; blend++) {
+        for (int32_t blend = BVX_BLEND_AUTO; blend <= BVX_BLEND_CUBIC; blend++) {
             build_blend(blend);
             body[blend] = body_hash();
         }
@@ -309,7 +309,7 @@ static void test_random_stacks_are_sound(void)
         o.caps = round % 2 == 0 ? BVX_CAPS_FLAT : BVX_CAPS_TAPER;
         o.crossings = round % 5 == 4 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
         o.blend = BVX_BLEND_CUBIC;
-        o.depth = round % 3 == 0 ? 0 : 5;
+        o.depth = round % 3 == 0 ? BVX_NONE : 5;
         if (build() == BVX_ERR_FORMAT || build() == BVX_ERR_EMPTY) continue;
         build_good();
         if (o.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
@@ -322,7 +322,7 @@ static void test_random_stacks_are_sound(void)
 static void test_threads_change_nothing(void)
 {
     bvx_context *const first = ctx;
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     uint64_t one;
 
     make_ball(40, 0.02);
@@ -331,7 +331,6 @@ static void test_threads_change_nothing(void)
     build_blend(BVX_BLEND_CUBIC);
     one = body_hash();
     bvx_mesh_free(ctx, &mesh);
-    bvx_context_options_init(&c, sizeof c);
     c.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &ctx));
     build_blend(BVX_BLEND_CUBIC);

@@ -23,12 +23,11 @@ void tearDown(void)
  * when its loops cross or the body is large. */
 static int random_body(uint64_t *seed, int32_t crossings, int32_t caps, int cells, bvx_mesh *mesh)
 {
-    bvx_sections_options o;
+    bvx_sections_options o = {.struct_size = sizeof o};
 
     stack_random(&stack, seed);
     for (uint64_t i = 0; i < 3 * stack.s.point_count; i++) stack.point[i] += 4.0;
     for (uint64_t i = 0; i < stack.s.section_count; i++) stack.position[i] += 4.0;
-    bvx_sections_options_init(&o, sizeof o);
     o.report = &report;
     o.crossings = crossings;
     o.caps = caps;

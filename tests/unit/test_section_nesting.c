@@ -313,8 +313,7 @@ static void test_threads_change_nothing(void)
     one = hash();
     bvx_mesh_free(ctx, &mesh);
     for (int32_t threads = 1; threads < 6; threads += 2) {
-        bvx_context_options c;
-        bvx_context_options_init(&c, sizeof c);
+        bvx_context_options c = {.struct_size = sizeof c};
         c.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &ctx));
         build_nested(BVX_NESTING_LEVELS);

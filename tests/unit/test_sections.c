@@ -23,6 +23,7 @@ static void random_options(uint64_t *seed)
     o.grid[0] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
     o.grid[1] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
     o.depth = maker_below(seed, 7);
+    if (o.depth == 0) o.depth = BVX_NONE;
     o.layers = maker_below(seed, 3) == 0 ? 1 + maker_below(seed, 5) : 1;
     o.caps = maker_below(seed, 2);
 }
@@ -173,7 +174,7 @@ static void test_torus_with_its_axis_in_the_plane(void)
 {
     enum { RINGS = 64, SIDES = 32 };
     static maker_mesh torus;
-    bvx_slice_options slice;
+    bvx_slice_options slice = {.struct_size = sizeof slice};
     bvx_sections cut;
     bvx_mesh_view view;
     double volume;
@@ -195,7 +196,6 @@ static void test_torus_with_its_axis_in_the_plane(void)
     if (certificate.volume < 0.0) maker_flip(&torus, 0, torus.triangles);
     volume = fabs(certificate.volume);
     memset(&cut, 0, sizeof cut);
-    bvx_slice_options_init(&slice, sizeof slice);
     slice.spacing = 2.8 / 40.0;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_slice_mesh(ctx, &view, &slice, &cut));
     TEST_ASSERT_EQUAL_UINT64(40, cut.section_count);
@@ -221,7 +221,7 @@ static void test_slices_leave_out_what_encloses_no_area(void)
     uint64_t loops = 2;
 
     for (int turn = 0; turn < 5; turn++) {
-        bvx_slice_options slice;
+        bvx_slice_options slice = {.struct_size = sizeof slice};
         bvx_sections cut;
         memset(&cut, 0, sizeof cut);
         for (uint32_t i = 0; i < 8; i++) maker_vertex(&block, 4.0 * (i & 1), 4.0 * (i >> 1 & 1), i >> 2);
@@ -243,7 +243,6 @@ static void test_slices_leave_out_what_encloses_no_area(void)
         bvx_mesh_view const view = maker_view(&block);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &certificate));
         TEST_ASSERT_TRUE(certificate.closed && certificate.oriented);
-        bvx_slice_options_init(&slice, sizeof slice);
         slice.spacing = 0.5;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_slice_mesh(ctx, &view, &slice, &cut));
         TEST_ASSERT_EQUAL_UINT64(2, cut.section_count);
@@ -772,7 +771,7 @@ static void test_bad_options_are_refused(void)
         int32_t value;
         const char *words;
     } bad[] = {
-        {offsetof(bvx_sections_options, layers), 0, "layers is 0"},
+        {offsetof(bvx_sections_options, layers), -1, "layers is -1"},
         {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
         {offsetof(bvx_sections_options, caps), 3, "caps 3"},
         {offsetof(bvx_sections_options, crossings), -1, "crossings -1"},
@@ -783,11 +782,11 @@ static void test_bad_options_are_refused(void)
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         two_squares();
-        bvx_sections_options_init(&o, sizeof o);
+        o = (bvx_sections_options){.struct_size = sizeof o};
         memcpy((char *)&o + bad[i].field, &bad[i].value, 4);
         refuse(BVX_ERR_ARGUMENT, bad[i].words);
     }
-    bvx_sections_options_init(&o, sizeof o);
+    o = (bvx_sections_options){.struct_size = sizeof o};
     o.spacing = -1.0;
     refuse(BVX_ERR_ARGUMENT, "spacing is -1");
     o.spacing = 1e-9;
@@ -804,10 +803,9 @@ static void test_bad_options_are_refused(void)
 
 static bvx_context *context_of(int32_t threads, void *arena, size_t arena_size, uint64_t limit)
 {
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     bvx_context *made;
 
-    bvx_context_options_init(&c, sizeof c);
     c.threads = threads;
     c.arena = arena;
     c.arena_size = arena_size;

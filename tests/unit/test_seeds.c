@@ -31,10 +31,9 @@ static void set_walls(bvx_grid *g, const int32_t low[3], const int32_t high[3])
 static bvx_grid surface_by(const bvx_lattice *l, const bvx_window *window, int32_t mode)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
 
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     if (window != NULL) o.window = *window;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, l, &o, &g));

@@ -93,7 +93,7 @@ static void check_turned_box(int with_triangles)
     field_maker_measure(ctx, &mesh, &l, 1.5, BVX_F32, &field);
     o.report = &report;
     sharp = surface_of(ctx, with_triangles ? &view : NULL, &o);
-    o.sharp = 0;
+    o.sharp = BVX_SHARP_NEVER;
     o.report = &plain_report;
     plain = surface_of(ctx, NULL, &o);
     assert_certificate(&sharp);
@@ -149,7 +149,7 @@ static void test_sharp_leaves_a_smooth_surface_alone(void)
     o.report = &report;
     sharp = surface_of(ctx, &view, &o);
     TEST_ASSERT_EQUAL_UINT64(0, report.sharp_cells + report.sharp_taken_back + report.flipped_edges);
-    o.sharp = 0;
+    o.sharp = BVX_SHARP_NEVER;
     plain = surface_of(ctx, NULL, &o);
     TEST_ASSERT_EQUAL_UINT64(plain.vertex_count, sharp.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(plain.triangle_count, sharp.triangle_count);

@@ -39,11 +39,10 @@ static int exact; /* 1: nothing but planes pulls */
 
 static bvx_simplify_options defaults(void)
 {
-    bvx_simplify_options o;
-    bvx_simplify_options_init(&o, sizeof o);
+    bvx_simplify_options o = {.struct_size = sizeof o};
     o.reports = report;
     o.position_type = BVX_F64;
-    if (exact) o.even = 0;
+    if (exact) o.even = BVX_NONE;
     return o;
 }
 
@@ -375,9 +374,8 @@ static void build(int32_t solid)
 {
     static const uint64_t targets[] = {120, 30};
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_levels_options o;
+    bvx_levels_options o = {.struct_size = sizeof o};
 
-    bvx_levels_options_init(&o, sizeof o);
     o.target_triangles = targets;
     o.solid = solid;
     o.report = &levels_report;

@@ -7,8 +7,7 @@
 
 static bvx_simplify_options defaults(void)
 {
-    bvx_simplify_options o;
-    bvx_simplify_options_init(&o, sizeof o);
+    bvx_simplify_options o = {.struct_size = sizeof o};
     o.reports = report;
     return o;
 }
@@ -69,7 +68,7 @@ static void check_shape(const level_shape *s, int32_t type, double even)
     targets[3] = 1;
     o.target_triangles = targets;
     o.position_type = type;
-    o.even = even;
+    o.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 4);
     for (int i = 0; i < 4; i++) {
         snprintf(where, sizeof where, "%s, type %d, even %g, level %d: %lu of %lu triangles", s->name,
@@ -238,7 +237,7 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
     make_shape(s);
     o.target_triangles = &s->fewest;
     o.position_type = type;
-    o.even = even;
+    o.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 1);
     view = maker_view(&mesh);
     bvx_mesh_view_of(&level[0], &level_view);
@@ -388,7 +387,7 @@ static void test_order_and_types_do_not_matter_by_error(void)
 static void test_threads_do_not_matter(void)
 {
     static const uint64_t targets[3] = {2000, 500, 100};
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     bvx_context *other;
     bvx_mesh many[3] = {{0}};
     bvx_simplify_options o = defaults();
@@ -400,7 +399,6 @@ static void test_threads_do_not_matter(void)
     o.target_triangles = targets;
     o.measure_samples = 500;
     simplify(&o, 3);
-    bvx_context_options_init(&c, sizeof c);
     c.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
     o.reports = more;

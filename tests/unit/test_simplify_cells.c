@@ -27,8 +27,7 @@ static void make_hollow(int32_t rings, int32_t segments)
 
 static bvx_simplify_options options_for(const uint64_t *targets)
 {
-    bvx_simplify_options o;
-    bvx_simplify_options_init(&o, sizeof o);
+    bvx_simplify_options o = {.struct_size = sizeof o};
     o.target_triangles = targets;
     o.reports = report;
     return o;
@@ -152,18 +151,16 @@ static int64_t simplify_on(int32_t threads, int backward, uint64_t target, const
 {
     backwards b = {threads, 0};
     bvx_mesh made = {0};
-    bvx_context_options c;
+    bvx_context_options c = {.struct_size = sizeof c};
     bvx_context *other;
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
 
-    bvx_context_options_init(&c, sizeof c);
     c.threads = threads;
     if (backward) {
         c.parallel = run_backwards;
         c.parallel_user = &b;
     }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
     simplify(other, &o, 1, &made);
     if (same != NULL) assert_same_bytes(same, &made);
@@ -203,17 +200,15 @@ static void test_levels_by_error_run_cells(void)
     view = maker_view(&mesh);
     for (int32_t threads = 1; threads <= 8; threads += threads < 3 ? 1 : 5) {
         backwards b = {threads, 0};
-        bvx_context_options c;
+        bvx_context_options c = {.struct_size = sizeof c};
         bvx_context *other;
-        bvx_simplify_options o;
-        bvx_context_options_init(&c, sizeof c);
+        bvx_simplify_options o = {.struct_size = sizeof o};
         c.threads = threads;
         if (threads > 1) {
             c.parallel = run_backwards;
             c.parallel_user = &b;
         }
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-        bvx_simplify_options_init(&o, sizeof o);
         o.target_errors = errors;
         o.measure_samples = 2000;
         o.reports = report;

@@ -45,12 +45,11 @@ static bvx_mesh_view coloured_view(void)
 static void simplify_coloured(double weight, uint64_t target)
 {
     bvx_mesh_view const view = coloured_view();
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
 
     drop_levels();
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
-    o.attribute_weight = weight;
+    o.attribute_weight = weight > 0 ? weight : BVX_NONE;
     o.measure_samples = 20000;
     o.reports = report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
@@ -196,12 +195,11 @@ static void test_without_a_weight_or_colours_nothing_changes(void)
     for (int way = 0; way < 2; way++) {
         bvx_mesh_view const view = maker_view(&mesh);
         uint64_t const target = COLOUR_TARGET;
-        bvx_simplify_options o;
+        bvx_simplify_options o = {.struct_size = sizeof o};
 
         drop_levels();
-        bvx_simplify_options_init(&o, sizeof o);
         o.target_triangles = &target;
-        o.attribute_weight = way == 0 ? 0 : 0.5; /* of colours that are not there */
+        o.attribute_weight = way == 0 ? BVX_NONE : 0.5; /* of colours that are not there */
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));
         snprintf(where, sizeof where, "way %d", way);
         assert_same_corners(&plain, &level[0]);
@@ -228,15 +226,13 @@ static void test_order_and_threads_do_not_matter(void)
     for (int32_t threads = 2; threads <= 3; threads++) {
         bvx_mesh_view const view = coloured_view();
         uint64_t const target = COLOUR_TARGET;
-        bvx_simplify_options o;
-        bvx_context_options c;
+        bvx_simplify_options o = {.struct_size = sizeof o};
+        bvx_context_options c = {.struct_size = sizeof c};
         bvx_context *other;
         bvx_mesh made = {0};
 
-        bvx_context_options_init(&c, sizeof c);
         c.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-        bvx_simplify_options_init(&o, sizeof o);
         o.target_triangles = &target;
         o.attribute_weight = 1;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 1, &made));
@@ -257,10 +253,9 @@ static void test_memory_is_as_the_header_says(void)
     for (int i = 0; i < 2; i++) {
         bvx_mesh_view const view = i == 0 ? maker_view(&mesh) : coloured_view();
         uint64_t before;
-        bvx_simplify_options o;
+        bvx_simplify_options o = {.struct_size = sizeof o};
 
         drop_levels();
-        bvx_simplify_options_init(&o, sizeof o);
         o.target_triangles = &target;
         bvx_memory_reset_peak(ctx);
         before = bvx_memory_used(ctx);

@@ -387,7 +387,7 @@ static void test_crossings_of_levels_equal_all_pairs(void)
             free(wanted);
 
             /* With what is known of fans. */
-            collapse->counted = 0;
+            collapse->listed = 0;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_crossings(collapse, &count));
             TEST_ASSERT_EQUAL_UINT64_MESSAGE(wanted_count, count, where);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_collapse_give_plain(collapse, &made));

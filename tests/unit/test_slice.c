@@ -78,8 +78,7 @@ static void test_slices_of_a_box_along_each_axis_and_back(void)
     for (int axis = 0; axis < 3; axis++)
         for (int back = 0; back < 2; back++) {
             bvx_sections s = {0};
-            bvx_slice_options o;
-            bvx_slice_options_init(&o, sizeof o);
+            bvx_slice_options o = {.struct_size = sizeof o};
             memset(o.normal, 0, sizeof o.normal);
             o.normal[axis] = back ? -1 : 1;
             o.spacing = 0.25;
@@ -96,12 +95,11 @@ static void test_slices_of_a_box_along_each_axis_and_back(void)
 static void test_a_spacing_of_more_than_the_mesh_is_one_plane(void)
 {
     bvx_sections s = {0};
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
 
     put_box(0, 0, 0, 0, 2, 3, 4);
     view = view_of(8, 12);
-    bvx_slice_options_init(&o, sizeof o);
     o.spacing = 7; /* the first plane lies half a spacing above the lowest point */
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_slice_mesh(ctx, &view, &o, &s), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(1, s.section_count);
@@ -122,8 +120,7 @@ static void test_boxes_that_share_an_edge(void)
     for (int axis = 0; axis < 3; axis++) {
         double const at[3] = {axis == 2 ? 0.125 : 0.5, axis == 2 ? 0.5 : 1.0, axis == 2 ? 0.875 : 1.5};
         bvx_sections s = {0};
-        bvx_slice_options o;
-        bvx_slice_options_init(&o, sizeof o);
+        bvx_slice_options o = {.struct_size = sizeof o};
         memset(o.normal, 0, sizeof o.normal);
         o.normal[axis] = 1;
         o.positions = at;
@@ -138,9 +135,8 @@ static void refused(bvx_status status, const double *at, uint64_t count, double 
                     const bvx_mesh_view *view, const char *words)
 {
     bvx_sections s = {0};
-    bvx_slice_options o;
+    bvx_slice_options o = {.struct_size = sizeof o};
 
-    bvx_slice_options_init(&o, sizeof o);
     o.positions = at;
     o.position_count = count;
     o.spacing = spacing;

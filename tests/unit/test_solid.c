@@ -8,7 +8,7 @@ static void test_box_on_voxel_planes_fills_its_voxels(void)
     for (int32_t at = -2; at <= 6; at++) {
         bvx_lattice const l = lattice_of(6, 7, 8);
         double const low[3] = {at, at, at}, high[3] = {at + 4, at + 4, at + 4};
-        for (int32_t fill = 0; fill < 2; fill++) {
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
             uint64_t expected = 1;
             bvx_grid g;
             maker_clear(&mesh);
@@ -39,7 +39,7 @@ static void test_box_on_centres_is_half_open(void)
     double const low[3] = {1.5, 2.5, 0.5}, high[3] = {66.5, 4.5, 3.5};
 
     maker_box(&mesh, low, high);
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         bvx_grid g = solid_of(&l, fill);
         for (int32_t z = 0; z < 6; z++)
             for (int32_t y = 0; y < 6; y++)
@@ -68,7 +68,7 @@ static void test_report_by_hand(void)
     bvx_grid_free(ctx, &g);
     maker_remove(&mesh, 3); /* one triangle of the face at x = 6 */
     maker_remove(&mesh, 2);
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         g = solid_by(ctx, &l, NULL, fill, &r);
         TEST_ASSERT_EQUAL_UINT64(2 * 3, r.crossings);
         TEST_ASSERT_EQUAL_UINT64(2 * 3, r.unbalanced_rows);
@@ -198,7 +198,7 @@ static void assert_refused(const bvx_lattice *l, const bvx_window *window, bvx_s
     bvx_grid const empty = {0};
     uint64_t const held = bvx_memory_used(ctx);
 
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         bvx_solid_report report;
         TEST_ASSERT_EQUAL_INT32(status, fill_with(ctx, &view, l, window, fill, &untouched, &report));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), text), bvx_last_message(ctx));
@@ -308,9 +308,8 @@ static void test_refusals_of_arguments(void)
                                    {{0, 3, 0}, {1, 0, 1}},
                                    {{INT32_MAX, 0, 0}, {INT32_MAX, 1, 1}}};
     bvx_mesh_view v;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
 
-    bvx_voxelize_options_init(&o, sizeof o);
     make_random(SOUP, 10, l.dims, 16);
     v = maker_view(&mesh);
     for (int i = 0; i < 5; i++) assert_refused(&l, &outside[i], BVX_ERR_RANGE, "window");
@@ -355,7 +354,7 @@ static void test_callers_array_is_filled_in_place(void)
 
     make_random(SOUP, 60, l.dims, 16);
     v = maker_view(&mesh);
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         bvx_grid want = solid_by(ctx, &l, &w, fill, NULL), g = {0};
         memset(words, 0xEE, sizeof words);
         g.words = words + 1;

@@ -321,7 +321,7 @@ static void test_sets_of_cubes_are_their_own_solids(void)
             for (size_t i = 0; i < count; i++) solid[i] = maker_below(&seed, 4) < chance;
             maker_clear(&mesh);
             maker_cubes(&mesh, &seed, solid, n, at);
-            for (int32_t fill = 0; fill < 2; fill++) {
+            for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
                 bvx_solid_report r;
                 bvx_grid g = solid_by(ctx, &l, NULL, fill, &r);
                 for (int32_t z = 0; z < n[2]; z++)
@@ -359,7 +359,7 @@ static void test_closed_solids_balance(void)
                 maker_duplicate(&mesh, i);
                 maker_flip(&mesh, mesh.triangles - 1, mesh.triangles);
             }
-        for (int32_t fill = 0; fill < 2; fill++) {
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
             bvx_solid_report r;
             bvx_grid g = solid_by(ctx, &l, NULL, fill, &r);
             TEST_ASSERT_EQUAL_UINT64(0, r.unbalanced_rows);

@@ -10,13 +10,11 @@ static bvx_lattice lattice;
 static uint64_t voxels_at(bvx_context *c, int32_t resolution, int32_t check)
 {
     bvx_mesh_view const view = maker_view(&mesh);
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     uint64_t n;
 
-    bvx_voxelize_options_init(&o, sizeof o);
-    TEST_ASSERT_EQUAL_INT32(-1, o.check_thin);
-    o.check_thin = check;
+    o.check_thin = BVX_CHECK_NEVER + check;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(c, &view, resolution, &lattice));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_voxelize_solid(c, &view, &lattice, &o, &g),
@@ -146,7 +144,7 @@ static void test_thick_bodies_lose_nothing_and_keep_their_volume(void)
 static void test_volumes_are_compared_where_they_can_be(void)
 {
     bvx_mesh_view view;
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_window const part = {{0, 0, 0}, {30, 20, 9}};
     bvx_grid g = {0};
 
@@ -154,7 +152,6 @@ static void test_volumes_are_compared_where_they_can_be(void)
     make_box(3, 2, 1);
     view = maker_view(&mesh);
     voxels_at(ctx, 30, 1);
-    bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
     o.window = part;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
@@ -261,7 +258,7 @@ static void test_what_is_told_depends_on_mesh_and_lattice(void)
     bvx_context *const portable = suite_context(1, BVX_CPU_PORTABLE);
     bvx_solid_report first;
     bvx_window const part = {{20, 20, 20}, {30, 30, 11}};
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     bvx_grid g = {0};
 
@@ -274,9 +271,8 @@ static void test_what_is_told_depends_on_mesh_and_lattice(void)
     voxels_at(portable, 50, 1);
     TEST_ASSERT_EQUAL_MEMORY(&first, &report, sizeof report);
 
-    bvx_voxelize_options_init(&o, sizeof o);
     o.report = &report;
-    o.check_thin = 1;
+    o.check_thin = BVX_CHECK_ALWAYS;
     o.window = part;
     maker_shuffle_triangles(&mesh, &seed);
     maker_vertex(&mesh, (double)NAN, 0, (double)INFINITY);
@@ -294,7 +290,7 @@ static void test_what_is_told_depends_on_mesh_and_lattice(void)
 
 static void test_walls_are_not_looked_for_below_a_terrain(void)
 {
-    bvx_voxelize_options o;
+    bvx_voxelize_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     bvx_grid g = {0};
 
@@ -302,12 +298,11 @@ static void test_walls_are_not_looked_for_below_a_terrain(void)
     make_box(3, 2, 1);
     voxels_at(ctx, 30, 0);
     view = maker_view(&mesh);
-    bvx_voxelize_options_init(&o, sizeof o);
     o.fill = BVX_FILL_BELOW;
     o.report = &report;
-    o.check_thin = 1;
+    o.check_thin = BVX_CHECK_ALWAYS;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
-    o.check_thin = -1;
+    o.check_thin = BVX_CHECK_AUTO;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_solid(ctx, &view, &lattice, &o, &g));
     TEST_ASSERT_TRUE(report.thin_checked == 0 && report.mesh_volume == 0 && report.volume > 5.9);
     bvx_grid_free(ctx, &g);
@@ -316,9 +311,9 @@ static void test_walls_are_not_looked_for_below_a_terrain(void)
 /* A solid that the limit allows is made; nobody has requested the look that it does not. */
 static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *limited = NULL;
-    bvx_voxelize_options v;
+    bvx_voxelize_options v = {.struct_size = sizeof v};
     bvx_mesh_view view;
     bvx_grid g = {0};
     uint64_t without, voxels;
@@ -331,7 +326,6 @@ static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
     voxels_at(ctx, 48, 1);
     TEST_ASSERT_TRUE(bvx_memory_peak(ctx) > without);
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 1;
     o.memory_limit = without;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &limited));
@@ -339,9 +333,8 @@ static void test_a_limit_leaves_the_look_out_unless_asked_for(void)
     TEST_ASSERT_TRUE(report.thin_checked == 0 && report.thin_voxels == 0 && report.volume > 0);
 
     view = maker_view(&mesh);
-    bvx_voxelize_options_init(&v, sizeof v);
     v.report = &report;
-    v.check_thin = 1;
+    v.check_thin = BVX_CHECK_ALWAYS;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_voxelize_solid(limited, &view, &lattice, &v, &g));
     TEST_ASSERT_NULL(g.words);
     bvx_context_destroy(limited);

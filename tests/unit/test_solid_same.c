@@ -34,7 +34,7 @@ static void test_order_and_orientation_change_nothing(void)
 {
     for (int32_t trial = 0; trial < (quick ? 8 : 60); trial++) {
         bvx_lattice const l = lattice_of(66, 14, 15);
-        int32_t const fill = trial % 2;
+        int32_t const fill = BVX_FILL_PARITY + trial % 2;
         bvx_solid_report r, s;
         bvx_grid a, b;
         make_random(trial % KINDS, 100, l.dims, 16);
@@ -65,12 +65,12 @@ static void test_windows_are_cut_out_of_the_whole(void)
 
     for (int32_t trial = 0; trial < (quick ? 6 : 40); trial++) {
         bvx_lattice const l = lattice_of(130, 19, 17);
-        for (int32_t fill = 0; fill < 2; fill++) {
+        for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
             bvx_solid_report r;
             bvx_grid whole;
-            if (fill == 0) make_random(trial % KINDS, 150, l.dims, 16);
+            if (fill == BVX_FILL_PARITY) make_random(trial % KINDS, 150, l.dims, 16);
             whole = solid_by(ctx, &l, NULL, fill, &r);
-            unbalanced[fill] += r.unbalanced_rows;
+            unbalanced[fill - BVX_FILL_PARITY] += r.unbalanced_rows;
             for (int32_t n = 0; n < 12; n++) {
                 bvx_window w;
                 bvx_grid part;
@@ -99,7 +99,7 @@ static void assert_all_contexts_agree(const bvx_lattice *l)
 {
     static const int32_t threads[5] = {1, 2, 3, 5, 8};
 
-    for (int32_t fill = 0; fill < 2; fill++) {
+    for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_NONZERO; fill++) {
         bvx_solid_report r, s;
         bvx_grid a = solid_by(ctx, l, NULL, fill, &r);
         for (int32_t n = 0; n < 7; n++) {

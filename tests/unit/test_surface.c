@@ -23,8 +23,7 @@ void tearDown(void)
 
 static bvx_extract_options extract_options(void)
 {
-    bvx_extract_options o;
-    bvx_extract_options_init(&o, sizeof o);
+    bvx_extract_options const o = {.struct_size = sizeof o, .position_type = BVX_F32};
     return o;
 }
 
@@ -484,7 +483,7 @@ static void test_f32_is_refused_where_it_is_too_coarse(void)
     open_grid(origin, spacing, 20, 21, 22, 0);
     sprinkle(8);
     assert_refused(BVX_ERR_RANGE, &o, "f64");
-    assert_refused(BVX_ERR_RANGE, NULL, "local frame");
+    assert_refused(BVX_ERR_RANGE, &o, "local frame");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_extract_count(ctx, &grid, &o, &vertices, &triangles));
     o.position_type = BVX_F64;
     assert_is_oracle(&o);

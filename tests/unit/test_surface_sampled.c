@@ -122,7 +122,7 @@ static void test_counts_what_it_did(void)
         bvx_context *const c = surface_context(trial);
         bvx_window const w = random_window(&l);
         bvx_surface_report report = {7, 7, 7, {0, 0, 0, 0}};
-        bvx_surface_options o;
+        bvx_surface_options o = {.struct_size = sizeof o};
         bvx_mesh_view view;
         bvx_grid g = {0};
         int64_t *q;
@@ -144,7 +144,6 @@ static void test_counts_what_it_did(void)
         }
         free(q);
         view = maker_view(&mesh);
-        bvx_surface_options_init(&o, sizeof o);
         o.mode = SAMPLED;
         o.window = w;
         o.report = &report;
@@ -172,7 +171,7 @@ static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_wind
     bvx_mesh_view const view = maker_view(&mesh);
     int64_t *const q = snapped(l);
     bvx_attached attached = {0};
-    bvx_surface_options o;
+    bvx_surface_options o = {.struct_size = sizeof o};
     bvx_grid g = {0};
     uint64_t rank = 0, at = 0;
 
@@ -181,7 +180,6 @@ static void assert_attached(bvx_context *c, const bvx_lattice *l, const bvx_wind
         touch_oracle const tri = triangle_oracle(q, t, l);
         touch_mark(&tri, mode, w, marks + t * voxels);
     }
-    bvx_surface_options_init(&o, sizeof o);
     o.mode = mode;
     o.window = *w;
     o.attached = &attached;
@@ -242,13 +240,12 @@ static void test_nothing_is_attached_to_nothing(void)
         bvx_context *const c = surface_context(i);
         for (int32_t mode = 0; mode < MODES; mode++) {
             bvx_attached attached = {0};
-            bvx_surface_options o;
+            bvx_surface_options o = {.struct_size = sizeof o};
             bvx_mesh_view view;
             bvx_grid g = {0};
             maker_clear(&mesh);
             maker_box(&mesh, low, high);
             view = maker_view(&mesh);
-            bvx_surface_options_init(&o, sizeof o);
             o.mode = mode;
             o.attached = &attached;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(c, &view, &l, &o, &g));

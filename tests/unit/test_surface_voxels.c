@@ -221,22 +221,22 @@ static void test_refuses_what_it_cannot_do(void)
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     for (int32_t mode = -1; mode <= 3; mode += 4) {
-        bvx_surface_options_init(&o, sizeof o);
+        o = (bvx_surface_options){.struct_size = sizeof o};
         o.mode = mode;
         assert_refused(&view, &l, &o, BVX_ERR_ARGUMENT, "mode");
     }
-    bvx_surface_options_init(&o, sizeof o);
+    o = (bvx_surface_options){.struct_size = sizeof o};
     o.reserved = 1;
     assert_refused(&view, &l, &o, BVX_ERR_ARGUMENT, "reserved");
-    bvx_surface_options_init(&o, sizeof o);
+    o = (bvx_surface_options){.struct_size = sizeof o};
     o.window.size[0] = 9;
     o.window.size[1] = o.window.size[2] = 1;
     assert_refused(&view, &l, &o, BVX_ERR_RANGE, "window");
-    bvx_surface_options_init(&o, sizeof o);
+    o = (bvx_surface_options){.struct_size = sizeof o};
     o.attached = &attached;
     attached.triangles = &lone;
     assert_refused(&view, &l, &o, BVX_ERR_ARGUMENT, "attached");
-    bvx_surface_options_init(&o, sizeof o);
+    o = (bvx_surface_options){.struct_size = sizeof o};
     for (int32_t mode = 0; mode < MODES; mode++) {
         o.mode = mode;
         view = maker_view(&mesh);
@@ -280,7 +280,7 @@ static void test_fills_the_callers_words(void)
         g.word_capacity = 127;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_voxelize_surface(ctx, &view, &l, NULL, &g));
         g.word_capacity = 128;
-        bvx_surface_options_init(&o, sizeof o);
+        o = (bvx_surface_options){.struct_size = sizeof o};
         o.mode = mode;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_surface(ctx, &view, &l, &o, &g));
         TEST_ASSERT_EQUAL_PTR(words, g.words);

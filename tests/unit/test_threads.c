@@ -35,10 +35,9 @@ enum { WORKERS = 5, TASKS = 300 };
 
 static bvx_context *context_of(int32_t threads)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = threads;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     return ctx;
@@ -308,12 +307,11 @@ static void test_helpers_end_with_an_arenas_context(void)
 {
     static uint64_t memory[8192];
     int const at_first = threads_now();
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
     work_record r = {.together = WORKERS};
 
     if (bvxi_pool_size(2) == 0) TEST_IGNORE_MESSAGE("no threads are built in");
-    bvx_context_options_init(&o, sizeof o);
     o.arena = memory;
     o.arena_size = sizeof memory;
     o.threads = WORKERS;

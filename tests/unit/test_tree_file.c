@@ -30,7 +30,7 @@ static bvx_octree *tree_of(int kind, int32_t levels)
     static const double radius[3] = {1.7, 0.8, 1.6};
     static const int32_t dims[3] = {9, 7, 5};
     bvx_lattice base;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     bvx_octree *tree = NULL;
     uint64_t seed = 3;
 
@@ -42,8 +42,7 @@ static bvx_octree *tree_of(int kind, int32_t levels)
     }
     bvx_mesh_view const view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &base));
-    bvx_refine_options_init(&o, sizeof o);
-    o.levels = kind == BASE_ALONE ? 0 : levels;
+    o.levels = kind == BASE_ALONE ? BVX_NONE : levels;
     if (kind == TOLERANCE) o.tolerance = 0.05;
     if (kind == WINDOW || kind == FAR_WINDOW)
         for (int a = 0; a < 3; a++) {
@@ -206,10 +205,9 @@ static void test_threads_do_not_show(void)
     bvx_octree *const tree = tree_of(TOLERANCE, 4);
     bvx_octree *back = NULL;
     bvx_buffer b = file_of(tree), other = {0};
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *many;
 
-    bvx_context_options_init(&o, sizeof o);
     o.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &many));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_octree(many, tree, 0, BVX_FORMAT_BVX, &other));

@@ -394,7 +394,7 @@ static void test_shell_and_edges_on_request(void)
     view = maker_view(&mesh);
     for (int32_t fill = BVX_FILL_PARITY; fill <= BVX_FILL_REGIONS; fill++) {
         if (fill == BVX_FILL_FLOOD) continue; /* would leak */
-        bvx_voxelize_options_init(&o, sizeof o);
+        o = (bvx_voxelize_options){.struct_size = sizeof o};
         o.fill = fill;
         o.report = &r;
         o.check_edges = o.add_shell = 1;

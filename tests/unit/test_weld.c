@@ -111,13 +111,12 @@ static int32_t stop_at_once(void *user, const char *stage, double fraction)
 
 static void test_many_vertices_can_be_cancelled(void)
 {
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *asking;
     bvx_mesh_view v;
     uint64_t different;
     int asked = 0;
 
-    bvx_context_options_init(&o, sizeof o);
     o.progress = stop_at_once;
     o.progress_user = &asked;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &asking));

@@ -121,10 +121,9 @@ static size_t make_file(int twice)
 static bvx_mesh read_it(int twice, int keep, uint32_t lost)
 {
     bvx_read_report report;
-    bvx_read_options o;
+    bvx_read_options o = {.struct_size = sizeof o};
     bvx_mesh m = {0};
 
-    bvx_read_options_init(&o, sizeof o);
     o.keep_file = keep;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK,
@@ -136,11 +135,10 @@ static bvx_mesh read_it(int twice, int keep, uint32_t lost)
 
 static bvx_mesh level_of(const bvx_mesh *m, uint64_t target)
 {
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
     bvx_mesh_view view;
     bvx_mesh level = {0};
 
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
     o.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view_of(m, &view);
@@ -152,11 +150,10 @@ static bvx_mesh level_of(const bvx_mesh *m, uint64_t target)
 static bvx_status write_it(const bvx_mesh *level, const bvx_mesh *source, const char *name, bvx_buffer *made)
 {
     const char *const folder = getenv("GLB_FILES");
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     char path[512];
     FILE *to;
 
-    bvx_write_options_init(&o, sizeof o);
     o.source = source;
     memset(made, 0, sizeof *made);
     BVXI_TRY(bvx_write_mesh_with(ctx, level, &o, BVX_FORMAT_GLB, made));
@@ -283,7 +280,7 @@ static void test_kept_vertices_are_not_joined(void)
     static float positions[2 * 3 * VERTICES];
     static uint32_t triangles[6 * SIDE * SIDE];
     uint64_t target = 100, n = 0;
-    bvx_simplify_options o;
+    bvx_simplify_options o = {.struct_size = sizeof o};
     bvx_mesh level = {0};
 
     for (int i = 0; i < 2 * VERTICES; i++) {
@@ -298,7 +295,6 @@ static void test_kept_vertices_are_not_joined(void)
 
             for (int k = 0; k < 6; k++) triangles[n++] = of[k];
         }
-    bvx_simplify_options_init(&o, sizeof o);
     o.target_triangles = &target;
     o.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view const view = bvx_mesh_view_packed(positions, 2 * VERTICES, triangles, n / 3);

@@ -181,8 +181,7 @@ static void test_write_levels_workers(void)
     bvx_buffer one = write_levels(big, 2);
 
     for (int way = 0; way < 2; way++) {
-        bvx_context_options o;
-        bvx_context_options_init(&o, sizeof o);
+        bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
         if (way == 1) o.parallel = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));

@@ -468,9 +468,8 @@ static void test_write_keeps_to_the_limit(void)
 
     for (int i = 0; i < 5; i++)
         for (uint64_t limit = 1; limit < 400; limit++) {
-            bvx_context_options o;
+            bvx_context_options o = {.struct_size = sizeof o};
             bvx_buffer b = {0};
-            bvx_context_options_init(&o, sizeof o);
             o.memory_limit = limit;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
             bvx_status const status = bvx_write_mesh(ctx, &m, formats[i], &b);
@@ -514,11 +513,10 @@ static void test_files_live_in_an_arena(void)
 {
     static const int32_t formats[] = {BVX_FORMAT_PLY, BVX_FORMAT_OBJ, BVX_FORMAT_STL};
     bvx_context *const plain = ctx;
-    bvx_context_options o;
+    bvx_context_options o = {.struct_size = sizeof o};
     size_t const size = 200000;
     void *const arena = malloc(size);
 
-    bvx_context_options_init(&o, sizeof o);
     o.arena = arena;
     o.arena_size = size;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));

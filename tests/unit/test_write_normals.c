@@ -6,10 +6,9 @@
 
 static bvx_buffer write_normals(const bvx_mesh *m, int32_t format)
 {
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0};
 
-    bvx_write_options_init(&o, sizeof o);
     TEST_ASSERT_TRUE(o.struct_size == sizeof o && o.normals == 0 && o.rounding == BVX_ROUNDING_REFUSE);
     o.normals = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
@@ -165,8 +164,7 @@ static void test_write_normals_workers(void)
 
     for (int32_t format = BVX_FORMAT_OBJ; format <= BVX_FORMAT_PLY; format++) {
         bvx_buffer one = write_normals(&m, format);
-        bvx_context_options o;
-        bvx_context_options_init(&o, sizeof o);
+        bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
         o.parallel = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
@@ -185,9 +183,8 @@ static void test_write_normals_workers(void)
 static void test_write_normals_change_no_other_file(void)
 {
     bvx_mesh const m = square();
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
 
-    bvx_write_options_init(&o, sizeof o);
     for (int32_t format = BVX_FORMAT_STL; format <= BVX_FORMAT_GLB; format++) {
         if (bvx_format_of_name("a.npy") == format || bvx_format_of_name("a.png") == format) continue;
         bvx_buffer const plain = write_file(&m, format);
@@ -216,7 +213,7 @@ static void check_not_written_with(const bvx_mesh *m, const bvx_write_options *o
 static void test_write_normals_refuses(void)
 {
     bvx_mesh m = square();
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     uint8_t byte = 0;
     bvx_buffer none = {0}, full = {&byte, 1, 0};
     struct {
@@ -224,7 +221,6 @@ static void test_write_normals_refuses(void)
         int64_t later;
     } newer;
 
-    bvx_write_options_init(&o, sizeof o);
     o.normals = 1;
     check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED,
                            "bvx_write_mesh_with: STL holds normals of triangles only");
@@ -243,14 +239,14 @@ static void test_write_normals_refuses(void)
     check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "rounding 3 is unknown");
     o.rounding = 0;
     o.struct_size = 3;
-    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "options carry the size 3");
+    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "struct_size of the options is 3");
     memset(&newer, 0, sizeof newer);
-    bvx_write_options_init(&newer.known, sizeof newer);
+    newer.known.struct_size = sizeof newer;
     newer.later = 1;
     check_not_written_with(&m, &newer.known, BVX_FORMAT_PLY, BVX_ERR_VERSION, "does not know");
 
     m.triangle_count = 0;
-    bvx_write_options_init(&o, sizeof o);
+    o = (bvx_write_options){.struct_size = sizeof o};
     check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_EMPTY, "bvx_write_mesh_with");
 }
 

@@ -12,7 +12,7 @@ void setUp(void)
     static const int32_t dims[3] = {4, 3, 5};
     double low[3], high[3];
     bvx_lattice base;
-    bvx_refine_options o;
+    bvx_refine_options o = {.struct_size = sizeof o};
     maker_mesh m = {0};
 
     suite_open(0);
@@ -23,7 +23,6 @@ void setUp(void)
     }
     maker_box(&m, low, high);
     bvx_mesh_view const view = maker_view(&m);
-    bvx_refine_options_init(&o, sizeof o);
     o.levels = 3;
     tree = NULL;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_refine(ctx, &view, &base, &o, &tree));

@@ -68,9 +68,8 @@ static inline bvx_buffer write_file(const bvx_mesh *m, int32_t format)
 /* Whatever rounding to floats does to it. */
 static inline bvx_buffer write_rounded(const bvx_mesh *m, int32_t format)
 {
-    bvx_write_options o;
+    bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0};
-    bvx_write_options_init(&o, sizeof o);
     o.rounding = BVX_ROUNDING_ALLOW;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
                                     bvx_last_message(ctx));
@@ -144,8 +143,7 @@ static inline void check_workers_change_nothing(const bvx_mesh *m, int32_t forma
     bvx_buffer one = write_file(m, format);
 
     for (int way = 0; way < 2; way++) {
-        bvx_context_options o;
-        bvx_context_options_init(&o, sizeof o);
+        bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
         if (way == 1) o.parallel = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));

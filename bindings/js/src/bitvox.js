@@ -285,7 +285,7 @@ class Bitvox {
             call.options(
                 'morph_options',
                 options.radius !== undefined && options.neighbourhood === undefined
-                    ? { ...options, neighbourhood: 0 }
+                    ? { ...options, neighbourhood: 1 }
                     : options,
             ),
         ]);

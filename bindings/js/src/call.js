@@ -21,7 +21,7 @@ class Call {
     begin() {
         const { c, machine } = this;
         const options = this.struct('context_options');
-        c.bvx_context_options_init(options, STRUCTS.context_options.size);
+        machine.setField('context_options', options, 'structSize', STRUCTS.context_options.size);
         machine.setField('context_options', options, 'memoryLimit', this.limit);
         if (this.listener.progress || this.listener.signal)
             machine.setField('context_options', options, 'progress', c.bridge_progress());
@@ -134,7 +134,7 @@ class Call {
                 (fields[name][0] !== 'ptr' || special[name]),
         );
 
-        this.c[`bvx_${struct}_init`](at, size);
+        machine.setField(struct, at, 'structSize', size);
         for (const [name, value] of Object.entries(given)) {
             if (value === undefined || CALL_OPTIONS.has(name)) continue;
             if (!known.includes(name) && !special[name])

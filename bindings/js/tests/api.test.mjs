@@ -218,7 +218,7 @@ test('wrong arguments are refused before the library sees them', () => {
     );
     refused(
         () => bitvox.voxelize(tetrahedron, { fill: 'even' }),
-        /fill is "even"; there are parity, nonzero/,
+        /fill is "even"; there are auto, parity, nonzero/,
     );
     refused(() => bitvox.voxelize(tetrahedron, { fill: 'toString' }), /fill is "toString"/);
     refused(

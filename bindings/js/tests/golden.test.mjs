@@ -139,7 +139,7 @@ test('algebra.txt', () => {
         'meshes',
         ['union', 'intersection', 'difference', 'xor'].map((operation, i) => [
             operation,
-            hash(bitvox.boolean(a, b, operation, { resolution: 40, sharp: i % 2 === 1 }).mesh),
+            hash(bitvox.boolean(a, b, operation, { resolution: 40, sharp: i % 2 === 1 ? 'always' : 'never' }).mesh),
         ]),
     );
 });
@@ -184,7 +184,7 @@ function fewSpecks(stretched) {
 function morphed(grid, second, neighbourhood, steps, radius) {
     return ['dilate', 'erode', 'open', 'close'].map((call, i) => {
         const options = {
-            neighbourhood,
+            neighbourhood: neighbourhood || undefined,
             steps,
             radius: radius * Math.min(...grid.lattice.spacing),
             beyond: second === grid ? (i + steps) & 1 : Number(i === 1 || i === 2),
@@ -248,8 +248,8 @@ test('repair.txt', () => {
             'repair',
             name,
             [
-                ['plain', false],
-                ['sharp', true],
+                ['plain', 'never'],
+                ['sharp', 'always'],
             ].map(([key, sharp]) => {
                 const { mesh: made, report } = bitvox.repair(mesh, { resolution, sign, sharp, thin });
                 assert.ok(
@@ -277,7 +277,6 @@ const simplified = (mesh, options) =>
 const built = (mesh, options) => {
     const { levels, report } = bitvox.buildLevels(mesh, {
         targetTriangles: options.targetErrors ? undefined : [1500, 100],
-        sharp: -1,
         ...options,
     });
     return [
@@ -301,11 +300,11 @@ test('levels.txt simplified', () => {
 test('levels.txt built', () => {
     const mesh = torus(96, 40, 0.25, 7);
     compare('levels', 'torus_sound', built(mesh, {}));
-    compare('levels', 'torus_measured', built(mesh, { positionType: 'f32', resolution: 60, sharp: false }));
+    compare('levels', 'torus_measured', built(mesh, { positionType: 'f32', resolution: 60, sharp: 'never' }));
     compare(
         'levels',
         'torus_measured_f64_sharp',
-        built(mesh, { positionType: 'f64', resolution: 60, sharp: true }),
+        built(mesh, { positionType: 'f64', resolution: 60, sharp: 'always' }),
     );
     compare('levels', 'torus_by_error', built(mesh, { targetErrors: [0.02, 0.08] }));
     compare('levels', 'soup', built(soup(60, 11), { resolution: 40 }));

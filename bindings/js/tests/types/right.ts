@@ -27,7 +27,7 @@ const doubles: Float64Array = bitvox.distances(grid, { side: 'signed', type: 'f6
 const floats: Float32Array = bitvox.distances(grid);
 const pairs: Uint32Array = bitvox.crossings(mesh, { pairs: true }).pairs;
 bitvox.boolean(mesh, { attributes: { position: { array: floats } }, index: null }, 'difference', {
-    sharp: true,
+    sharp: 'always',
 });
 bitvox.fitLattice({ low: [0, 0, 0], high: [1, 1, 1] }, { spacing: 0.1 });
 const moved: ArrayBuffer = mesh.positions.buffer;

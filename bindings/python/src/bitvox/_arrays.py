@@ -341,6 +341,14 @@ def _rows_without_numpy(values: Any, what: str, code: str, columns: int = 3) -> 
     return made.cast("B").cast(code, [rows, columns]) if rows else made
 
 
+def direction(name: str, values: Any) -> tuple[float, float, float]:
+    """Three numbers of which one is not 0."""
+    found = triple(name, values)
+    if not any(found):
+        raise ArgumentError(f"{name} is 0, 0, 0 and points nowhere")
+    return found
+
+
 def triple(name: str, values: Any, kind: type = float) -> tuple[Any, Any, Any]:
     """Three numbers, from a sequence of them or from one for all."""
     if isinstance(values, (int, float)) and not isinstance(values, bool):

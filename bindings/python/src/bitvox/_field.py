@@ -14,7 +14,7 @@ from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, position_type, with_positions
 from ._records import record
-from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of
+from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of, sharpness
 from ._words import Array, FaceRule, Far, Interpolation, Order, Sign
 
 EDGES = names_of("BVX_EDGE_")
@@ -228,7 +228,7 @@ class Field:
         options = options_of("field_surface_options")
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
         options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-        options.sharp = -1 if sharp is None else int(bool(sharp))
+        options.sharp = sharpness(sharp)
         options.local_frame = int(bool(local_frame))
         if offset and grid is None:
             raise ArgumentError("offset is taken together with grid")
@@ -237,7 +237,7 @@ class Field:
         if sharp_angle is not None:
             if sharp is False:
                 raise ArgumentError("sharp_angle is taken together with sharp")
-            options.sharp_angle = float(sharp_angle)
+            options.sharp_angle = float(sharp_angle) or 5e-324  # 0 is the default
         report = ffi.new("bvx_field_surface_report *")
         options.report = report
         extract = function("bvx_extract_field_surface")

@@ -833,7 +833,7 @@ class Grid:
         options = options_of("morph_options")
         if radius is None and in_range("connectivity", connectivity, 0, 2**31 - 1) not in (6, 18, 26):
             raise ArgumentError(f"connectivity is {connectivity}; it must be 6, 18 or 26")
-        options.neighbourhood = connectivity if radius is None else 0
+        options.neighbourhood = connectivity if radius is None else lib.BVX_BALL
         options.steps = in_range("steps", steps, 1, 65536)
         if radius is not None and not 0.0 <= float(radius) < float("inf"):
             raise ArgumentError(f"radius is {radius}; it must be finite and not negative")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import struct
 import zlib
@@ -113,7 +114,7 @@ def _color(name: str, value: Sequence[int]) -> tuple[int, int, int, int]:
     found = tuple(value)
     if len(found) != 3:
         raise ArgumentError(f"{name} must be red, green, blue")
-    return (*(in_range(name, x, 0, 255) for x in found), 0)  # type: ignore[return-value]
+    return (*(in_range(name, x, 0, 255) for x in found), 255)  # type: ignore[return-value]
 
 
 @entered
@@ -195,18 +196,16 @@ def render(
         for name, value in of_views.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for views, not for slices")
-    if from_ is not None:
-        options.direction = arrays.triple("from_", from_)
+    options.direction = (3, -4, 2) if from_ is None else arrays.direction("from_", from_)
     if up is not None:
-        options.up = arrays.triple("up", up)
+        options.up = arrays.direction("up", up)
     if show is not None:
         options.show = tuple(float(x) for x in show)
     options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)
     options.colour, options.background = _color("color", color), _color("background", background)
-    if cut_low is not None:
-        options.cut_low = arrays.triple("cut_low", cut_low)
-    if cut_high is not None:
-        options.cut_high = arrays.triple("cut_high", cut_high)
+    options.cut = 63  # all sides; those that nothing is said of lie at infinity
+    options.cut_low = (-math.inf,) * 3 if cut_low is None else arrays.triple("cut_low", cut_low)
+    options.cut_high = (math.inf,) * 3 if cut_high is None else arrays.triple("cut_high", cut_high)
     if cut is not None and not hasattr(cut, "items"):
         raise TypeError(f'cut must be like {{"x": 0.5}}, not {cut!r}')
     for axis, at in (cut or {}).items():

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Iterable, List, Sequence, Union, overload
 
 from . import _arrays as arrays
 from ._calls import entered
-from ._errors import ArgumentError, EmptyError
+from ._errors import ArgumentError, EmptyError, OptionRangeError
 from ._grid import Grid
 from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, hinting, in_range, lib, names_of, options_of
+from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, hinting, in_range, lib, names_of, options_of, or_none, sharpness
 from ._stages import carried, grid_of, surface, voxelize
 from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Topology, Vertices
 
@@ -308,7 +308,7 @@ def simplify(
 def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
     """What stays; returns the array that options point at."""
     if attribute_weight is not None:
-        options.attribute_weight = float(attribute_weight)
+        options.attribute_weight = or_none(float(attribute_weight))
     options.lock_border = int(bool(lock_border))
     options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
     options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
@@ -326,7 +326,7 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
-        options.even = float(even)
+        options.even = or_none(float(even))
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
@@ -541,10 +541,10 @@ def lod(
         if resolution is not None:
             options.resolution = in_range("resolution", resolution, 1, 2**24)
         options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
-        options.sharp = -1 if sharp is None else int(bool(sharp))
+        options.sharp = sharpness(sharp)
         options.outer = int(bool(outer_hull))
         if shell is not None:
-            options.shell = float(shell)
+            options.shell = or_none(float(shell))
         options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
         options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
         options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
@@ -598,6 +598,8 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
         raise ArgumentError("edge_samples is for method 'edge-ratio'")
     options = options_of("lod_options")
     options.method = choice("method", method, "BVX_LOD_", METHODS[1:])
+    if threshold == 0:
+        raise OptionRangeError("threshold 0 is not between 0 and 1")
     options.threshold = float(threshold)
     options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)

@@ -14,7 +14,7 @@ from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._records import record
-from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of
+from ._run import FACE_RULES, Progress, Run, choice, ffi, in_range, lib, names_of, options_of, or_none
 from ._words import Array, Direction, FaceRule
 
 if TYPE_CHECKING:
@@ -387,8 +387,8 @@ def refine(
     if resolution is not None and base is not None:
         raise ArgumentError("resolution and base contradict each other; give one of them")
     options = options_of("refine_options")
-    options.levels = 6 if levels is None else in_range("levels", levels, 0, 25)
-    options.start_level = in_range("start_level", start_level, -1, 25)
+    options.levels = 0 if levels is None else or_none(in_range("levels", levels, 0, 25))
+    options.start_level = 0 if in_range("start_level", start_level, -1, 25) < 0 else or_none(start_level)
     options.tolerance = float(adaptive)
     set_window("window", options.window, window)
     if outer_levels is not None:

@@ -212,7 +212,7 @@ class Run:
     def __init__(self, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None, calls: int = 1) -> None:
         given = _settings.get()
         options = ffi.new("bvx_context_options *")
-        lib.bvx_context_options_init(options, ffi.sizeof("bvx_context_options"))
+        options.struct_size = ffi.sizeof("bvx_context_options")
         wanted = given.threads if threads is None else threads
         options.threads = in_range("threads (0: all processors)", wanted, 0, 1024) or _default_threads()
         limit = given.memory_limit if memory_limit is None else memory_limit
@@ -314,13 +314,20 @@ def in_range(name: str, value: Any, low: int, high: int) -> int:
 
 
 def options_of(kind: str) -> Any:
-    """An option struct with its defaults, as ``bvx_<kind>_init`` sets them."""
-    initialize = getattr(lib, f"bvx_{kind}_init", None)
-    if initialize is None:
-        raise UnsupportedError(f"this build of the library has no {kind.replace('_options', '')}")
+    """An option struct with its defaults: zero, but for its size."""
     options = ffi.new(f"bvx_{kind} *")
-    initialize(options, ffi.sizeof(f"bvx_{kind}"))
+    options.struct_size = ffi.sizeof(f"bvx_{kind}")
     return options
+
+
+def or_none(value: float) -> float:
+    """A number as options take it whose 0 stands for their default."""
+    return value or lib.BVX_NONE
+
+
+def sharpness(sharp: bool | None) -> int:
+    """BVX_SHARP_..., None for what the mesh's edges say."""
+    return lib.BVX_SHARP_AUTO if sharp is None else lib.BVX_SHARP_ALWAYS if sharp else lib.BVX_SHARP_NEVER
 
 
 def function(name: str) -> Any:
@@ -385,7 +392,7 @@ _NAMES = dir(lib)
 
 
 def names_of(prefix: str, *but: str) -> tuple[str, ...]:
-    """The choices that the header has, by their numbers: names_of("BVX_FILL_", ...) begins with "parity"."""
+    """The choices that the header has, by their numbers: names_of("BVX_FILL_", ...) begins with "auto"."""
     found = (name for name in _NAMES if name.startswith(prefix) and not name.startswith(("BVX_FORMAT_UNKNOWN", prefix + "COUNT", *but)))
     return tuple(name.removeprefix(prefix).lower().replace("_", "-") for name in sorted(found, key=lambda name: getattr(lib, name)))
 

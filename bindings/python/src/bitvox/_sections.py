@@ -13,7 +13,7 @@ from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of
+from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of, or_none
 from ._stages import collapsed, level_target, surface
 from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting, Touching
 
@@ -78,7 +78,7 @@ class Sections:
 
     def __init__(self, loops: Iterable[Any], normal: Sequence[float] = (0.0, 0.0, 1.0), *, tolerance: float = 1e-6) -> None:
         np = arrays.numpy("Sections")
-        direction = np.array(arrays.triple("normal", normal))
+        direction = np.array(arrays.direction("normal", normal))
         length = float(np.sqrt(direction @ direction))
         if not length > 0.0 or not np.isfinite(length):
             raise ArgumentError("normal has no direction")
@@ -547,14 +547,14 @@ def from_sections(
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
-        options.depth = in_range("subdivide", subdivide, 0, 8)
+        options.depth = or_none(in_range("subdivide", subdivide, 0, 8))
     if label is None and len(given.labels) > 1:
         raise ArgumentError(f"there are several bodies; give label= one of {', '.join(map(repr, given.labels))}")
     if label is not None:
         label, numbers = str(label), given._numbers()
         if label not in numbers:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, given.labels))}")
-        options.label = numbers[label]
+        options.label = numbers[label] or lib.BVX_LABEL_ZERO
     options.position_type = position_type(dtype)
     report = ffi.new("bvx_sections_report *")
     options.report = report
@@ -679,14 +679,14 @@ def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] |
         raise ArgumentError("axis and normal contradict each other; give one of them")
     if axis not in (None, "x", "y", "z"):
         raise ArgumentError(f"axis is {axis!r}; it must be x, y or z")
-    options.normal = [float(a == (axis or "z")) for a in "xyz"] if normal is None else arrays.triple("normal", normal)
+    options.normal = [float(a == (axis or "z")) for a in "xyz"] if normal is None else arrays.direction("normal", normal)
     if spacing is not None:
         options.spacing = float(spacing)
     held = None
     if positions is not None:
         held = ffi.new("double[]", [float(x) for x in positions] or [0.0])
         options.positions, options.position_count = held, len(positions)
-    options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1)
+    options.label = in_range("label", label, -(2**31) + 1, 2**31 - 1) or lib.BVX_LABEL_ZERO
     made = new_sections()
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     with Rise(progress, *((30,) if isinstance(mesh, Grid) else ()), 70) as limits["progress"]:

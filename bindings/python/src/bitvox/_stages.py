@@ -16,7 +16,8 @@ from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, used_bounds, with_positions
 from ._records import record
-from ._run import FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of
+from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of,
+                   or_none, sharpness)
 from ._words import Array, Axis, BooleanFill, ErrorKind, FaceRule, Fill, Interpolation, Mode, Operation, RepairSign, Thin, ThinCheck
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 OPERATIONS = names_of("BVX_BOOLEAN_")
 MODES = ("solid", "conservative", "thin", "sampled")
-THIN_CHECKS = ("auto", "never", "always")  # -1, 0, 1
+THIN_CHECKS = names_of("BVX_CHECK_")
 
 
 def voxelize(
@@ -147,15 +148,13 @@ def voxelize(
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
     options.add_shell, options.check_edges = int(bool(add_shell)), int(bool(check_edges))
     if check_thin is not None:
-        if check_thin not in THIN_CHECKS:
-            raise ArgumentError(f"check_thin is {check_thin!r}; it must be one of {', '.join(THIN_CHECKS)}")
-        options.check_thin = THIN_CHECKS.index(check_thin) - 1
+        options.check_thin = choice("check_thin", check_thin, "BVX_CHECK_", THIN_CHECKS)
     if base is not None:
-        options.base = float(base)
+        options.has_base, options.base = 1, float(base)
     if up is not None:
         if up not in ("x", "y", "z"):
             raise ArgumentError(f"up is {up!r}; it must be x, y or z")
-        options.axis = "xyz".index(up)
+        options.up = choice("up", up, "BVX_UP_", ("x", "y", "z"))
     report = ffi.new("bvx_solid_report *")
     options.report = report
     with Run(threads, memory_limit, progress) as run:
@@ -388,7 +387,6 @@ def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
 
 def _counts(count: Any, grid: Any, kind: str, prepare: Any) -> tuple[int, int]:
     options, vertices, triangles = options_of(kind), ffi.new("uint64_t *"), ffi.new("uint64_t *")
-    options.position_type = lib.BVX_POSITION_AUTO
     prepare(options)
     with Run() as run:
         run.check(count(run.context, grid_of(grid)._c, options, vertices, triangles))
@@ -728,10 +726,10 @@ def repair(
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
     options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.sharp = sharpness(sharp)
     options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
-        options.shell = float(shell)
+        options.shell = or_none(float(shell))
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
     options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
@@ -875,7 +873,7 @@ def boolean(
     if interpolation is not None:
         options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = -1 if sharp is None else int(bool(sharp))
+    options.sharp = sharpness(sharp)
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
     options.local_frame = int(bool(local_frame))
     options.keep_crumbs = int(least_part is not None)
