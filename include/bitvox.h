@@ -1354,7 +1354,7 @@ BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *me
  *  BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also an index beyond the uvs, a mesh
  *  that spans less than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
  *  [Memory: of n triangles as they are at most 180 bytes each, 60 more of those beside crossings that collapses
- *  make; of a surface of s triangles measured on grids of g bytes at most the larger of 200 n + 30 s + 5 g and
+ *  make; of a surface of s triangles measured on grids of g bytes at most the larger of 200 n + 45 s + 5 g and
  *  12 n + 180 s; with either 36 bytes a border edge, and 400 KB]
  *  [Cost: that of bvx_mesh_simplify, with solid that of bvx_repair too]
  *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]

@@ -104,7 +104,7 @@ static int is_on_bar(const bar_job *b, const double p[3], const double n[3])
     return 1;
 }
 
-static void place_vertices(bar_job *b)
+static void place_bar_vertices(bar_job *b)
 {
     const bvx_lattice *const l = &b->inside->lattice;
     bvx_mesh_view view;
@@ -118,7 +118,7 @@ static void place_vertices(bar_job *b)
     }
 }
 
-static void sum_areas(bar_job *b)
+static void sum_bar_areas(bar_job *b)
 {
     for (uint64_t t = 0; t < b->surface->triangle_count; t++) {
         double p[3][3], n[3], size;
@@ -180,8 +180,8 @@ static bvx_status find_bars(bvx_context *ctx, bar_job *b)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->vertices * 24, "the vertices' places", &b->place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, b->vertices * 4, "the bars' vertices", &b->number));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, b->vertices * 32, "the vertices' normals", &b->sums));
-    place_vertices(b);
-    sum_areas(b);
+    place_bar_vertices(b);
+    sum_bar_areas(b);
     number_bars(b);
     if (b->count == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, b->count * sizeof *b->bar, "the bars' vertices", &b->bar));

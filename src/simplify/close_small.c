@@ -51,7 +51,7 @@ typedef struct loop_side {
 
 /* ---- Finding loops ---- */
 
-static void add_loop(loop_work *w, uint32_t a, uint32_t b, uint32_t c, int32_t ghost)
+static void add_small_loop(loop_work *w, uint32_t a, uint32_t b, uint32_t c, int32_t ghost)
 {
     const bvxi_corner_vertex *const at = w->c->mesh.at;
     double const length = sqrt(bvxi_vec_distance2(at[a].p, at[b].p)) +
@@ -97,7 +97,7 @@ static void find_around(loop_work *w, uint32_t v)
             if (b > a && b != BVXI_VERTEX_GHOST && w->mark[b] == w->marks &&
                 b != bvxi_corner_vertex_of(m, apex) &&
                 b != bvxi_corner_vertex_of(m, bvxi_corner_opposite(m, apex)))
-                add_loop(w, v, a, b, -1);
+                add_small_loop(w, v, a, b, -1);
             other = bvxi_corner_turn_left(m, other);
             if (other == c->any[a]) break;
         }
@@ -122,7 +122,7 @@ static void find_hole(loop_work *w, int32_t ghost)
 
     if (before > ghost && last > ghost && ghost_before(m, last) == ghost && kind[v[1]] == VERTEX_LINE &&
         kind[v[2]] == VERTEX_LINE && kind[b] == VERTEX_LINE)
-        add_loop(w, v[1], v[2], b, ghost);
+        add_small_loop(w, v[1], v[2], b, ghost);
 }
 
 static void find_loops(loop_work *w)

@@ -191,7 +191,7 @@ static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 }
 
 /* Pairs that are left and have changed, or have not. */
-static uint64_t count_pairs(const bvxi_collapse *c, const uint32_t *pairs, uint64_t count, int fresh)
+static uint64_t count_live_pairs(const bvxi_collapse *c, const uint32_t *pairs, uint64_t count, int fresh)
 {
     uint64_t counted = 0;
 
@@ -281,7 +281,7 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 }
 
 /* The triangle that is looked at crosses another one: what their vertices are part of has come. */
-static int mark_crossing(void *user, uint32_t t)
+static int mark_new_crossing(void *user, uint32_t t)
 {
     const judge_origin *const o = user;
 
@@ -300,7 +300,8 @@ static void mark_beside(judge_origin *o)
 
         for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
         if (open)
-            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, mark_crossing, o);
+            bvxi_crossing_tree_visit(&o->tree, p, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, NULL, mark_new_crossing,
+                                     o);
     }
 }
 
@@ -455,7 +456,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     BVXI_TRY(search_level(c, all, from, to, &c->pairs, &c->crossings));
 
     /* How many others were found along the way must not show. */
-    if (count_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
+    if (count_live_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
     for (uint64_t i = 0; i < c->crossings; i++) {
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
@@ -479,7 +480,8 @@ bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 
     /* What was found when the level was judged, but where it has changed since. */
     BVXI_TRY(search_level(c, !c->listed, 0.0, 1.0, &pairs, &found));
-    *count = c->listed ? count_pairs(c, c->pairs, c->crossings, 0) + count_pairs(c, pairs, found, 1) : found;
+    *count = c->listed ? count_live_pairs(c, c->pairs, c->crossings, 0) + count_live_pairs(c, pairs, found, 1)
+                       : found;
     bvxi_drop(c->ctx, pairs);
     bvxi_collapse_end_careful(c);
     return BVX_OK;

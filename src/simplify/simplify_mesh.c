@@ -59,11 +59,10 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     BVXI_TRY(bvxi_levels_check(context, &chain));
 
     BVXI_TRY(bvxi_view_bounds(context, simplify_name, mesh, low, high));
-    BVXI_TRY(BVXI_SHARE(context, 0.0, o.reports == NULL ? 1.0 : 0.95,
+    if (o.reports != NULL) BVXI_TRY(BVXI_SHARE(context, 0.0, 0.05, bvx_mesh_check(context, mesh, 1, &from)));
+    BVXI_TRY(BVXI_SHARE(context, o.reports != NULL ? 0.05 : 0.0, 1.0,
                         bvxi_levels_make(context, &chain, mesh, &sheets)));
-    if (o.reports == NULL) return BVX_OK;
-    BVXI_TRY(BVXI_SHARE(context, 0.95, 1.0, bvx_mesh_check(context, mesh, 1, &from)));
-    bvxi_levels_warn(context, &chain, &from, &sheets);
+    if (o.reports != NULL) bvxi_levels_warn(context, &chain, &from, &sheets);
     return BVX_OK;
 }
 

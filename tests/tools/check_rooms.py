@@ -14,6 +14,7 @@ import sys
 
 MAP = "docs/architecture.md"
 DEFINED = re.compile(r"^(?!static|typedef|extern)[a-zA-Z][\w \*]*?\b(bvxi?_\w+)(?:\([^;{]*\)\s*\{|(?:\[[^;{]*)? =)", re.M)
+RUNTIMES = "src/core/openmp.c", "src/core/threads.c"
 LONGEST_ROOM_H = 150
 
 bad = []
@@ -96,7 +97,8 @@ def read_calls(files):
     home = {}
     for path, text in texts.items():
         for name in DEFINED.findall(text) if path.endswith(".c") else []:
-            if home.setdefault(name, path) != path:
+            # The two runtimes of parallel work are one file each, of which a build has one.
+            if home.setdefault(name, path) != path and {home[name], path} != set(RUNTIMES):
                 bad.append(f"{name} is defined in {home[name]} and in {path}")
 
     calls = collections.defaultdict(lambda: collections.defaultdict(set))

@@ -9,7 +9,7 @@ static float corners[9 * 100000];
 static double stated_bytes(uint64_t triangles, uint64_t grid_bytes, int beside)
 {
     double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
-    double const measuring = 200 * n + 30 * s + 5 * g, collapsing = 12 * n + 170 * s;
+    double const measuring = 200 * n + 45 * s + 5 * g, collapsing = 12 * n + 170 * s;
     double const most = !found.solid             ? (beside ? 235 : 175) * n
                         : measuring > collapsing ? measuring
                                                  : collapsing;
