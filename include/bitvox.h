@@ -336,8 +336,8 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
       "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in the input says how the "                                      \
       "body went on there; close such holes first where that matters")                                                                                     \
     X(BVX_WARN_OPEN_PARTS, 34,                                                                                                                             \
-      "%d part%s end towards another one with no plane between, one in %b: whether they are one the contours leave "                                       \
-      "open; a section there, or more cells, decides it")                                                                                                  \
+      "parts that end towards another one with no plane between: %d, one at %b; whether they are one the contours leave "                                  \
+      "open, and a section there, or more cells, decides it")                                                                                              \
     X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it")                                                   \
     X(BVX_WARN_EMPTY, 36, "the result is empty, or has no inside")                                                                                         \
     X(BVX_WARN_UNMET, 37, "a wish, an option or a level that is requested has no effect")                                                                  \

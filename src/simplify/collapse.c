@@ -474,8 +474,7 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     choose_threshold(&s, wanted < share ? wanted : share, idle);
 
     /* Before edges that cost far more those that were refused are looked at anew. */
-    if ((double)s.threshold > DEARER * (double)c->reached &&
-        memchr(c->stale, 1, (size_t)c->mesh.vertices) != NULL) {
+    if ((double)s.threshold > DEARER * (double)c->reached && bvxi_any_marked(c->stale, c->mesh.vertices)) {
         BVXI_TRY(bvxi_collapse_evaluate(c));
         choose_threshold(&s, wanted < share ? wanted : share, idle);
     }

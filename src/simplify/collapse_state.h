@@ -116,6 +116,16 @@ static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)
 
 /* edge_costs.c: 1 along borders and seams, which vertices on lines may collapse along. */
 int bvxi_collapse_is_feature(const bvxi_collapse *c, int32_t edge);
+
+/* Not memchr, which a freestanding core does not ask for. */
+static inline int bvxi_any_marked(const uint8_t *mark, uint64_t count)
+{
+    uint64_t i = 0;
+
+    while (i < count && mark[i] == 0) i++;
+    return i < count;
+}
+
 /* edge_costs.c: a corner of each vertex; the cheapest edge by the costs beside them of each that is stale or has none. */
 void bvxi_collapse_index(bvxi_collapse *c);
 void bvxi_collapse_find_least(bvxi_collapse *c);

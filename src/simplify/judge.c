@@ -476,7 +476,7 @@ bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
     uint64_t found;
 
     *count = c->crossings;
-    if (c->listed && memchr(c->fresh, 1, (size_t)c->mesh.vertices) == NULL) return BVX_OK;
+    if (c->listed && !bvxi_any_marked(c->fresh, c->mesh.vertices)) return BVX_OK;
 
     /* What was found when the level was judged, but where it has changed since. */
     BVXI_TRY(search_level(c, !c->listed, 0.0, 1.0, &pairs, &found));

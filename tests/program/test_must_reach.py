@@ -8,7 +8,8 @@ made here, of NAME alone where one is given:
     known, or the program warns. Winding numbers know what is right only where triangles face out: of meshes made here they are
     those of the mesh before it was spoilt, of files they count where all edges agree and no triangle is there twice;
     the volume of what repair and lod make lies within 5 % of the true one where it is known, or the program warns;
-    no mesh that repair, simplify, lod and boolean make has more parts than the input, or the program warns.
+    no mesh that repair, simplify, lod and boolean make has more parts than the input, or the program warns; simplify parts sheets that
+    meet in one edge by sides, so of it this holds for manifold meshes.
 Ends with "N passed, N failed, N skipped"; each failure names the mesh, what was found and what was wanted. Time is bounded by sizes:
 meshes of more than LARGE triangles are only made solid."""
 import json, os, subprocess, sys, tempfile
@@ -92,7 +93,7 @@ def check(name, path, truth, right):
                 judge(name, ' '.join(w for w in words if w != path), abs(m['volume'] / truth - 1) <= 0.055,
                       'volume %g, in truth %g, no warning' % (m['volume'], truth))
         allowed = parts + (words[0] == 'boolean')
-        for m in report['meshes']:
+        for m in report['meshes'] if before['manifold'] or words[0] != 'simplify' else ():
             judge(name, ' '.join(w for w in words if w != path), m['components'] <= allowed, '%d parts of %d, no warning' % (m['components'], allowed))
 
 

@@ -136,7 +136,7 @@ for value in '' 0 1T 1KK 99999999999G -5 K; do refuses 2 'count of bytes' info "
 for value in '' 64, ,64 64,,32 64,0 a 64,32,b 1e3; do refuses 2 'whole numbers' lod "$knot" -o x_%d.ply --levels "$value"; done
 for value in 0 1 -0.5 nan inf 0x1p-1 0.5x 1e; do refuses 2 'above 0 and below 1' lod "$knot" -o x_%d.ply --threshold "$value"; done
 for value in 0.99 65 x; do refuses 2 'a number from 1 to 64' lod "$knot" -o x_%d.ply --triangles 100 --collapse "$value"; done
-refuses 2 'one of: parity, nonzero' lod "$knot" -o x_%d.ply --fill odd
+refuses 2 'one of: auto, parity, nonzero' lod "$knot" -o x_%d.ply --fill odd
 refuses 2 'one of: edge-ratio, coverage, collapse' lod "$knot" -o x_%d.ply --method best
 refuses 2 'exclude each other' lod "$knot" -o x_%d.ply --levels 3 --triangles 100
 refuses 2 'needs --method edge-ratio' lod "$knot" -o x_%d.ply --method coverage --edge-samples 4
@@ -508,7 +508,7 @@ if has python3; then
     holds 'lod --json: what the contract names' python3 - <<'P'
 import json
 r = json.load(open('lod.json'))
-assert r['status'] == 'done' and [w[:18] for w in r['warnings']] == ['level 1 has a volu'] and 'error' not in r
+assert r['status'] == 'done' and [(w['code'], w['message'][:18]) for w in r['warnings']] == [('BVX_WARN_VOLUME', 'level 1 has a volu')] and 'error' not in r
 assert len(r['lattice']['origin']) == 3 and len(r['lattice']['spacing']) == 3 and max(r['lattice']['dims']) == 256
 assert 0 < r['set'] and 0 < r['peak_bytes']
 assert {'read', 'voxelize', 'level 0', 'level 1', 'write'} <= {s['name'] for s in r['stages']}

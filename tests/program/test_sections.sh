@@ -119,7 +119,7 @@ gives 'planes that cross: loops that touch' 1 'cross or touch, after their point
 gives 'are mended' 0 '; 2 loops mended' sections corner.csl -o corner.ply --mend --cells 16
 printf 'CSLC\n2 1\n1 4 1 1 0 -0.1 -3\n-3 -1 0 -3 1 0 -2.9 1 1 -2.9 -1 1\n4 1 0 1 2 3\n2 4 1 1 0 0.1 -3\n3 -1 0 3 1 0 2.9 1 1 2.9 -1 1\n4 1 0 1 2 3\n' |
     sed 's/^1 4 1 1 0 -0.1 -3/1 4 1 1 0 -0.1 3/' >ends.csl
-gives 'a body that falls into parts' 0 '1 parts end towards another one with no plane between, as near (' sections ends.csl -o ends.ply --cells 16
+gives 'a body that falls into parts' 0 'parts that end towards another one with no plane between: 1, one at ' sections ends.csl -o ends.ply --cells 16
 gives 'a wish for parts says it too' 0 '--parts 1 is not met: the surface has 2 pieces' sections ends.csl -o ends.ply --cells 16 --parts 1
 sed 's/2 4 -2 2 4 2/2 6 -2 2 6 2/' cross.csl >apart.csl
 gives 'a wish for handles of planes that cross' 0 'of handles that no contour needs 0 were filled, 0 cut, and 0 are left' \

@@ -160,7 +160,7 @@ rm -f x.bvx
 refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3
 refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3 --fill regions
 for rule in flood regions; do refuses 2 'needs the whole lattice' voxelize box.obj -o x.bvx --fill $rule --window 0,0,0,2,2,2; done
-refuses 2 'one of: parity, nonzero, vote, flood, regions, below' voxelize box.obj -o x.bvx --fill all
+refuses 2 'one of: auto, parity, nonzero, vote, flood, regions, below' voxelize box.obj -o x.bvx --fill all
 
 # A wall of 0.4 voxels beside a block, and what is told of it.
 { corners 0 2 2 2; for z in 3.06 3.1; do printf 'v 2.5 2.5 %s\nv 5 2.5 %s\nv 5 5 %s\nv 2.5 5 %s\n' $z $z $z $z; done; sides 0 <all; sides 8 <all; } >plate.obj
@@ -217,7 +217,7 @@ refuses 2 'not standard input' voxelize ground.obj -o x.bvx --fill below --secon
 refuses 2 'is a grid' voxelize ground.obj -o x.bvx --fill below --second sets.bvx
 refuses 1 'missing.obj: ' voxelize ground.obj -o x.bvx --fill below --second missing.obj
 refuses 2 'a number' voxelize ground.obj -o x.bvx --fill below --base deep
-refuses 2 'one of: x, y, z' voxelize ground.obj -o x.bvx --fill below --up w
+refuses 2 'one of: z, x, y' voxelize ground.obj -o x.bvx --fill below --up w
 
 # ---- rules in lod and render ----
 

@@ -554,3 +554,18 @@ def test_long_steps_are_reported_on_the_way(name, least):
     run = {"close": lambda p: box.close(radius=30, progress=p, threads=1), "label": lambda p: box.label(progress=p, threads=1)}[name]
     run(lambda stage, fraction: reached.add(fraction))
     assert len(reached) >= least
+
+
+def test_warnings_are_results():
+    far = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=float)
+    faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
+    thin = (np.concatenate([far, far * [1, 1, 0.001] + [0, 0, 2]]), np.concatenate([faces, np.add(faces, 4)]))
+    with pytest.warns(bitvox.ResultWarning) as told:
+        report = bitvox.repair(thin, resolution=16, thin=False).report
+    assert report.warnings == sum(1 << number for number in {_number(w.message.code) for w in told})
+    assert all(w.message.code in str(w.message) and w.filename == __file__ for w in told)
+
+
+def _number(code):
+    from bitvox import _native
+    return getattr(_native.lib, code)

@@ -92,7 +92,7 @@ def test_loops_that_meet_are_mended():
 
 def test_parts_that_end_towards_each_other_are_told():
     ends = Sections.on_planes([np.array([[x, -1, 0], [x, 1, 0], [0.96 * x, 1, 1], [0.96 * x, -1, 1]]) for x in (-3.0, 3.0)])
-    with pytest.warns(UserWarning, match="1 parts end towards another one"):
+    with pytest.warns(UserWarning, match="parts that end towards another one with no plane between: 1,"):
         assert ends.surface(cells=16).report.apart == 1
 
 

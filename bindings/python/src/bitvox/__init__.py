@@ -29,6 +29,7 @@ from ._errors import (
     OptionRangeError,
     OutOfMemoryError,
     RangeError,
+    ResultWarning,
     UnsupportedError,
     VersionError,
 )
@@ -87,7 +88,7 @@ _register_with_its_import()
 __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OptionRangeError", "OutOfMemoryError", "RangeError", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
+    "OptionRangeError", "OutOfMemoryError", "RangeError", "ResultWarning", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
     "carry", "check", "compare", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
     "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
     "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",

@@ -36,6 +36,31 @@ class Error(Exception):
     index: int | None = None
 
 
+class ResultWarning(UserWarning):
+    """What a call that succeeded has cost, or could not do: one warning of the library's list.
+
+    Attributes
+    ----------
+    code
+        the warning as the C header writes it, such as ``"BVX_WARN_VOLUME"``; fixed, as its values are.
+    values
+        the numbers that its text names, in order.
+    box
+        the corners of the box that it is about, or None.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> warnings.simplefilter('error', bitvox.ResultWarning)
+    """
+
+    def __init__(self, text: str, code: str, values: tuple[float, ...], box: tuple[tuple[float, ...], tuple[float, ...]] | None) -> None:
+        super().__init__(text)
+        self.code = code
+        self.values = values
+        self.box = box
+
+
 class ArgumentError(Error, ValueError):
     """An argument is out of range or contradicts another.
 

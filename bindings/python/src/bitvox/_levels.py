@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import warnings
-from typing import TYPE_CHECKING, Any, Iterable, List, Sequence, Union, overload
+from typing import TYPE_CHECKING, Any, List, Sequence, Union, overload
 
 from . import _arrays as arrays
 from ._calls import entered
@@ -135,15 +134,6 @@ def _count_in(value: Any) -> int:
     if isinstance(value, float) and 0.0 < value < 1.0:
         raise ArgumentError(f"triangles is {value!r}; it must be a number of them: of a share, round({value!r} * mesh.n_faces)")
     return in_range("triangles", value, 1, 2**64 - 1)
-
-
-def _warn_of_missed(levels: Iterable[Mesh]) -> None:
-    """One line of the targets that are not kept."""
-    missed = [f"level {i} has {one.triangles} triangles for {one.target}" if not one.target_error else
-              f"level {i} lies further than {one.target_error:.4g}" for i, one in enumerate(level.report for level in levels) if not one.met]
-    if missed:
-        more = f" and {len(missed) - 3} more" if len(missed) > 3 else ""
-        warnings.warn(f"missed targets: {', '.join(missed[:3])}{more}; strict=True makes it an error", stacklevel=4)
 
 
 def _halvings(triangles: int) -> int:
@@ -301,7 +291,6 @@ def simplify(
         level.frame, found = frame, level.report.certificate
         low, high = (tuple(x + f for x, f in zip(corner, frame)) for corner in (found.low, found.high))
         level.report = level.report._replace(certificate=found._replace(low=low, high=high))
-    _warn_of_missed(levels)
     return levels[0] if single else list(levels)
 
 
@@ -557,7 +546,6 @@ def lod(
         del kept
         result = _meshes(_take(array, targets.count), reports, mesh, mesh if carry else None, limits)
     result.report = record(report)
-    _warn_of_missed(result)
     return result
 
 

@@ -11,11 +11,13 @@ import contextvars
 import functools
 import os
 import re
+import sys
 import time
+import warnings
 from typing import Any, Callable, Iterator, NamedTuple, ParamSpec, TypeVar, Union
 
 from . import _native
-from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, UnsupportedError, VersionError, need
+from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, ResultWarning, UnsupportedError, VersionError, need
 
 ffi, lib = _native.ffi, _native.lib
 
@@ -33,6 +35,22 @@ _forked = False
 _counted: tuple[float, int] = (0.0, 0)
 _REMEDIES = {"bvx_repair": "bitvox.repair", "bvx_build_levels": "bitvox.lod", "bvx_grid_distance": "Grid.distance"}
 _AMERICAN = {"colour": "color", "centre": "center", "neighbour": "neighbor"}  # the library's words; what a message quotes stays
+
+
+def _spelled(text: Any) -> str:
+    """Words of the library as this package has them."""
+    words = ffi.string(text).decode("utf-8", "replace")
+    for theirs, ours in _REMEDIES.items():
+        words = words.replace(theirs, ours)
+    return re.sub(rf"(?<!['\"])\b({'|'.join(_AMERICAN)})", lambda found: _AMERICAN[found[1]], words)
+
+
+def _depth_of_caller() -> int:
+    """How many frames above the function that asks the first one outside this package stands, as stacklevel counts."""
+    depth = 1
+    while sys._getframe(depth).f_globals.get("__name__", "").split(".")[0] == "bitvox" and sys._getframe(depth).f_back:
+        depth += 1
+    return depth
 
 
 @functools.cache
@@ -267,16 +285,22 @@ class Run:
 
     def message(self) -> str:
         """What was wrong, without the name of the C function before it; functions that are a remedy have their names here."""
-        words = ffi.string(lib.bvx_last_error(self.context).text).decode("utf-8", "replace")
-        for theirs, ours in _REMEDIES.items():
-            words = words.replace(theirs, ours)
-        return re.sub(rf"(?<!['\"])\b({'|'.join(_AMERICAN)})", lambda found: _AMERICAN[found[1]], words)
+        return _spelled(lib.bvx_last_error(self.context).text)
+
+    def warn(self) -> None:
+        """Hand on the warnings of the call that has ended, each once, at the caller's line."""
+        while (found := lib.bvx_next_warning(self.context)) != ffi.NULL:
+            box = (tuple(found.low), tuple(found.high)) if found.placed else None
+            code = ffi.string(found.name).decode()
+            text = f"{_spelled(found.text)} [{code}]"
+            warnings.warn(ResultWarning(text, code, tuple(found.value[0:found.value_count]), box), stacklevel=_depth_of_caller())
 
     def check(self, status: int) -> None:
         """Raise what a status other than 0 stands for."""
         if status == 0:
             if self.error is not None and not isinstance(self.error, Exception):
                 raise self.error  # an interrupt that came with the last word of a call
+            self.warn()
             return
         if status == lib.BVX_CANCELLED and self.error is not None:
             raise self.error

@@ -618,10 +618,6 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
 
 def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: Any) -> None:
     """Of the body as it is made: collapsing keeps its topology."""
-    if parts is None and report.apart:
-        x, y, z = report.apart_at[0]
-        warnings.warn(f"{report.apart} parts end towards another one with no plane between, as near ({x:g}, {y:g}, {z:g}): whether they are "
-                      "one the contours leave open", stacklevel=4)
     if parts is None and genus is None:
         return
     checked = mesh.check()
