@@ -499,8 +499,8 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
     /* Distances of each body to its own mesh, where the result keeps its surface. */
     for (int i = 0; i < 2; i++)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.6 + 0.08 * i, 0.68 + 0.08 * i, measure_body(job, &job->body[i])));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.76, 0.86, extract_boolean(job, result)));
-    return BVXI_SHARE(job->ctx, 0.86, 1.0, flatten_boolean(job, result));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.76, 0.86, BVXI_SCOPE(job->ctx, extract_boolean(job, result))));
+    return BVXI_SHARE(job->ctx, 0.86, 1.0, BVXI_SCOPE(job->ctx, flatten_boolean(job, result)));
 }
 
 /* ---- Warnings ---- */
@@ -586,6 +586,8 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvxi_warn(job->ctx, BVX_WARN_APART, 0, NULL)->input = 1;
     if ((r->few & BVX_FEW_RESULT) != 0)
         BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
+    /* Their room is what the check needs. */
+    for (int32_t i = 0; i < 2; i++) bvxi_sparse_close(job->ctx, &job->body[i].values);
     if (result->triangle_count != 0) {
         bvx_mesh_view_of(result, &view);
         BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &c));

@@ -261,7 +261,7 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t th
 {
     bvx_repair_options const r = repair_options(job, resolution, thin);
 
-    return bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface);
+    return BVXI_SCOPE(job->ctx, bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface));
 }
 
 static int64_t twice_the_handles(const bvx_certificate *c)

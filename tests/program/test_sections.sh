@@ -65,7 +65,7 @@ gives 'wishes are of closed bodies' 2 'needs a closed body' sections prism.csv -
 gives 'taper' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --caps taper --layers 2
 gives 'open' 0 'manifold, oriented, open' sections prism.csv -o prism.ply --caps open
 gives 'cubic' 0 'closed, manifold, oriented' sections prism.csv -o prism.ply --blend cubic --layers 2
-gives 'blend that is none' 2 'linear, cubic, auto' sections prism.csv -o x.ply --blend spline
+gives 'blend that is none' 2 'auto, linear, cubic' sections prism.csv -o x.ply --blend spline
 gives 'nesting that is none' 2 'levels, whole' sections prism.csv -o x.ply --nesting some
 awk 'BEGIN { print "section,position,loop,x,y"; for (k = 0; k < 5; k++) for (l = 0; l < 2; l++) for (i = 0; i < 40; i++) {
     a = i * 3.14159265 / 20; r = 3 - 0.3 * l; printf "%d,%d,%d,%.9f,%.9f\n", k, k, l, 0.8 * k + r * cos(a), r * sin(a) } }' >wall.csv

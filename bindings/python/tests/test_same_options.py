@@ -140,6 +140,7 @@ ROWS = {
          lambda at: bitvox.lod(at / "colored.ply", triangles=(400, 100), attribute_weight=5)),
         ("colored.ply --triangles 400 --solid --carry", "ply", lambda at: bitvox.lod(at / "colored.ply", triangles=400, solid=True, carry=True)),
         ("torn.ply --triangles 400 --lock-border", "ply", lambda at: bitvox.lod(at / "torn.ply", triangles=400, lock_border=True)),
+        ("torn.ply --triangles 400 --topology simplify", "ply", lambda at: bitvox.lod(at / "torn.ply", triangles=400, topology="simplify")),
         ("colored.ply --triangles 400 --keep-vertices", "ply", lambda at: bitvox.lod(at / "colored.ply", triangles=400, vertices="kept")),
         ("small.ply --triangles 400 --solid --resolution 30 --sign winding --shell 2 --least-part 9 --least-cavity 5 --sharp", "ply",
          lambda at: bitvox.lod(at.small, triangles=400, solid=True, resolution=30, sign="winding", shell=2, least_part=9, least_cavity=5, sharp=True)),
@@ -162,6 +163,7 @@ ROWS = {
         ("colored.ply --triangles 400 --attributes 5 --even 0.01", "ply",
          lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), attribute_weight=5, even=0.01)),
         ("torn.ply --count 2 --lock-border", "ply", lambda at: bitvox.simplify(at / "torn.ply", count=2, lock_border=True)),
+        ("torn.ply --count 2 --topology simplify", "ply", lambda at: bitvox.simplify(at / "torn.ply", count=2, topology="simplify")),
         ("colored.ply --triangles 400 --keep-vertices", "ply", lambda at: bitvox.simplify(at / "colored.ply", triangles=(400,), vertices="kept")),
     ),
     "repair": (

@@ -70,7 +70,7 @@ class ArgumentError(Error, ValueError):
     ...     bitvox.voxelize('knot.ply', fill='partiy')
     ... except bitvox.ArgumentError as error:
     ...     print(str(error)[:43])
-    fill is 'partiy'; it must be one of parity,
+    fill is 'partiy'; it must be one of auto, p
     """
 
     code: int = 1

@@ -447,8 +447,11 @@ class Grid:
         if not rows.any():
             return None
         along_x = np.bitwise_or.reduce(self.words, axis=(0, 1)).astype("<u8").view(np.uint8)
-        set_at = [part.nonzero()[0].tolist() for part in (np.unpackbits(along_x, bitorder="little"), rows.any(axis=0), rows.any(axis=1))]
-        return Window(tuple(low + at[0] for low, at in zip(self.low, set_at)), tuple(at[-1] - at[0] + 1 for at in set_at))
+        axes: list[Any] = [np.unpackbits(along_x, bitorder="little"), rows.any(axis=0), rows.any(axis=1)]
+        set_at = [axis.nonzero()[0].tolist() for axis in axes]
+        low: Any = tuple(first + at[0] for first, at in zip(self.low, set_at))
+        size: Any = tuple(at[-1] - at[0] + 1 for at in set_at)
+        return Window(low, size)
 
     def crop(self, window: WindowLike = None) -> Grid:
         """The same lattice through another window.

@@ -297,7 +297,7 @@ def simplify(
 def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
     """What stays; returns the array that options point at."""
     if attribute_weight is not None:
-        options.attribute_weight = or_none(float(attribute_weight))
+        options.attribute_weight = or_none(float(attribute_weight), "attribute_weight")
     options.lock_border = int(bool(lock_border))
     options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
     options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
@@ -315,7 +315,7 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
-        options.even = or_none(float(even))
+        options.even = or_none(float(even), "even")
     options.strict = int(bool(strict))
     options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
@@ -533,7 +533,7 @@ def lod(
         options.sharp = sharpness(sharp)
         options.outer = int(bool(outer_hull))
         if shell is not None:
-            options.shell = or_none(float(shell))
+            options.shell = or_none(float(shell), "shell")
         options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
         options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
         options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)

@@ -344,8 +344,10 @@ def options_of(kind: str) -> Any:
     return options
 
 
-def or_none(value: float) -> float:
-    """A number as options take it whose 0 stands for their default."""
+def or_none(value: float, name: str = "") -> float:
+    """A number as options take it whose 0 stands for their default, and -1 for 0."""
+    if value < 0:
+        raise OptionRangeError(f"{name} is {value}; it must not be below 0")
     return value or lib.BVX_NONE
 
 

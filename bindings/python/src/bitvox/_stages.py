@@ -729,7 +729,7 @@ def repair(
     options.sharp = sharpness(sharp)
     options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
-        options.shell = or_none(float(shell))
+        options.shell = or_none(float(shell), "shell")
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
     options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
     options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
