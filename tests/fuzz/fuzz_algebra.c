@@ -112,7 +112,7 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
 
     o.resolution = fuzz_range(in, 1, 20);
     o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
-    o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
+    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
     o.position_type = BVX_F64;
     o.thin = fuzz_range(in, BVX_THIN_KEEP, BVX_THIN_DROP);
     o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);

@@ -50,7 +50,7 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     b.grid[0] = fuzz_range(in, 2, 20);
     b.grid[1] = fuzz_range(in, 2, 20);
     b.layers = fuzz_range(in, 1, 3);
-    b.blend = fuzz_range(in, BVX_BLEND_LINEAR, BVX_BLEND_AUTO);
+    b.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
     b.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
     b.depth = fuzz_range(in, BVX_NONE, 5);

@@ -66,7 +66,7 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
         o.grid = &changed;
         o.offset = fuzz_range(in, -8, 8) * field->inside.lattice.spacing[0] / 4.0;
     }
-    o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
+    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
     o.face_rule = fuzz_range(in, 0, 1);
     o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.position_type = BVX_F64;
@@ -114,7 +114,7 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
 
     o.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
-    o.interpolation = fuzz_range(in, BVX_EDGE_VECTOR, BVX_EDGE_TANGENT);
+    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
     o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
     o.least_part = (uint64_t)fuzz_range(in, 0, 3);

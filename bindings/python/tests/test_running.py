@@ -561,7 +561,7 @@ def test_warnings_are_results():
     faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
     thin = (np.concatenate([far, far * [1, 1, 0.001] + [0, 0, 2]]), np.concatenate([faces, np.add(faces, 4)]))
     with pytest.warns(bitvox.ResultWarning) as told:
-        report = bitvox.repair(thin, resolution=16, thin=False).report
+        report = bitvox.repair(thin, resolution=16, thin="shell").report
     assert report.warnings == sum(1 << number for number in {_number(w.message.code) for w in told})
     assert all(w.message.code in str(w.message) and w.filename == __file__ for w in told)
 
