@@ -443,7 +443,7 @@ class Grid:
         (2, 2, 2)
         """
         np = arrays.numpy("Grid.content")
-        rows = self.words.any(axis=2)
+        rows: Any = self.words.any(axis=2)
         if not rows.any():
             return None
         along_x = np.bitwise_or.reduce(self.words, axis=(0, 1)).astype("<u8").view(np.uint8)
