@@ -318,7 +318,7 @@ test: deps ## all tests of this machine and compiler (30 minutes of processor ti
 test-quick: ## without the Python package
 	@$(environment) sh tests/tools/run_tests.sh quick
 
-test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (75 minutes of processor time), a part of test-windows
+test-other: deps-windows ## other compilers, 32-bit x86, big-endian s390x, sanitizers (48 minutes of processor time), a part of test-windows
 	@$(environment) sh tests/tools/run_tests.sh other
 
 test-windows: deps-windows ## the program for Windows under wine: every script and golden values (mingw, wine)
