@@ -283,7 +283,7 @@ enum { GROUPS = sizeof groups / sizeof groups[0], OWN_GROUP = 1 };
 
 static int group_of(const cli_argument *a)
 {
-    /* A command's own --up is no file's. */
+    /* voxelize and render have an --up of another meaning. */
     for (int i = a->own; i < GROUPS; i++)
         if (groups[i][1] != NULL && has_word(groups[i][1], a->name)) return i;
     return OWN_GROUP;

@@ -89,7 +89,7 @@ typedef struct voxel_job {
     bvx_grid grid;
     bvx_field field;   /* of --mode field */
     int cloud;         /* 1: mesh holds points only */
-    cli_voxels voxels; /* the output, where it is no field */
+    cli_voxels voxels; /* the output, but of fields */
 } voxel_job;
 
 /* ---- what is requested ---- */

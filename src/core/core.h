@@ -79,7 +79,7 @@ bvx_status bvxi_scratch_end(bvx_context *ctx, uint64_t mark, bvx_status status);
 #define BVXI_SCOPE(ctx, work) (bvxi_scope_begin(ctx), bvxi_scope_end(ctx, (work)))
 void bvxi_scope_begin(bvx_context *ctx);
 bvx_status bvxi_scope_end(bvx_context *ctx, bvx_status status);
-/* bvxi_scratch_end after a failure only: for what opens something whose scratch stays until it is closed. */
+/* bvxi_scratch_end after a failure only: scratch of what was opened stays until it is closed. */
 bvx_status bvxi_scratch_keep(bvx_context *ctx, uint64_t mark, bvx_status status);
 
 /* Scratch since a mark lives on when marks end, the public call's too: what callers hold by a handle. It goes
@@ -247,7 +247,7 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 /* Refuses points [Size: count * 3] that are not finite. */
 bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
-/* Copy the caller's options, zeros where there are none. Refuses a struct_size that is no size. */
+/* Copy the caller's options; NULL: all zeros. Refuses a struct_size that no version had. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
                              size_t size);
 

@@ -137,13 +137,11 @@ static bvx_status fill_at(bvxi_repair_job *job, int32_t resolution)
 static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaired)
 {
     bvxi_flat_body const body = {&job->thin, NULL};
-    uint64_t const mark = bvxi_scratch_begin(job->ctx);
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
-    return bvxi_scratch_end(
-        job->ctx, mark,
-        BVXI_SHARE(job->ctx, 0.5, 1.0,
-                   bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside, &job->body, repaired)));
+    return BVXI_SHARE(
+        job->ctx, 0.5, 1.0,
+        BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside, &job->body, repaired)));
 }
 
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
