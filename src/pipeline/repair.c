@@ -139,9 +139,9 @@ static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaire
     bvxi_flat_body const body = {&job->thin, NULL};
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_flatten(job->ctx, bvxi_repair_name, &body, 1, repaired)));
-    return BVXI_SHARE(
-        job->ctx, 0.5, 1.0,
-        BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside, &job->body, repaired)));
+    return BVXI_SHARE(job->ctx, 0.5, 1.0,
+                      BVXI_SCOPE(job->ctx, bvxi_round_bars(job->ctx, bvxi_repair_name, &job->inside,
+                                                           &job->body, repaired)));
 }
 
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
