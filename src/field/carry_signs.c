@@ -185,14 +185,11 @@ static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t en
     f->reached[piece] = reached;
 }
 
-static void move_fronts(void *user, int32_t piece, int32_t worker)
+static void move_fronts(void *user, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
         if (!f->change[row]) continue;
         /* All that was reached is known from the next step on. */
@@ -217,7 +214,7 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
         /* All looks before all moves: a step sees the state before it only. */
         BVXI_TRY(
             bvxi_for_pieces(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), look_for_fronts, f));
-        BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, move_fronts, f));
+        BVXI_TRY(bvxi_for_ranges(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), move_fronts, f));
         f->changed = f->change;
         f->change = was;
         /* Until no row was reached. */

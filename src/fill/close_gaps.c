@@ -90,14 +90,13 @@ static int32_t gap_lines(const gap_job *job)
 }
 
 /* A piece of the slices (x, y), or of the rows of a slice (z). */
-static void join_gap_piece(void *user, int32_t index, int32_t worker)
+static void join_gap_piece(void *user, int32_t index)
 {
     const gap_job *const job = user;
     size_t const row = (size_t)job->row_words, slice = row * (size_t)job->size[1];
     uint64_t begin, end;
 
     /* Lines of rows share no words, so pieces need nothing of each other. */
-    (void)worker;
     bvxi_piece((uint64_t)gap_lines(job), job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         if (job->axis == 2) join_line(job, job->words + (size_t)i * row, slice, job->size[2]);
@@ -118,7 +117,7 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, 
         job->axis = pass % 3;
         job->pieces = bvxi_piece_count(words, GAP_GRAIN);
         if (job->pieces > gap_lines(job)) job->pieces = gap_lines(job);
-        BVXI_TRY(bvxi_parallel(ctx, "gaps", pass / 6.0, (pass + 1) / 6.0, job->pieces, join_gap_piece, job));
+        BVXI_TRY(bvxi_each(ctx, "gaps", pass / 6.0, (pass + 1) / 6.0, job->pieces, join_gap_piece, job));
     }
     return BVX_OK;
 }

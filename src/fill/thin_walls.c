@@ -148,7 +148,7 @@ typedef struct diagonal_job {
 } diagonal_job;
 
 /* Of every other slice: it and the next one are marked, so no two tasks of a run meet. */
-static void mark_slice_diagonals(void *user, int32_t index, int32_t worker)
+static void mark_slice_diagonals(void *user, int32_t index)
 {
     const diagonal_job *const job = user;
     const bvx_grid *const g = job->solid;
@@ -156,7 +156,6 @@ static void mark_slice_diagonals(void *user, int32_t index, int32_t worker)
     size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
     int const on = z + 1 < g->size[2];
 
-    (void)worker;
     /* Planes xy and xz by rows, yz by words of four rows. */
     for (int32_t y = 0; y < g->size[1]; y++) {
         size_t const at = (size_t)z * slice + (size_t)y * row;
@@ -176,8 +175,8 @@ bvx_status bvxi_walls_mark(bvxi_walls *t)
 
     BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
     for (; job.first < 2; job.first++)
-        BVXI_TRY(bvxi_parallel(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
-                               mark_slice_diagonals, &job));
+        BVXI_TRY(bvxi_each(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
+                           mark_slice_diagonals, &job));
     return BVX_OK;
 }
 
@@ -344,15 +343,12 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     look_beside(t, centre, n, hint, found);
 }
 
-static void ask_piece(void *user, int32_t piece, int32_t worker)
+static void ask_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_walls *const t = user;
     uint32_t hint[2] = {0, 0};
-    uint64_t begin, end;
-    (void)worker;
 
     /* Hints go from place to place: neighbours have near triangles. */
-    bvxi_piece(t->count, t->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
 }
 
@@ -362,7 +358,7 @@ bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 
     t->limit = limit;
     t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
-    return bvxi_parallel(t->ctx, "thin", 0.0, 1.0, t->pieces, ask_piece, t);
+    return bvxi_for_ranges(t->ctx, "thin", 0.0, 1.0, t->pieces, t->count, ask_piece, t);
 }
 
 /* ---- What is found ---- */

@@ -26,11 +26,18 @@ typedef struct near_job {
     double low[NEAR_PIECES][3], high[NEAR_PIECES][3]; /* bounds of those of a piece */
 } near_job;
 
-static bvx_status run_near_pieces(near_job *job, uint64_t count, bvx_task_fn *task)
+static bvx_status run_near(near_job *job, uint64_t count, bvxi_range_fn *body)
+{
+    bvx_context *const ctx = job->walls->ctx;
+
+    return BVXI_SHARE(ctx, 0.2, 0.2, bvxi_for(ctx, "thin", count, NEAR_TRIANGLES, body, job));
+}
+
+static bvx_status run_near_pieces(near_job *job, uint64_t count, bvxi_piece_fn *body)
 {
     job->pieces = bvxi_piece_count(count, NEAR_TRIANGLES);
     if (job->pieces > NEAR_PIECES) job->pieces = NEAR_PIECES;
-    return bvxi_parallel(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, task, job);
+    return bvxi_for_pieces(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, count, body, job);
 }
 
 /* ---- which are near ---- */
@@ -96,15 +103,12 @@ static void mark_blocks(bvxi_walls *t, uint8_t mark)
 }
 
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
-static void place_piece_in_blocks(void *user, int32_t piece, int32_t worker)
+static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
     const bvx_lattice *const l = &t->places.lattice;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->mesh->vertex_count, job->pieces, piece, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         double p[3];
         int32_t to[3];
@@ -145,15 +149,12 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
 }
 
 /* Each piece writes where its own triangles would stand if all were taken. */
-static void take_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-    uint64_t begin, end;
     uint32_t *to;
 
-    (void)worker;
-    bvxi_piece(t->mesh->triangle_count, job->pieces, piece, &begin, &end);
     to = t->corner + 3 * begin;
     for (uint64_t n = begin; n < end; n++) {
         double p[3][3], normal[3];
@@ -179,7 +180,7 @@ static bvx_status take_triangles_nearby(near_job *job)
     /* The second run writes over the first. */
     mark_blocks(t, BESIDE_MARK);
     mark_blocks(t, MARK);
-    BVXI_TRY(run_near_pieces(job, t->mesh->vertex_count, place_piece_in_blocks));
+    BVXI_TRY(run_near(job, t->mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(job, t->mesh->triangle_count, take_piece_nearby));
 
     /* Together, in the order of the pieces. */
@@ -218,16 +219,13 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 
 /* Corners in their order, so that the hash does not depend on how they were given; and the bounds of the
  * piece, from these, as vertices that no triangle uses may be anything. */
-static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void order_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     near_job *const job = user;
     const bvxi_walls *const t = job->walls;
     double *const low = job->low[piece], *const high = job->high[piece];
     double const size[3] = {t->unit, t->unit, t->unit}, scale = bvxi_unit_scale(size, size);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint32_t *const c = t->corner + 3 * n;
 
@@ -250,25 +248,19 @@ static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
 }
 
 /* Sides while sorted still has them. */
-static void side_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void side_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) t->against[n] = (uint8_t)job->sorted[job->numbers[n]];
 }
 
-static void move_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const uint32_t *const corner = job->walls->corner;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->walls->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
 }
@@ -290,8 +282,8 @@ static bvx_status sort_triangles_nearby(near_job *job, double low[3], double hig
         }
     }
     BVXI_TRY(bvxi_radix_sort(job->walls->ctx, job->keys, job->numbers, count));
-    BVXI_TRY(run_near_pieces(job, count, side_piece_nearby));
-    return run_near_pieces(job, count, move_piece_nearby);
+    BVXI_TRY(run_near(job, count, side_piece_nearby));
+    return run_near(job, count, move_piece_nearby);
 }
 
 static bvx_status order_triangles_nearby(near_job *job, double low[3], double high[3])

@@ -208,11 +208,10 @@ BVXI_AVX2 static void cover_piece_avx2(const bvxi_downsample *d, int32_t piece)
 }
 #endif
 
-static void cover_piece_task(void *user, int32_t piece, int32_t worker)
+static void cover_piece_task(void *user, int32_t piece)
 {
     const bvxi_downsample *const d = user;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (d->cpu == BVX_CPU_AVX2) {
         cover_piece_avx2(d, piece);
@@ -233,7 +232,7 @@ bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_v
     if (keep_values)
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, samples * sizeof *d->value, "the samples' coverage", &d->value));
-    return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
+    return bvxi_each(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
 }
 
 static double coverage_at(const bvxi_downsample *d, int32_t i, int32_t j, int32_t k)

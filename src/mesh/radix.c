@@ -91,7 +91,7 @@ typedef struct radix_pass {
     uint32_t place[RADIX_PIECES][RADIX_VALUES];
 } radix_pass;
 
-static void count_radix_piece(void *user, int32_t index, int32_t worker)
+static void count_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     const uint64_t *const keys = p->all.key_from;
@@ -99,18 +99,16 @@ static void count_radix_piece(void *user, int32_t index, int32_t worker)
     int32_t const shift = p->shift;
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
     for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
 }
 
-static void move_radix_piece(void *user, int32_t index, int32_t worker)
+static void move_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }

@@ -120,13 +120,12 @@ typedef struct bucket_ranges {
     int32_t count;
 } bucket_ranges;
 
-static void count_buckets(void *user, int32_t range, int32_t worker)
+static void count_buckets(void *user, int32_t range)
 {
     const bucket_ranges *const r = user;
     const topology *const c = r->topology;
     uint64_t from, to;
 
-    (void)worker;
     bvxi_piece(c->vertex_count, r->count, range, &from, &to);
     memset(c->bucket_end + from, 0, (size_t)(to - from) * sizeof *c->bucket_end);
     if (!c->edges_alone) memset(c->corner_of + from, 255, (size_t)(to - from) * 4); /* TOPOLOGY_NONE */
@@ -142,14 +141,13 @@ static void count_buckets(void *user, int32_t range, int32_t worker)
     }
 }
 
-static void fill_buckets(void *user, int32_t range, int32_t worker)
+static void fill_buckets(void *user, int32_t range)
 {
     const bucket_ranges *const r = user;
     const topology *const c = r->topology;
     const uint32_t *t = c->corners;
     uint64_t from, to;
 
-    (void)worker;
     bvxi_piece(c->vertex_count, r->count, range, &from, &to);
     uint64_t const size = to - from;
     for (uint64_t h = 0; h < 3 * c->triangle_count; h += 3, t += 3)
@@ -349,13 +347,12 @@ static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 
 /* One fan of each vertex, where edges have at most two triangles. These have all corners of the mesh only if
  * no vertex has a second one. corner_of becomes how many it has. */
-static void walk_range_of_fans(void *user, int32_t range, int32_t worker)
+static void walk_range_of_fans(void *user, int32_t range)
 {
     topology *const c = user;
     topology_counts *const counts = &c->counts[range];
     uint64_t from, to;
 
-    (void)worker;
     /* One more task than there are ranges: beside the fans, what waited for all edges. */
     if (range == c->ranges) {
         join_ranges(c);
@@ -439,7 +436,7 @@ static bvx_status check_vertices(topology *c)
         for (uint64_t v = 0; v < c->vertex_count; v++) r->vertices += c->corner_of[v] != TOPOLOGY_NONE;
         return BVXI_SCOPE(c->ctx, search_broken_fans(c));
     }
-    BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
+    BVXI_TRY(bvxi_each(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
     for (int32_t i = 0; i < c->ranges; i++) {
         r->vertices += c->counts[i].vertices;
         corners += c->counts[i].corners;

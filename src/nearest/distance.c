@@ -49,13 +49,12 @@ typedef struct area_work {
     int32_t pieces;
 } area_work;
 
-static void compute_curve_areas(void *user, int32_t index, int32_t worker)
+static void compute_curve_areas(void *user, int32_t index)
 {
     const area_work *const w = user;
     double t[3][3], n[3];
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(w->tree->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_closest_corners(w->tree, i, t);

@@ -80,14 +80,13 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
     }
 }
 
-static void leaves_of_piece(void *user, int32_t index, int32_t worker)
+static void leaves_of_piece(void *user, int32_t index)
 {
     leaves_job *const job = user;
     const bvx_octree *const tree = job->tree;
     uint64_t const nx = (uint64_t)tree->base[0], ny = (uint64_t)tree->base[1];
     uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
 
-    (void)worker;
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
 
     /* In the order of the base, so that places follow from the counts of the pieces before. */
@@ -118,7 +117,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
-    BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
+    BVXI_TRY(bvxi_each(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
     total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
     *count = total;
 
@@ -128,7 +127,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
             return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u",
                              step.function, capacity, total);
         job.leaves = leaves;
-        BVXI_TRY(bvxi_parallel(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
+        BVXI_TRY(bvxi_each(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
     }
     return BVX_OK;
 }

@@ -153,13 +153,12 @@ static uint64_t pairs_of_octet(const level_job *job, uint64_t n, uint32_t split)
     return pairs;
 }
 
-static void mark_octets(void *user, int32_t index, int32_t worker)
+static void mark_octets(void *user, int32_t index)
 {
     level_job *const job = user;
     int const from_grid = job->level < job->refine->start;
     uint64_t begin, end, children = 0, pairs = 0;
 
-    (void)worker;
     octets_of_piece(job, index, &begin, &end);
 
     /* From lists all octets of the piece go through batches first; from a grid each is read by itself. */
@@ -191,13 +190,12 @@ static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t chi
     }
 }
 
-static void place_children(void *user, int32_t index, int32_t worker)
+static void place_children(void *user, int32_t index)
 {
     level_job *const job = user;
     int const lists = job->level >= job->refine->start;
     uint64_t begin, end, child = job->children[index], place = job->pairs[index];
 
-    (void)worker;
     octets_of_piece(job, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         const int32_t *const v = job->front->ijk + 3 * n;
@@ -268,14 +266,14 @@ static bvx_status split_front(level_job *job, double from, double to)
 
     BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
                               bvxi_refine_split_kind(refine, job->level + 1), job->octets));
-    BVXI_TRY(bvxi_parallel(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
+    BVXI_TRY(bvxi_each(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
 
     /* Ranks are needed as soon as the level below is looked at. */
     bvxi_octets_count(job->octets);
     if (job->last) return BVX_OK;
     BVXI_TRY(open_next_front(ctx, job));
     job->up = refine->up[job->level + 1];
-    return bvxi_parallel(ctx, "refine", (from + to) / 2, to, job->pieces, place_children, job);
+    return bvxi_each(ctx, "refine", (from + to) / 2, to, job->pieces, place_children, job);
 }
 
 bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)

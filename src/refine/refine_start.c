@@ -121,7 +121,7 @@ typedef struct start_job {
     const bvxi_refine_job *refine;
 } start_job;
 
-static void touch_start_tile(void *user, int32_t number, int32_t worker)
+static void touch_start_tile(void *user, int32_t number)
 {
     start_job *const start = user;
     bvxi_surface_job *const job = &start->surface;
@@ -129,7 +129,6 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
     const uint32_t *const id = job->bins.id != NULL ? job->bins.id + begin : NULL;
     bvxi_surface_tile tile;
 
-    (void)worker;
     memset(&tile, 0, sizeof tile);
     tile.job = job;
     tile.rows = bvxi_tiles_rows(&job->tiles, number);
@@ -150,7 +149,7 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
 static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, double from, double to)
 {
     start->surface.task = task;
-    return bvxi_parallel(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
+    return bvxi_each(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
 /* offset, list and slots of the front; last is scratch for touching. */

@@ -448,13 +448,12 @@ static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t in
     *end = *end * 8 < count ? *end * 8 : count;
 }
 
-static void give_cubes(void *user, int32_t index, int32_t worker)
+static void give_cubes(void *user, int32_t index)
 {
     const bvxi_states_job *const job = user;
     const bvxi_octets *const o = &job->tree->octets[job->bottom];
     uint64_t begin, end;
 
-    (void)worker;
     words_of_piece(job, job->bottom, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) { /* a leaf has all or none of its voxels */
         uint32_t const leaves = 255 & ~bvxi_octet_mask(o->touched, n);
@@ -513,7 +512,7 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     bvxi_expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
     give_octets(job);
-    return bvxi_parallel(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
+    return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 
 bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up)

@@ -74,11 +74,10 @@ BVXI_AVX2 static void count_piece_avx2(bvxi_march *m, int32_t piece)
 }
 #endif
 
-void bvxi_march_count_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_count_piece(void *march, int32_t piece)
 {
     bvxi_march *const m = march;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {
         count_piece_avx2(m, piece);

@@ -247,11 +247,10 @@ BVXI_AVX2 static void emit_piece_avx2(const bvxi_march *m, int32_t piece)
 }
 #endif
 
-void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_emit_piece(void *march, int32_t piece)
 {
     const bvxi_march *const m = march;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {
         emit_piece_avx2(m, piece);

@@ -205,15 +205,12 @@ static void mark_corners(face_merge *m)
     }
 }
 
-static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
+static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
-    uint64_t begin, end, vertex;
-
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
+    uint64_t vertex;
 
     /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
      * other. */
@@ -272,7 +269,7 @@ static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
     bvx_status status;
 
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
-    status = bvxi_parallel(ctx, "faces", 0.6, 0.8, m->f->pieces, emit_corner_rows, m);
+    status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.8, 1.0,
                             bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));

@@ -82,12 +82,9 @@ static void count_face_row(bvxi_faces *f, uint64_t row)
     f->rows[row].face = faces;
 }
 
-static void count_face_piece(void *user, int32_t piece, int32_t worker)
+static void count_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_faces *const f = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++) count_face_row(f, row);
 }
 
@@ -199,12 +196,9 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     }
 }
 
-static void emit_face_piece(void *user, int32_t piece, int32_t worker)
+static void emit_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_faces *const f = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++) emit_face_row(f, row);
 }
 
@@ -223,13 +217,13 @@ bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
-    status = bvxi_parallel(ctx, "faces", 0.0, 0.3, f->pieces, count_face_piece, f);
+    status = bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f);
     if (status == BVX_OK) status = number_face_rows(ctx, f);
     if (status == BVX_OK && mesh != NULL) {
         int const mine = mesh->positions == NULL;
         status = bvxi_faces_open_mesh(ctx, f, mesh);
         if (status == BVX_OK) {
-            status = bvxi_parallel(ctx, "faces", 0.3, 1.0, f->pieces, emit_face_piece, f);
+            status = bvxi_for_ranges(ctx, "faces", 0.3, 1.0, f->pieces, f->row_count, emit_face_piece, f);
             /* What the caller brought is not freed, only emptied. */
             if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
             else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;

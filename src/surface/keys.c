@@ -50,11 +50,9 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     }
 }
 
-void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_key_piece(void *march, uint64_t begin, uint64_t end)
 {
     const bvxi_march *const m = march;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
+
     for (uint64_t s = begin; s < end; s++) key_slot(m, s);
 }

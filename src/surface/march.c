@@ -209,7 +209,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
-    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
+    BVXI_TRY(bvxi_each(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
     return number_slots(ctx, m);
 }
 
@@ -250,9 +250,9 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
-    status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
+    status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
-        status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
+        status = bvxi_for_ranges(ctx, "surface", 1.0, 1.0, m->pieces, m->slot_count, bvxi_march_key_piece, m);
 
     /* An array of the caller's cannot be freed, so it is left empty instead. */
     if (status != BVX_OK) {

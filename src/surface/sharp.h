@@ -85,8 +85,8 @@ typedef struct bvxi_sharp_work {
 /* ---- passes: pieces of slots for bvxi_parallel, in this order ---- */
 
 /* sharp_cells.c: count each slot's sharp loops in first; then, first being numbers, fill them. */
-void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker);
-void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker);
+void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end);
+void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end);
 /* ---- walking cells ---- */
 
 typedef struct bvxi_cell_walk {

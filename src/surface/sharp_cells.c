@@ -40,13 +40,10 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     return 0;
 }
 
-void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker)
+void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
 
@@ -249,13 +246,10 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     return count;
 }
 
-void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker)
+void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_sharp_loop *out = w->loops + w->first[s];
         bvxi_cell_walk c;

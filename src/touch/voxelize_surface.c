@@ -55,13 +55,12 @@ static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t 
     }
 }
 
-static void touch_tile(void *user, int32_t number, int32_t worker)
+static void touch_tile(void *user, int32_t number)
 {
     bvxi_surface_job *const job = user;
 
     /* A tile writes its own rows, so tiles may run at the same time. */
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
-    (void)worker;
     count_nothing(job, number);
     /* Rows are emptied by the task that fills them, while they are about to be needed. */
     empty_rows(job, &tile.rows);
@@ -101,23 +100,21 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
 }
 
 /* A slice of the only tile; any piece of the triangles may need any of them, so they are emptied before. */
-static void empty_slice(void *user, int32_t index, int32_t worker)
+static void empty_slice(void *user, int32_t index)
 {
     const bvxi_surface_job *const job = user;
     bvxi_rows const slice = {0, job->size[1], index, index + 1};
 
-    (void)worker;
     empty_rows(job, &slice);
 }
 
 /* A slice of the helpers' grids into the one of all. */
-static void join_slice(void *user, int32_t index, int32_t worker)
+static void join_slice(void *user, int32_t index)
 {
     const bvxi_surface_job *const job = user;
     size_t const words = (size_t)job->size[1] * (size_t)job->grid->words_per_row, at = (size_t)index * words;
     uint64_t *BVXI_RESTRICT const all = job->grid->words + at;
 
-    (void)worker;
     for (int32_t h = 0; h < job->helper_count; h++) {
         const uint64_t *BVXI_RESTRICT const own = job->helpers[h].grid.words + at;
 
@@ -158,7 +155,7 @@ static bvx_status close_helpers(bvx_context *ctx, bvxi_surface_job *job, double 
 {
     if (job->helper_count == 0) return BVX_OK;
     for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
-    BVXI_TRY(bvxi_parallel(ctx, "surface", at, at, job->size[2], join_slice, job));
+    BVXI_TRY(bvxi_each(ctx, "surface", at, at, job->size[2], join_slice, job));
     bvxi_drop(ctx, job->helper_words);
     bvxi_drop(ctx, job->helpers);
     return BVX_OK;
@@ -172,13 +169,13 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 
     job->task = task;
     if (job->bins.id != NULL)
-        return bvxi_parallel_long(ctx, "surface", from, to, job->tiles.count,
-                                  (bytes + triangles) / (double)job->tiles.count, touch_tile, job);
+        return bvxi_each_long(ctx, "surface", from, to, job->tiles.count,
+                              (bytes + triangles) / (double)job->tiles.count, touch_tile, job);
 
     if (task == BVXI_TOUCH_SET) {
         middle = from + (to - from) * bytes / (bytes + triangles);
-        BVXI_TRY(bvxi_parallel_long(ctx, "surface", from, middle, job->size[2], bytes / (double)job->size[2],
-                                    empty_slice, job));
+        BVXI_TRY(bvxi_each_long(ctx, "surface", from, middle, job->size[2], bytes / (double)job->size[2],
+                                empty_slice, job));
     }
     count_nothing(job, 0);
     BVXI_TRY(open_helpers(ctx, job));

@@ -70,15 +70,12 @@ static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
     return sample_at(w, 0, (int64_t)(row % ny), (int64_t)(row / ny));
 }
 
-static void walk_rows(void *user, int32_t piece, int32_t worker)
+static void walk_rows(void *user, int32_t piece, uint64_t row, uint64_t end)
 {
     const bvxi_sample_walk *const w = user;
     bvx_grid *const g = w->grid;
     void *const tally = piece_tally(w, piece);
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(g), w->pieces, piece, &row, &end);
     for (; row < end; row++) {
         const uint8_t *const first = row_at(w, row);
 
@@ -196,17 +193,14 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
     }
 }
 
-static void walk_tiles(void *user, int32_t piece, int32_t worker)
+static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
 {
     const bvxi_sample_walk *const w = user;
     const int32_t *const size = w->grid->size;
     void *const tally = piece_tally(w, piece);
     int32_t const third = size[3 - w->axis];
     uint64_t const tiles = (uint64_t)tiles_along(w);
-    uint64_t tile, end;
 
-    (void)worker;
-    bvxi_piece(tiles * (uint64_t)((third + TILE_THIRD - 1) / TILE_THIRD), w->pieces, piece, &tile, &end);
     for (; tile < end; tile++) {
         sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
@@ -221,5 +215,12 @@ static void walk_tiles(void *user, int32_t piece, int32_t worker)
 bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from, double to,
                                 bvxi_sample_walk *walk)
 {
-    return bvxi_parallel(ctx, stage, from, to, walk->pieces, walk->axis == 0 ? walk_rows : walk_tiles, walk);
+    uint64_t const third = (uint64_t)walk->grid->size[walk->axis == 0 ? 0 : 3 - walk->axis];
+
+    if (walk->axis == 0)
+        return bvxi_for_pieces(ctx, stage, from, to, walk->pieces, bvxi_grid_rows(walk->grid), walk_rows,
+                               walk);
+    return bvxi_for_pieces(ctx, stage, from, to, walk->pieces,
+                           (uint64_t)tiles_along(walk) * ((third + TILE_THIRD - 1) / TILE_THIRD), walk_tiles,
+                           walk);
 }
