@@ -61,7 +61,6 @@ static void block_range(const bvxi_walls *t, const double low[3], const double h
         double const last = (double)t->block_size[a] - 1;
         double const l = low[a] / NEAR_BLOCK, h = high[a] / NEAR_BLOCK;
 
-        /* Cut to the window: what lies beyond is sorted into its border. */
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
     }
@@ -114,7 +113,6 @@ static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
         int32_t to[3];
 
         bvxi_view_position(t->mesh, v, p);
-        /* In voxels of the window. */
         for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
         /* from and to are one block for a point: only from is kept. */
         block_range(t, p, p, t->block_of + 3 * v, to);
@@ -127,7 +125,6 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
     const int32_t *const r = t->block_of + 3 * (size_t)c[2];
     int32_t from[3], to[3];
 
-    /* The box of the three corners' blocks. */
     for (int a = 0; a < 3; a++) {
         int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
 
@@ -161,7 +158,6 @@ static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_
         uint32_t c[3];
 
         bvxi_view_triangle(t->mesh, n, c);
-        /* Far from all places. */
         if (!is_in_marked_block(t, c)) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(t->mesh, c[k], p[k]);
         /* Without area there is no side that it could face. */
@@ -177,13 +173,11 @@ static bvx_status take_triangles_nearby(near_job *job)
     bvxi_walls *const t = job->walls;
     uint64_t count = 0;
 
-    /* The second run writes over the first. */
     mark_blocks(t, BESIDE_MARK);
     mark_blocks(t, MARK);
     BVXI_TRY(run_near(job, t->mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(job, t->mesh->triangle_count, take_piece_nearby));
 
-    /* Together, in the order of the pieces. */
     for (int32_t i = 0; i < job->pieces; i++) {
         uint64_t begin, end;
 
@@ -202,7 +196,6 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 {
     uint8_t turned = 0;
 
-    /* Three swaps sort three corners; each turns the triangle round. */
     for (int step = 0; step < 3; step++) {
         int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
         double p[2][3];

@@ -111,8 +111,6 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                           made_here, result);
 }
 
-/* ---- public ---- */
-
 bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {
     return BVXI_CALL(context, combine_grids(context, "bvx_grid_union", a, b, ALGEBRA_UNION, result));

@@ -18,7 +18,6 @@ typedef struct bvxi_block_starts {
     int32_t reserved;
 } bvxi_block_starts;
 
-/* What a row of blocks says. */
 enum {
     BVXI_BLOCKS_ANY = 0 /* one plane: is any voxel set */,
     BVXI_BLOCKS_NONE = 1 /* one plane: is none empty */,

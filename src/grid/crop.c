@@ -6,8 +6,6 @@
 
 enum { CROP_GRAIN = 4096 /* least words a piece */ };
 
-/* ---- content ---- */
-
 typedef struct content_box {
     int32_t low[3], high[3]; /* low above high when nothing is set */
 } content_box;
@@ -42,8 +40,6 @@ void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
         window->size[a] = box.high[a] - box.low[a] + 1;
     }
 }
-
-/* ---- another window, another lattice ---- */
 
 typedef struct crop_job {
     const bvx_grid *grid;

@@ -115,7 +115,6 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
         if (extent[a] > extent[longest]) longest = a;
     }
 
-    /* A spacing needs no extent; a resolution divides one. */
     if (!by_spacing && !(extent[longest] > 0))
         return bvxi_fail(context, BVX_ERR_EMPTY,
                          target->mesh == NULL && target->points == NULL
@@ -127,7 +126,6 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
                              "%s: the extent is too large for a double", name);
     for (int32_t a = 0; a < 3; a++) {
         double n;
-        /* Along a flat axis the longest side's extent gives the spacing. */
         if (per_axis) {
             spacing[a] = (extent[a] > 0 ? extent[a] : extent[longest]) / o.axis_resolution[a];
             n = o.axis_resolution[a];

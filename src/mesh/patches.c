@@ -247,8 +247,7 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
     in.border = w->border;
     in.border_count = w->border_count;
     in.chance = w->chance;
-    BVXI_TRY(bvxi_patch_sides_turn(ctx, &in));
-    return BVX_OK;
+    return bvxi_patch_sides_turn(ctx, &in);
 }
 
 /* ---- The whole ---- */

@@ -156,7 +156,6 @@ static void sweep_insert(polygon_sweep *s, uint32_t found, uint32_t interval)
     v[interval].left = found;
     v[interval].right = found == SWEEP_NONE ? s->root : v[found].right;
     if (found != SWEEP_NONE) v[found].right = SWEEP_NONE;
-    /* Below it hang all up to the one found, above it all others: the new root keeps the order. */
     s->root = interval;
 }
 

@@ -83,8 +83,6 @@ static void sort_radix_alone(radix_arrays *a)
     }
 }
 
-/* ---- several threads ---- */
-
 typedef struct radix_pass {
     radix_arrays all;
     int32_t pieces, shift; /* of the digit in a key */
@@ -153,14 +151,8 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     radix_arrays a = {.key_from = keys, .number_from = numbers, .count = count};
     uint64_t *spare_keys;
     uint32_t *spare_numbers;
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers);
-    if (status != BVX_OK) {
-        bvxi_drop(ctx, spare_keys);
-        return status;
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers));
     a.key_to = spare_keys;
     a.number_to = spare_numbers;
     if (bvxi_threads(ctx) > 1 && count >= 2 * RADIX_GRAIN) sort_radix_pieces(ctx, &a);

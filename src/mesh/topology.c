@@ -81,7 +81,6 @@ static void entries_sift(uint64_t *e, size_t at, size_t n)
 {
     uint64_t const value = e[at];
 
-    /* A hole moves down the heap; the value is stored once, where it stops. */
     for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
         if (child + 1 < n && e[child + 1] > e[child]) child++;
         if (e[child] <= value) break;
@@ -166,7 +165,6 @@ static void fill_edge_buckets(topology *c)
 
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
-    /* Counted by the lower vertex first, so that every bucket has its place. */
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
     /* ends as they are before anything is filled in: the starts */
     bvxi_place_counts32(c->bucket_end, c->vertex_count);
@@ -253,7 +251,6 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];
-        /* In a bucket the lower vertex is the same, so sorting brings each edge's half-edges together. */
         entries_sort(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint32_t const first = (uint32_t)c->entries[begin];

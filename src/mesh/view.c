@@ -133,7 +133,7 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3])
+void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
 {
     uint32_t c[3];
     double p[3];
@@ -276,7 +276,6 @@ static int indices_within(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
 
-    /* As above: the whole block has a loop of its own. */
     if (n == VIEW_INDEX_BLOCK) {
         for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
             memcpy(&c, at + 4 * i, sizeof c);
@@ -343,7 +342,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
-        bounds_of_used(view, lo, hi);
+        bvxi_view_used_bounds(view, lo, hi);
     }
     for (int a = 0; a < 3; a++) {
         low[a] = lo[a] + 0.0; /* turns -0 into 0, so that the order of vertices does not show */
@@ -411,7 +410,6 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     const void *const to[2] = {result->positions, result->triangles};
     const void *const from[2] = {view->positions, view->indices};
 
-    /* Each array that is written against each that is read. */
     for (int32_t i = 0; i < 2; i++)
         for (int32_t k = 0; k < 2; k++)
             if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))

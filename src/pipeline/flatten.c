@@ -455,10 +455,8 @@ static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3];
         const double *const corner[3] = {p[0], p[1], p[2]};
-        uint32_t c[3];
 
-        bvxi_view_triangle(view, t, c);
-        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        bvxi_view_corners(view, t, p);
         if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
     }
 }

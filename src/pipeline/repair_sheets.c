@@ -52,10 +52,8 @@ static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
 {
     double const off = 0.5 * bvxi_largest_spacing(&job->lattice);
     double p[3][3], middle[3], n[3], length = 0;
-    uint32_t c[3];
 
-    bvxi_view_triangle(&job->mesh, t, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
+    bvxi_view_corners(&job->mesh, t, p);
 
     /* The middle and the normal; half a voxel off on both sides. */
     for (int a = 0; a < 3; a++) {
