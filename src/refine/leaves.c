@@ -27,13 +27,7 @@ static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32
                              int32_t state)
 {
     if ((job->states & state) == 0) return;
-    if (job->leaves != NULL) {
-        bvx_octree_leaf *const leaf = &job->leaves[*place];
-        memset(leaf, 0, sizeof *leaf);
-        memcpy(leaf->ijk, v, sizeof leaf->ijk);
-        leaf->level = (uint8_t)level;
-        leaf->state = (uint8_t)state;
-    }
+    if (job->leaves != NULL) job->leaves[*place] = bvxi_octree_leaf_at(v, level, state);
     ++*place;
 }
 
@@ -68,8 +62,9 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
         uint32_t const p = s->next_child++;
         uint64_t const bit = 8 * s->octet + p;
         int32_t const state = bvxi_octets_state(&job->tree->octets[level], bit);
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(s->v, p, child);
         if (!bvxi_octets_is_split(&job->tree->octets[level], bit)) {
             give_leaf(job, place, child, level + 1, state);
             continue;
@@ -89,7 +84,6 @@ static void leaves_of_piece(void *user, int32_t index)
 
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
 
-    /* In the order of the base, so that places follow from the counts of the pieces before. */
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
@@ -99,7 +93,6 @@ static void leaves_of_piece(void *user, int32_t index)
         else give_leaf(job, &place, v, 0, state);
     }
 
-    /* In the first walk the place has counted from 0. */
     if (job->leaves == NULL) job->place[index] = place;
 }
 

@@ -107,7 +107,6 @@ void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
         uint64_t const news = job->tree->root.outside[first + i] & ~job->passed[first + i];
         if (news == 0) continue;
 
-        /* Each bit is passed on once. */
         job->passed[first + i] |= news;
         if (y > 0) pass_to_row(job, row - 1, i, news, 1);
         if (y + 1 < ny) pass_to_row(job, row + 1, i, news, 4);
@@ -350,7 +349,6 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
 
-    /* 64 voxels in one word are flooded without a list. */
     news = bvxi_cube_flood(news & open, open);
     c->state = (uint8_t)(c->state & ~BVXI_IN_LIST);
     c->fresh = 0;
@@ -423,7 +421,6 @@ static void take_octets(const bvxi_states_job *job)
 {
     for (int32_t l = 0; l < job->bottom; l++)
 
-        /* Bytes side by side: the flood reads what is touched, split and outside of an octet together. */
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
             bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
                                            (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
@@ -463,7 +460,6 @@ static void give_cubes(void *user, int32_t index)
         bvxi_octet_put(o->outside, n, outside & leaves);
     }
 
-    /* A tree of one level has no octets below the cubes. */
     if (o->split == NULL) return;
     words_of_piece(job, job->bottom + 1, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
