@@ -62,7 +62,6 @@ static void take_ball_squares(void *user, int32_t x, int32_t y, int32_t z, int32
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(whole[i] <= job->whole_limit) << i;
     else
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(real[i] <= job->limit) << i;
-    /* Eroded is what lies far from all empty voxels. */
     if (job->erode) bits = ~bits;
     bits &= 0xffffu >> (BVXI_LANES - count);
     job->to.words[row * (size_t)job->to.row_words + (size_t)(x >> 6)] |= (uint64_t)bits << (x & 63);
@@ -78,7 +77,6 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     if (bvxi_ball_is_small(morph))
         return BVXI_SCOPE(ctx, bvxi_morph_runs(ctx, morph, operation, from, to, source, target));
 
-    /* A limit below what stands for no target, so that voxels without any stay out. */
     job.to = *target;
     job.limit = morph->limit < 1e300 ? morph->limit : 1e300; /* no target is infinite */
     job.whole_limit = morph->limit < 4294967294.0 ? (uint32_t)morph->limit : UINT32_MAX - 1;

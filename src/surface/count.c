@@ -61,7 +61,6 @@ BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
         triangles += m->slots[s].triangle;
     }
 
-    /* Sums of this piece: prefix sums of pieces give each its first numbers. */
     m->piece_counts[3 * piece] = vertices;
     m->piece_counts[3 * piece + 1] = triangles;
     m->piece_counts[3 * piece + 2] = past;

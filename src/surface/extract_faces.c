@@ -31,7 +31,6 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
     return bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type);
 }
 
-/* Count, and make the mesh unless it is NULL. */
 static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
                             const bvx_faces_options *options, bvx_mesh *mesh)
 {

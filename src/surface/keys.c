@@ -31,7 +31,6 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
 
-    /* Keys in the order of the arrays. */
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t const visited = bvxi_visited(m, w);
         bvxi_cell_words c;

@@ -137,7 +137,6 @@ static void choose_cells(bvxi_march *m)
     m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
 }
 
-/* Counts become first numbers. */
 static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
 {
     uint64_t vertices = 0, triangles = 0, past = 0;
@@ -253,16 +252,8 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
     status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
         status = bvxi_for_ranges(ctx, "surface", 1.0, 1.0, m->pieces, m->slot_count, bvxi_march_key_piece, m);
-
-    /* An array of the caller's cannot be freed, so it is left empty instead. */
-    if (status != BVX_OK) {
-        if (mine) bvx_mesh_free(ctx, mesh);
-        else mesh->vertex_count = mesh->triangle_count = 0;
-    }
-    return status;
+    return bvxi_mesh_made(ctx, status, mine, mesh);
 }
-
-/* ---- public ---- */
 
 static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
                                     const bvx_extract_options *options, uint64_t *vertex_count,

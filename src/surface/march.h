@@ -66,7 +66,6 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid,
                            const bvx_extract_options *options);
-/* Make or fill the mesh. */
 bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh);
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
 

@@ -147,7 +147,6 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     /* One tile takes triangles as they come, and needs no list. */
     if (job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;
-        bvxi_drop(ctx, b);
         return BVX_OK;
     }
     /* Counts are places now, so the second walk knows where each triangle goes. */
@@ -155,7 +154,6 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     b->fill = 1;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id));
     BVXI_TRY(run_bins(ctx, function, b));
-    bvxi_drop(ctx, b);
     return BVX_OK;
 }
 

@@ -30,8 +30,6 @@ void bvx_attached_free(bvx_context *context, bvx_attached *attached)
     memset(attached, 0, sizeof *attached);
 }
 
-/* ---- tiles ---- */
-
 static void count_nothing(bvxi_surface_job *job, int32_t tile)
 {
     job->used[tile] = job->samples[tile] = job->parts[tile] = 0;
@@ -59,7 +57,6 @@ static void touch_tile(void *user, int32_t number)
 {
     bvxi_surface_job *const job = user;
 
-    /* A tile writes its own rows, so tiles may run at the same time. */
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
     count_nothing(job, number);
     /* Rows are emptied by the task that fills them, while they are about to be needed. */
@@ -184,8 +181,6 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
     return close_helpers(ctx, job, to);
 }
 
-/* ---- attached triangles ---- */
-
 /* Filling has moved each place to its voxel's end, which is where the next one begins. */
 static void restore_places(uint64_t *offset, uint64_t voxels)
 {
@@ -233,8 +228,6 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
-    bvxi_drop(ctx, job->last);
-    bvxi_drop(ctx, prefix);
 
     /* Filled in apart from the caller's lists, which stay until these are complete. */
     if (status != BVX_OK) {
@@ -245,8 +238,6 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     *attached = made;
     return BVX_OK;
 }
-
-/* ---- the call ---- */
 
 /* One thread takes all triangles as they come. So do several with a grid each where these are small beside the
  * mesh: the work of one thread, shared. Lists of attached triangles have to be in order; they, and large grids,
@@ -301,7 +292,6 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
 {
     BVXI_TRY(bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped));
 
-    /* Each step needs the one before. */
     BVXI_TRY(bvxi_bins_open(ctx, function, job));
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0));
     if (o->attached != NULL) BVXI_TRY(attach_triangles(ctx, job, o->attached));
@@ -369,16 +359,11 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, surface);
 
-    /* Into a copy of the struct: after a failure the caller's grid is as it was. */
     made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
     begin_surface(context, mesh, o.mode, o.attached != NULL, &made, &job);
     status = run_surface(context, surface_name, &o, &job);
-    if (status != BVX_OK) {
-        if (surface->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *surface = made;
+    BVXI_TRY(bvxi_grid_put(context, status, &made, surface));
     if (o.report != NULL) report_surface(&job, o.report);
     return BVX_OK;
 }

@@ -61,8 +61,6 @@ static void fetch(const uint8_t *first, int64_t stride, int32_t n)
     for (int64_t at = 0; at < end; at += 64) BVXI_PREFETCH(first + at);
 }
 
-/* ---- x fastest: rows ---- */
-
 static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
 {
     uint64_t const ny = (uint64_t)w->grid->size[1];
@@ -84,8 +82,6 @@ static void walk_rows(void *user, int32_t piece, uint64_t row, uint64_t end)
         w->run(w->rule, tally, first, w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
     }
 }
-
-/* ---- another axis f fastest ---- */
 
 /* All of x, nf voxels of f and nt planes of the third axis. */
 typedef struct sample_tile {
@@ -132,7 +128,6 @@ static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32
         memset(square[k] + n, 0, (size_t)(64 - n) * sizeof square[k][0]);
         bvxi_transpose_64(square[k]);
     }
-    /* A row of each plane, side by side. */
     for (int32_t i = 0; i < rows; i++, to += along)
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = square[k][i];
 }
@@ -167,7 +162,6 @@ static void write_columns(const bvxi_sample_walk *w, const sample_tile *t, int32
         w->columns(w->rule, sample_at(w, x, y, z), w->stride[0], n, t->nf,
                    k + 1 < t->nt ? w->stride[3 - w->axis] : next_columns(w, t, x), row[k]);
     }
-    /* A row of each plane, side by side. */
     for (int32_t i = 0; i < t->nf; i++, to += along)
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = row[k][i];
 }
@@ -181,7 +175,6 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
     int const columns = w->columns != NULL && tally == NULL && w->stride[w->axis] == 1;
 
     for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
-        /* As many columns as a word has bits. */
         int32_t const n = at_most(w->grid->size[0] - x, 64);
 
         if (columns) {
@@ -205,7 +198,6 @@ static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
         sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
 
-        /* The last tile of an axis may be smaller. */
         t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
         t.nt = at_most(third - t.third, TILE_THIRD);
         walk_tile(w, tally, &t);
