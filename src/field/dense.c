@@ -128,8 +128,6 @@ typedef struct propagate_job {
     int32_t pieces;
 } propagate_job;
 
-/* ---- points ---- */
-
 /* Distance from a centre to a triangle, and the vector to its closest point [Units: world]. */
 static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, int32_t z, uint32_t triangle,
                                 double vector[3])
@@ -165,7 +163,6 @@ static void propagate_start(void *user, int32_t piece)
         uint32_t *const source = job->source + row * (uint64_t)g->size[0];
         uint64_t n = f->row_values[row];
 
-        /* Values lie by rank: the next one belongs to the next centre of the band. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             double v[3], c[3];
             source[x] = PROPAGATE_NONE;
@@ -179,8 +176,6 @@ static void propagate_start(void *user, int32_t piece)
     }
 }
 
-/* ---- sweeps ---- */
-
 /* The centre at takes over the point of the one before it when that is
  * closer. Centres of the band keep their own. */
 static inline void propagate_offer(const propagate_job *job, const int32_t at[3], uint64_t to, uint64_t from)
@@ -190,9 +185,7 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
     const float *q;
     float d, d2 = 0.0f;
 
-    /* Nothing that is not there already. */
     if (offered == has || offered == PROPAGATE_NONE) return;
-    /* Centres of the band keep their own. */
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
     q = job->points + 3 * (size_t)offered;
     for (int a = 0; a < 3; a++) {
@@ -252,8 +245,6 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
     return BVX_OK;
 }
 
-/* ---- results ---- */
-
 /* Distances with their sign, or vectors, outside the band. */
 static void propagate_finish(void *user, int32_t piece)
 {
@@ -266,7 +257,6 @@ static void propagate_finish(void *user, int32_t piece)
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
 
-        /* Measured to the triangle the point came from, not to the point itself. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             uint64_t const at = row * (uint64_t)g->size[0] + (uint64_t)x;
             float *const to = job->values + at * job->each;
@@ -279,8 +269,6 @@ static void propagate_finish(void *user, int32_t piece)
         }
     }
 }
-
-/* ---- all of it ---- */
 
 static bvx_status check_sources(bvx_context *ctx, const char *function, const bvx_field *field,
                                 const bvx_mesh_view *mesh)
@@ -343,7 +331,6 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     propagate_job job = {0};
     double low[3], high[3];
 
-    /* All is checked before scratch is taken. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));

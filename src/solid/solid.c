@@ -14,8 +14,6 @@ enum { CHUNK_GRAIN = 4096 };
 #define CHUNK_BYTES \
     (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
 
-/* ---- toggles to runs ---- */
-
 /* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. */
 static uint32_t close_row(uint64_t *words, int32_t n)
 {
@@ -109,8 +107,6 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
     return bvxi_solid_lists(ctx, job, 0.85);
 }
 
-/* ---- a block, a grid ---- */
-
 static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
     bvxi_row_lists lists;
@@ -154,7 +150,6 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         bvxi_drop(ctx, job->beyond);
     }
 
-    /* Sums in the order of chunks and tiles, which follow from the shape: no worker shows in them. */
     for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
     for (int32_t t = 0; t < job->tiles.count; t++) {
         report->crossings += job->crossings[t];
@@ -176,7 +171,6 @@ bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *
     /* The engine always works along x. For another axis the snapped coordinates are permuted, which is
      * exact. */
     BVXI_TRY(bvxi_snap_turn(step.ctx, axis, step.from, &job->snapped));
-    /* Fields of the job follow the call, so that one job may fill several grids. */
     job->grid = g;
     job->fill = fill;
     job->progress_share = (step.to - step.from) / blocks;
@@ -208,7 +202,6 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
         bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
     job->chunk = (bvxi_chunk *)(void *)memory;
 
-    /* Chunks, then their crossings, then large triangles: from wide to narrow. */
     memory += (size_t)job->chunks * sizeof *job->chunk;
     for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
         job->chunk[c].sorted = (bvxi_crossing *)(void *)memory;

@@ -45,7 +45,6 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
 /* Rows are listed under parity when their crossings are odd in number. */
 static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c, uint32_t n)
 {
-    /* What is left is even: pairs of begin and end. */
     uint32_t const drop = drop_for_parity(c, n), kept = n - 1;
     for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
     for (uint32_t i = 0; i < kept; i += 2) fill_span(job, row, crossing_at(c[i]), crossing_at(c[i + 1]));
@@ -125,7 +124,6 @@ static void solve_rows(void *user, int32_t tile)
             memset(words, 0, row_bytes);
             if (n == 0) continue;
 
-            /* Sorted, so that the order in which triangles came is gone. */
             bvxi_sort_i32(job->lists.crossing + begin, n);
             lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
                                                 : fill_nonzero(job, words, job->lists.crossing + begin, n);
