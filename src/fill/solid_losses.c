@@ -201,7 +201,7 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
     report->crossing_volume = bvxi_volume_by_crossings(walls, report->volume);
-    /* Nothing is thin. */
+    if (found.voxels == 0) return;
     report->thin_wall = found.wall * walls->unit;
     /* Places are counted in the window; the report is in the lattice. */
     for (int a = 0; a < 3; a++) {

@@ -58,6 +58,7 @@ static bvx_status check_whole(bvx_context *ctx, const bvx_lattice *lattice, cons
                               const bvx_window *window)
 {
     /* Other rules see only what lies in a row. */
+    if (o->fill != BVX_FILL_FLOOD && o->fill != BVX_FILL_REGIONS) return BVX_OK;
     for (int32_t a = 0; a < 3; a++)
         if (window->size[a] != lattice->dims[a])
             return bvxi_fail_for(
