@@ -259,7 +259,6 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     bvx_grid_difference d;
     compare_sums all;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
     memset(&d, 0, sizeof d);

@@ -104,7 +104,6 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
 {
     bvx_topology t = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (topology == NULL) return bvxi_fail_null(context, topology_name, "topology");
     BVXI_TRY(bvxi_grid_check(context, topology_name, grid));
     if (connectivity != BVXI_CONNECT_6 && connectivity != BVXI_CONNECT_26)

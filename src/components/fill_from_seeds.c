@@ -78,7 +78,6 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, grid_fill_name, walls));
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
     if (seeds == NULL && seed_count != 0) return bvxi_fail_null(context, grid_fill_name, "seeds");

@@ -161,7 +161,6 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
@@ -205,7 +204,6 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));

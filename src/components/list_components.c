@@ -54,7 +54,6 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     bvxi_spaces spaces;
     bvx_status status = BVX_OK;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, parts_name, "count");
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, parts_name, connectivity));
@@ -171,7 +170,6 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
     bvxi_spaces spaces;
     int ok = 1;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (labels == NULL) return bvxi_fail_null(context, label_name, "labels");
     BVXI_TRY(bvxi_grid_check(context, label_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, label_name, connectivity));

@@ -173,8 +173,10 @@ int32_t bvxi_cpu(const bvx_context *ctx);
 /* ---- parallel.c ---- */
 
 /* The work of a public function, with one rise of progress around it; inside another public function it is a
- * part of that. Its end frees the scratch that it took, so bodies free only what others should have before. */
-#define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
+ * part of that; refused without a context. Its end frees the scratch that it took, so bodies free only what others
+ * should have before. */
+#define BVXI_CALL(ctx, call) \
+    ((ctx) == NULL ? BVX_ERR_ARGUMENT : (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call))))
 void bvxi_call_begin(bvx_context *ctx, const char *function);
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
 /* Work that reports 0 to 1 while the present one goes from `from` to `to`. */

@@ -31,7 +31,6 @@ static double place_in(const bvxi_share *s, double fraction)
 
 void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
-    if (ctx == NULL) return;
     bvxi_scope_begin(ctx);
     if (ctx->calls++ != 0) return;
 
@@ -46,7 +45,6 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
-    if (ctx == NULL) return status;
     (void)bvxi_scope_end(ctx, status);
     if (--ctx->calls != 0) return status;
     /* What fails has nothing to warn of. */

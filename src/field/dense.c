@@ -70,7 +70,6 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     dense_job job;
     double centres;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));

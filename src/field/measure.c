@@ -308,7 +308,6 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
     measure_job job;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
     status = measure_steps(context, lattice, &job);

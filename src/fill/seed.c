@@ -236,7 +236,6 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
 {
     seed_search s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (seed == NULL) return bvxi_fail_null(context, seed_name, "seed");
     BVXI_TRY(bvxi_grid_check(context, seed_name, surface));
     memset(&s, 0, sizeof s);
@@ -320,7 +319,6 @@ static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface
 {
     seed_judge judge = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
     BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
     judge.ctx = context;

@@ -207,7 +207,6 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, solid);

@@ -454,7 +454,6 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     voxel_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
     cast_work w = {grid, &bricks, rays, hits, t_max};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");

@@ -97,7 +97,6 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     int32_t from[3];
     bvx_window w;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
 
@@ -121,7 +120,6 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     bvx_lattice lattice;
     bvx_window w;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     for (int32_t a = 0; a < 3; a++) {

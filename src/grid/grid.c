@@ -144,7 +144,6 @@ static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uin
 {
     uint64_t n = 0, words;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
 
@@ -163,7 +162,6 @@ static bvx_status run_grid_hash(bvx_context *context, const bvx_grid *grid, uint
 {
     bvxi_hash h;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (hash == NULL) return bvxi_fail_null(context, "bvx_grid_hash", "hash");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_hash", grid));
 

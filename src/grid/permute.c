@@ -259,7 +259,6 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     uint64_t words;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));

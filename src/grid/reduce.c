@@ -216,7 +216,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
     reduce_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     if (rule < BVX_REDUCE_ANY || rule > BVX_REDUCE_MAJORITY)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function,
@@ -290,7 +289,6 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_coverage";
     coverage_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     /* The count is there after a failure too, 0 unless it is known. */
     *count = 0;

@@ -91,7 +91,6 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
@@ -203,7 +202,6 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));

@@ -270,7 +270,6 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
 {
     tree_reading job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
     if (bytes == NULL) return bvxi_fail_null(context, read_tree_name, "bytes");
     if (size > SIZE_MAX / 2)

@@ -227,7 +227,6 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
     double low[3], high[3];
     checker c;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
     memset(certificate, 0, sizeof *certificate);
     memset(&c, 0, sizeof c);

@@ -105,7 +105,6 @@ static bvx_status run_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint6
 {
     static const char *const function = "bvx_mesh_drop_nonfinite";
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (dropped == NULL) return bvxi_fail_null(context, function, "dropped");
     BVXI_TRY(bvxi_mesh_check_reserved(context, function, mesh));

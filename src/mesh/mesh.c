@@ -226,7 +226,6 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     static const char *const function = "bvx_mesh_hash";
     bvxi_hash h;
     int32_t type[2] = {0, 0};
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (hash == NULL) return bvxi_fail_null(context, function, "hash");
     BVXI_TRY(check_mesh_struct(context, function, mesh));

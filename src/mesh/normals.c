@@ -88,7 +88,6 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
 {
     double low[3], high[3], scale, *sum = NULL;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, normals_name, "mesh");
     if (vertex_normals == NULL && facet_normals == NULL)
         return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");

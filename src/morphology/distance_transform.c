@@ -186,7 +186,6 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
     static const char *const function = "bvx_grid_distance";
     distance_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     if (value_type != BVX_F32 && value_type != BVX_F64)
@@ -219,7 +218,6 @@ static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid
     const double *s;
     distance_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (squares == NULL) return bvxi_fail_null(context, function, "squares");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     s = grid->lattice.spacing;

@@ -223,7 +223,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_grid made, hollow;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&report, 0, sizeof report);
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));

@@ -190,7 +190,6 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     bvx_grid made;
     bvx_status status;
 
-    if (ctx == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
     memcpy(window.low, grid->low, sizeof window.low);

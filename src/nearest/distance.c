@@ -278,7 +278,6 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     static const char *const function_b = "bvx_mesh_distance, mesh b";
     distance_pair pair = {.a = {.view = a}, .b = {.view = b}};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
     memset(report, 0, sizeof *report);
     BVXI_TRY(bvxi_view_check(context, function_a, a));

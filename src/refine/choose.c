@@ -231,7 +231,6 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     bvx_lattice made;
     int32_t levels;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
     BVXI_TRY(check_choose_arguments(context, options, &o));
     BVXI_TRY(measure_choice(context, mesh, resolution, &job));

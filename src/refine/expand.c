@@ -172,7 +172,6 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
 

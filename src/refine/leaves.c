@@ -128,7 +128,6 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
 static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                     bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
 {
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
     return bvxi_octree_leaves(bvxi_call_of(context, "bvx_octree_leaves", "octree", 0.0, 1.0), tree, states,
                               leaves, capacity, count);

@@ -138,7 +138,6 @@ static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree,
 {
     static const char *const function = "bvx_octree_count";
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (counts == NULL) return bvxi_fail_null(context, function, "counts");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (capacity < tree->levels + 1)
@@ -260,7 +259,6 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     octree_places job = {.tree = tree, .voxels = voxels, .leaves = leaves, .count = count};
     uint64_t bad;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(find_octree_places(context, function, voxels, "voxels", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -283,7 +281,6 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     octree_places job = {.tree = tree, .points = points, .leaves = leaves, .count = count};
     uint64_t bad;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(find_octree_places(context, function, points, "points", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite",

@@ -227,7 +227,6 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     static const char *const function = "bvx_octree_cast";
     octree_cast job = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
     if (!(t_max >= 0))

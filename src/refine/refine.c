@@ -260,7 +260,6 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     bvxi_refine_job job;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
 

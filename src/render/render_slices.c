@@ -321,7 +321,6 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_render_slices";
     slice_sheet s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     /* Options of the view are not looked at: slices have no direction. */
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));

@@ -58,7 +58,6 @@ static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
 {
     bvxi_faces f;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&f, 0, sizeof f);
     f.function = "bvx_faces_count";
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, f.function, "a count");
@@ -78,7 +77,6 @@ static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,
                                     const bvx_faces_options *options, bvx_mesh *mesh)
 {
     bvxi_faces f;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&f, 0, sizeof f);
     f.function = "bvx_extract_faces";
     if (mesh == NULL) return bvxi_fail_null(context, f.function, "mesh");

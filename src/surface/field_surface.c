@@ -242,7 +242,6 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     bvxi_sparse values;
     int32_t asked;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (field == NULL || surface == NULL)
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));

@@ -264,7 +264,6 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
     bvxi_march m = {0};
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
@@ -289,7 +288,6 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     bvx_extract_options o;
     bvxi_march m = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;

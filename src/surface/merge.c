@@ -165,7 +165,6 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     bvx_mesh made = {0};
     int brought;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);

@@ -92,7 +92,6 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     bvx_status status;
 
     /* Everything is checked before the bits' memory is taken. */
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_scalar_options(context, name, &o));

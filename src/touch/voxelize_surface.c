@@ -354,7 +354,6 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     bvxi_surface_job job;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, surface);

@@ -209,7 +209,6 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     label_table t = {0};
     int64_t stride[3];
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
     BVXI_TRY(bvxi_volume_check(context, labels_name, volume, stride));
     if (volume->sample_type >= BVX_SAMPLE_F32)

@@ -158,7 +158,6 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_status status;
 
     memset(&work, 0, sizeof work);
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
     BVXI_TRY(bvxi_take_options(context, points_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_view_take_points(context, points_name, points, &work.view));

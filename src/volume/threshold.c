@@ -450,7 +450,6 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     int64_t stride[3];
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
 
