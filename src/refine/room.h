@@ -52,7 +52,6 @@ static inline uint32_t bvxi_octet_inherits(uint32_t p)
     return p << 3 | (~p & 7);
 }
 
-/* Words for n octets. */
 static inline uint64_t bvxi_octet_words(uint64_t n)
 {
     return (n + 7) / 8;
@@ -139,7 +138,6 @@ uint64_t bvxi_octets_count(bvxi_octets *octets);
 bvx_status bvxi_octree_check(bvx_context *ctx, const char *function, const bvx_octree *tree);
 /* Refuse what is no set of states. */
 bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int32_t states);
-/* The lattice of a level. */
 bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t level, bvx_lattice *lattice);
 
 /* ---- leaves.c ---- */
