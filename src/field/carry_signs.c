@@ -219,15 +219,12 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
                                  uint64_t *open, uint64_t *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8, rows = bvxi_grid_rows(band);
-    carry_front f = {0};
+    carry_front f = {.shape = band, .inside = inside, .open = open};
     uint64_t *come = NULL;
     uint8_t *changed = NULL;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed));
-    f.shape = band;
-    f.inside = inside;
-    f.open = open;
     f.come = come;
     f.come_in = come + bvxi_grid_words(band);
     f.changed = changed;

@@ -327,15 +327,13 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
                                 const bvx_mesh_view *mesh, int32_t vectors, float *values)
 {
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
-    propagate_job job = {0};
+    propagate_job job = {.mesh = mesh, .values = values};
     double low[3], high[3];
 
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));
     job.field = field;
-    job.mesh = mesh;
-    job.values = values;
     job.each = vectors ? 3 : 1;
     place_centres(low, high, &job);
     return propagate_steps(ctx, voxels, &job);

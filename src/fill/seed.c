@@ -317,14 +317,10 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
 static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                    int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
-    seed_judge judge = {0};
+    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
 
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
     BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
-    judge.ctx = context;
-    judge.function = pockets_name;
-    judge.mesh = mesh;
-    judge.surface = surface;
     BVXI_TRY(check_seed_mesh(&judge));
     if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
     BVXI_TRY(list_pockets(context, &judge, seeds, capacity, count));

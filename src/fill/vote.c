@@ -139,15 +139,13 @@ static bvx_status vote_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
                              double to)
 {
     const vote_work *const w = job->user;
-    bvxi_turns_job turns = {0};
+    bvxi_turns_job turns = {.solid = job, .crossed = lists};
     uint64_t unused = 0;
 
     turns.sheet = w->sheet;
     turns.grid = w->solid;
     turns.known = w->sure;
     turns.clear = w->want_clear ? w->sure : NULL;
-    turns.solid = job;
-    turns.crossed = lists;
     turns.rule = vote_rows;
     return BVXI_SCOPE(ctx, bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, from),
                                           bvxi_solid_progress(job, to), &unused));
@@ -214,11 +212,8 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
 {
     /* Beside many holes the last step takes nearly all of the time, without any nearly none. */
     double const from = step.from, third = 0.4 * (step.to - from) / 3;
-    vote_work w = {0};
+    vote_work w = {.solid = solid, .sure = sure, .want_clear = want_clear};
 
-    w.solid = solid;
-    w.sure = sure;
-    w.want_clear = want_clear;
     BVXI_TRY(open_vote(step.ctx, job->function, &w));
     for (int32_t axis = 0; axis < 3; axis++)
         BVXI_TRY(vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,

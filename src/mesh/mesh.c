@@ -85,7 +85,7 @@ static bvx_status make_arrays(bvx_context *ctx, int32_t keys, bvx_mesh *mesh)
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
-    bvx_mesh made = {0};
+    bvx_mesh made = {.owned = 1, .position_type = position_type};
     bvx_status status;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
@@ -100,8 +100,6 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     }
 
     /* New arrays go to a mesh of their own: after a failure the caller's is as it was. */
-    made.owned = 1;
-    made.position_type = position_type;
     made.vertex_count = made.vertex_capacity = vertex_count;
     made.triangle_count = made.triangle_capacity = triangle_count;
     status = make_arrays(ctx, keys, &made);

@@ -392,10 +392,8 @@ uint64_t bvxi_polygon_sweep_size(uint32_t count)
 bvx_status bvxi_polygon_sweep(bvxi_ring *ring, const uint32_t *order, void *scratch, int *good)
 {
     uint32_t const n = ring->count;
-    polygon_sweep s = {0};
+    polygon_sweep s = {.ring = ring, .rank = scratch};
 
-    s.ring = ring;
-    s.rank = scratch;
     s.interval_of = s.rank + n;
     s.links = (chain_link *)(void *)(s.interval_of + n);
     s.intervals = (sweep_interval *)(void *)(s.links + (size_t)n * 2 + 2);

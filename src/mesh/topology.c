@@ -469,15 +469,13 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
-    topology c;
+    topology c = {.ctx = ctx,
+                  .corners = corners,
+                  .triangle_count = triangle_count,
+                  .vertex_count = vertex_count,
+                  .result = certificate,
+                  .edges_alone = edges_alone};
 
-    memset(&c, 0, sizeof c);
-    c.ctx = ctx;
-    c.corners = corners;
-    c.triangle_count = triangle_count;
-    c.vertex_count = vertex_count;
-    c.result = certificate;
-    c.edges_alone = edges_alone;
     BVXI_TRY(allocate_topology(ctx, &c));
     /* Edges first: what they break decides which vertices have fans at all. */
     fill_edge_buckets(&c);

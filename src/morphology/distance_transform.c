@@ -109,15 +109,12 @@ static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t insi
     const bvx_grid *const g = job->grid;
     const double *const s = g->lattice.spacing;
     int const cubic = s[0] == s[1] && s[0] == s[2];
-    bvxi_transform t = {0};
+    bvxi_transform t = {.ctx = ctx, .from = from, .to = to};
 
     /* Cubic voxels are measured in steps; the spacing comes in with the root, by one product. */
     job->inside = inside;
     job->factor = cubic ? s[0] : 1.0;
-    t.ctx = ctx;
     t.stage = "distance";
-    t.from = from;
-    t.to = to;
     t.box.words = g->words;
     memcpy(t.box.size, g->size, sizeof t.box.size);
     t.box.row_words = g->words_per_row;

@@ -71,7 +71,7 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target)
 {
     int const erode = operation == BVXI_ERODE;
-    bvxi_transform t = {0};
+    bvxi_transform t = {.ctx = ctx, .from = from, .to = to, .groups = 1};
     ball_job job;
 
     if (bvxi_ball_is_small(morph))
@@ -83,16 +83,12 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     job.erode = erode;
     job.whole = morph->weight[0] == 1.0 && morph->weight[1] == 1.0 && morph->weight[2] == 1.0 &&
                 bvxi_transform_fits_whole(source->size);
-    t.ctx = ctx;
     t.stage = morph->stage;
-    t.from = from;
-    t.to = to;
     t.box = *source;
     /* Erosion measures from empty voxels, and what lies beyond is turned with them. */
     t.flip = erode;
     t.beyond = erode ? !morph->beyond : morph->beyond;
     t.whole = job.whole;
-    t.groups = 1;
     memcpy(t.weight, morph->weight, sizeof t.weight);
     t.limit = morph->limit;
     t.sink = take_ball_squares;

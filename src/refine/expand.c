@@ -165,7 +165,7 @@ static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tre
 static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
                                     int32_t states, const bvx_window *window, bvx_grid *grid)
 {
-    expand_job job = {0};
+    expand_job job = {.tree = tree, .level = level};
     bvx_lattice lattice;
     bvx_window w;
     uint64_t rows;
@@ -180,9 +180,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
     memset(made.words, 0, (size_t)bvxi_grid_words(&made) * 8);
-    job.tree = tree;
     job.grid = &made;
-    job.level = level;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
 
     for (int a = 0; a < 3; a++) {

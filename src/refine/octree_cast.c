@@ -225,7 +225,7 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
                                   const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits)
 {
     static const char *const function = "bvx_octree_cast";
-    octree_cast job = {0};
+    octree_cast job = {.tree = tree, .t_max = t_max};
 
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
@@ -236,10 +236,8 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     if (rays == NULL) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL) return bvxi_fail_null(context, function, "hits");
     BVXI_TRY(check_octree_rays(context, rays, count));
-    job.tree = tree;
     job.rays = rays;
     job.hits = hits;
-    job.t_max = t_max;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     return bvxi_for(context, "octree", count, 64, cast_octree_piece, &job);
 }

@@ -257,15 +257,12 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
                              const bvx_refine_options *options, bvx_octree **tree)
 {
     bvx_refine_options o;
-    bvxi_refine_job job;
+    bvxi_refine_job job = {.ctx = context, .view = mesh};
     bvx_status status;
 
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
 
-    memset(&job, 0, sizeof job);
-    job.ctx = context;
-    job.view = mesh;
     BVXI_TRY(bvxi_alloc_zero(context, BVXI_RESULT, sizeof *job.tree, "the octree", &job.tree));
     memcpy(job.tree->base, base->dims, sizeof job.tree->base);
     job.tree->levels = o.levels;

@@ -516,7 +516,7 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     int32_t const bottom = bottom_of_levels(tree->levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
     uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
-    bvxi_states_job job = {0};
+    bvxi_states_job job = {.tree = tree, .up = up};
     unsigned char *block;
     bvx_status status;
 
@@ -524,8 +524,6 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "bvx_refine: %u voxels are split; 2^32 - 2 are possible", octets + cubes);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block));
-    job.tree = tree;
-    job.up = up;
     job.bottom = bottom;
     job.nx = tree->base[0];
     job.ny = tree->base[1];
