@@ -93,11 +93,6 @@ bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 
 /* ---- Tasks ---- */
 
-/* Tasks in batches, with progress and cancellation asked on the calling thread between them.
- *
- * What a task computes depends on its index only; the number of tasks follows from the work's shape. So
- * neither the threads nor the batches show in any result. */
-
 enum { BATCHES = 8, TASKS_PER_WORKER = 16, LONG_TASKS_PER_WORKER = 2 };
 
 #define BETWEEN_REPORTS 5e7 /* what a batch of long tasks may take [Units: nanoseconds] */
