@@ -332,8 +332,6 @@ static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
 bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
                             int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
-    bvx_status status;
-
     memset(spaces, 0, sizeof *spaces);
 
     /* The number of runs is known before, so the forest is made in its exact size. */
@@ -342,9 +340,7 @@ bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *
     spaces->grid = grid;
     spaces->stage = stage;
     spaces->empty = empty;
-    status = join_spaces(ctx, spaces);
-    if (status != BVX_OK) bvxi_spaces_free(spaces);
-    return status;
+    return join_spaces(ctx, spaces);
 }
 
 void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *user)

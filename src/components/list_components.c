@@ -52,7 +52,6 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
                                       bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
     bvxi_spaces spaces;
-    bvx_status status = BVX_OK;
 
     if (count == NULL) return bvxi_fail_null(context, parts_name, "count");
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
@@ -61,11 +60,10 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     /* The count is known even where the array is too short, so that the caller can make a longer one. */
     *count = spaces.count;
     if (parts != NULL && spaces.count > capacity)
-        status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
-                           parts_name, spaces.count, capacity);
-    else if (parts != NULL) list_parts(&spaces, parts);
-    bvxi_spaces_free(&spaces);
-    return status;
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
+                         parts_name, spaces.count, capacity);
+    if (parts != NULL) list_parts(&spaces, parts);
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
@@ -182,7 +180,6 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
                         bvxi_spaces_open(context, label_name, "components", grid, 0, connectivity, &spaces)));
     BVXI_TRY(BVXI_SHARE(context, 0.2, 1.0, label_rows(context, &spaces, labels)));
     if (count != NULL) *count = spaces.count;
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 

@@ -183,7 +183,6 @@ static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx
     BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
 
     for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
-    bvxi_shell_close(ctx, &shell);
     return BVX_OK;
 }
 
@@ -222,7 +221,8 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
                             ? bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report)
                             : BVXI_SCOPE(context, fill_by_rule(context, mesh, &o, NULL, &made, &report)));
     if (status == BVX_OK && o.add_shell)
-        status = BVXI_SHARE(context, 0.3, 0.45, add_the_shell(context, mesh, &made, &report));
+        status = BVXI_SHARE(context, 0.3, 0.45,
+                            BVXI_SCOPE(context, add_the_shell(context, mesh, &made, &report)));
     if (status == BVX_OK && o.check_edges)
         status = BVXI_SHARE(context, 0.45, 0.7, count_edges(context, mesh, &report));
     if (status == BVX_OK && o.report != NULL)

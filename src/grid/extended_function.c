@@ -77,7 +77,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     const int32_t *const n = by->n, *const r = by->r;
     int32_t *memory;
     uint64_t entries = 0;
-    bvx_status status;
 
     memset(d, 0, sizeof *d);
     d->fine = fine;
@@ -109,9 +108,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     memory = d->tables;
     for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
     d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, EXTENDED_GRAIN);
-    status = open_coarse(ctx, function, d);
-    if (status != BVX_OK) bvxi_downsample_close(ctx, d);
-    return status;
+    return open_coarse(ctx, function, d);
 }
 
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)

@@ -100,12 +100,6 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
     return lay_starts(ctx, b);
 }
 
-void bvxi_blocks_close(bvx_context *ctx, bvxi_blocks *b)
-{
-    bvxi_drop(ctx, b->starts);
-    bvxi_drop(ctx, b->planes);
-}
-
 static uint64_t block_rows(const bvxi_blocks *b)
 {
     return (uint64_t)b->window.size[1] * (uint64_t)b->window.size[2];
@@ -225,7 +219,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks));
     BVXI_TRY(reduce_grid(context, function, &job, result));
-    bvxi_blocks_close(context, &job.blocks);
     return BVX_OK;
 }
 
@@ -301,7 +294,6 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
                          function, *count, capacity);
     else if (counts != NULL)
         BVXI_TRY(bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, coverage_piece, &job));
-    bvxi_blocks_close(context, &job.blocks);
     return BVX_OK;
 }
 

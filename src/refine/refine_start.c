@@ -234,7 +234,7 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
 
     /* Where the start is the last level the bits are the answer, and no lists are needed. */
     if (job->start < tree->levels) BVXI_TRY(make_start_lists(job, start));
-    bvxi_bins_close(job->ctx, &start->surface);
+    bvxi_drop(job->ctx, start->surface.bins.id);
     return BVX_OK;
 }
 

@@ -262,14 +262,11 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
     static const char name[] = "bvx_extract_count";
     bvx_extract_options o;
     bvxi_march m = {0};
-    bvx_status status;
 
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
-    status = bvxi_march_open(context, &m, grid, &o);
-    bvxi_march_close(context, &m);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(bvxi_march_open(context, &m, grid, &o));
     *vertex_count = m.vertex_count;
     *triangle_count = m.triangle_count;
     return BVX_OK;
@@ -292,9 +289,7 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
     BVXI_TRY(bvxi_march_open(context, &m, grid, &o));
-    BVXI_TRY(bvxi_march_fill(context, &m, mesh));
-    bvxi_march_close(context, &m);
-    return BVX_OK;
+    return bvxi_march_fill(context, &m, mesh);
 }
 
 bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,

@@ -77,7 +77,6 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     /* Neighbouring positions must differ as doubles. */
     if (m.options.position_type == BVX_F64) BVXI_TRY(bvxi_check_f64(ctx, function, inside, m.origin));
     BVXI_TRY(bvxi_march_fill(ctx, &m, mesh));
-    bvxi_march_close(ctx, &m);
     if (o->report != NULL) *o->report = report;
     return BVX_OK;
 }

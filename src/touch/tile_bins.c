@@ -156,9 +156,3 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     BVXI_TRY(run_bins(ctx, function, b));
     return BVX_OK;
 }
-
-void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job)
-{
-    bvxi_drop(ctx, job->bins.id);
-    job->bins.id = NULL;
-}

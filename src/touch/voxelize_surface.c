@@ -294,10 +294,7 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
 
     BVXI_TRY(bvxi_bins_open(ctx, function, job));
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0));
-    if (o->attached != NULL) BVXI_TRY(attach_triangles(ctx, job, o->attached));
-    bvxi_bins_close(ctx, job);
-    bvxi_snap_free(ctx, &job->snapped);
-    return BVX_OK;
+    return o->attached != NULL ? attach_triangles(ctx, job, o->attached) : BVX_OK;
 }
 
 /* A job for a grid that is open; the mesh and the lattice have been checked. */
@@ -324,7 +321,7 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
     begin_surface(ctx, mesh, BVX_SURFACE_THIN, 0, lost, &job);
     job.solid = solid;
-    BVXI_TRY(run_surface(ctx, function, &o, &job));
+    BVXI_TRY(BVXI_SCOPE(ctx, run_surface(ctx, function, &o, &job)));
     for (int a = 0; a < 3; a++) {
         int64_t sum = 0;
 
@@ -371,12 +368,6 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
                                 const bvx_surface_options *options, bvx_grid *surface)
 {
     return BVXI_CALL(context, run_voxelize_surface(context, mesh, lattice, options, surface));
-}
-
-void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell)
-{
-    bvxi_drop(ctx, shell->words);
-    memset(shell, 0, sizeof *shell);
 }
 
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
