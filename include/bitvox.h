@@ -1512,7 +1512,7 @@ BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, c
 
 /* ---- Closest points ------------------------------------------------------------------------------------ */
 
-/** A mesh prepared for closest points. It keeps what it needs: the view may be freed. */
+/** A mesh prepared for closest points, rays and winding numbers. It keeps what it needs: the view may be freed. */
 typedef struct bvx_closest bvx_closest;
 
 /** The closest point of a mesh to a point. */
@@ -1540,6 +1540,46 @@ BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view 
  *  [Cost: O(log triangles) a point near the surface, more farther off] */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
+
+/** Where a ray meets a mesh. */
+typedef struct bvx_mesh_hit {
+    double t;           /**< position = origin + t * direction */
+    double position[3]; /**< [Units: world] */
+    double weight[3];   /**< barycentric coordinates: not negative, with sum 1 but for rounding */
+    uint32_t triangle;
+    int32_t side; /**< 1: the side that the normal by the right hand points to; -1: the other one; 0: the ray
+                       meets none, and the other fields are zero */
+} bvx_mesh_hit;
+
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits
+ *  have 0 <= t <= t_max; of equal t the lowest index is the nearest. Which triangles are met is decided exactly:
+ *  a ray passes between no two triangles with a common edge, and through an edge or a corner it meets one of
+ *  the triangles that lie side by side there. A triangle seen from its edge is not met.
+ *  hits  the nearest one of each ray [Size: count]
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
+ *  finite, or starts 2^200 times the mesh's size away, with its index).
+ *  [Memory: none]
+ *  [Cost: O(log triangles) a ray, whatever their number] */
+BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *closest, const double *rays,
+                                    uint64_t count, double t_max, bvx_mesh_hit *hits);
+
+/** All hits of each ray, by t, then by index of the triangle.
+ *  offsets  where the hits of each ray begin, and their number [Size: count + 1]
+ *  hits     NULL: offsets alone are wanted [Size: capacity]
+ *  Returns what bvx_closest_cast returns, BVX_ERR_CAPACITY (offsets are valid then).
+ *  [Memory: none] */
+BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
+                                         uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
+                                         uint64_t capacity);
+
+/** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented
+ *  mesh 0 outside and 1 inside; of an open one the signed number of triangles that lie ahead along x. Points on
+ *  the surface are on one side, by the tie rule of voxel centres.
+ *  Returns BVX_ERR_RANGE (a point that is not finite, with its index).
+ *  [Memory: none]
+ *  [Cost: O(log triangles) a point] */
+BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
+                                       uint64_t count, int64_t *turns);
 
 /** Free what bvx_closest_create allocated; NULL is allowed. */
 BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);

@@ -258,6 +258,10 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 /* Refuses points [Size: count * 3] that are not finite. */
 bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
+/* Refuses rays [Size: count * 6] that are not finite or have no direction, and a t_max below 0. */
+bvx_status bvxi_check_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
+                           double t_max);
+
 /* Copy the caller's options; NULL: all zeros. Refuses a struct_size that no version had. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
                              size_t size);

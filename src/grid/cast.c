@@ -428,25 +428,6 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count)
-{
-    static const char *const part[6] = {"origin x",    "origin y",    "origin z",
-                                        "direction x", "direction y", "direction z"};
-
-    for (uint64_t i = 0; i < count; i++) {
-        const double *const ray = rays + 6 * i;
-        for (int k = 0; k < 6; k++)
-            if (ray[k] - ray[k] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: ray %i has %s = %g, which is not finite", function, i, part[k],
-                                     ray[k]);
-        if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: ray %i has a direction of length 0", function, i);
-    }
-    return BVX_OK;
-}
-
 static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
                                 uint64_t count, double t_max, bvx_ray_hit *hits)
 {
@@ -457,13 +438,10 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
-    if (!(t_max >= 0.0))
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: t_max is %g; it must be 0 or above", function, t_max);
     if (count > SIZE_MAX / sizeof *hits)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u rays are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_cast_rays(context, function, rays, count));
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max));
 
     /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)

@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+enum { FUZZ_HITS = 64 };
+
 static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
 {
     for (int32_t z = 0; z < part->band.size[2]; z++)
@@ -23,6 +25,25 @@ static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
                                     (const double *)whole->vectors + 3 * b, 3 * sizeof(double)) == 0,
                              "another vector in a window");
             }
+}
+
+/* All hits along x make the winding number, and the first of them is the nearest. */
+static void fuzz_rays(bvx_context *ctx, const bvx_closest *closest, const double p[3])
+{
+    double const ray[6] = {p[0], p[1], p[2], 1, 0, 0};
+    bvx_mesh_hit nearest, hits[FUZZ_HITS];
+    uint64_t offsets[2];
+    int64_t turns, sum = 0;
+
+    fuzz_must(ctx, bvx_closest_winding(ctx, closest, p, 1, &turns));
+    fuzz_must(ctx, bvx_closest_cast(ctx, closest, ray, 1, 1e300, &nearest));
+    fuzz_must(ctx, bvx_closest_crossings(ctx, closest, ray, 1, 1e300, offsets, NULL, 0));
+    fuzz_require((offsets[1] != 0) == (nearest.side != 0), "a nearest hit of none");
+    if (offsets[1] == 0 || offsets[1] > FUZZ_HITS) return;
+    fuzz_must(ctx, bvx_closest_crossings(ctx, closest, ray, 1, 1e300, offsets, hits, FUZZ_HITS));
+    fuzz_require(hits[0].triangle == nearest.triangle && hits[0].t == nearest.t, "another nearest hit");
+    for (uint64_t i = 0; i < offsets[1]; i++) sum -= hits[i].side;
+    fuzz_require(hits[0].t == 0 || sum == turns, "another winding number than along the ray");
 }
 
 /* Its values are the distances to the nearest points by the other engine, up to rounding. */
@@ -46,6 +67,7 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
                 distance = ((const double *)field->distances)[n];
                 fuzz_require(fabs(fabs(distance) - found.distance) <= 1e-9 * (1 + found.distance),
                              "a distance that is not the nearest point's");
+                if (n % 8 == 0) fuzz_rays(ctx, closest, p);
             }
     bvx_closest_free(ctx, closest);
 }

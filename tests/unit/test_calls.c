@@ -648,13 +648,19 @@ static void test_sizes_beyond_memory_and_none(void)
                        "bvx_grid_sample");
         expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out),
                        "bvx_closest_find");
+        expect_refused(ctx, bvx_closest_cast(ctx, closest, a_ray, n, 1, (bvx_mesh_hit *)&out),
+                       "bvx_closest_cast");
+        expect_refused(ctx, bvx_closest_crossings(ctx, closest, a_ray, n, 1, (uint64_t *)&out, NULL, 0),
+                       "bvx_closest_crossings");
     }
+    expect_refused(ctx, bvx_closest_winding(ctx, closest, NULL, 1, (int64_t *)&out), "bvx_closest_winding");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &solid, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &solid, NULL, 0, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_cast(ctx, closest, NULL, 0, 1, NULL));
     expect_refused(ctx, bvx_octree_at(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
     expect_refused(ctx, bvx_octree_find(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_find");
     expect_refused(ctx, bvx_octree_cast(ctx, tree, 0, NULL, 1, 1, (bvx_octree_hit *)&out), "bvx_octree_cast");

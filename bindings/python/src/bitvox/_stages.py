@@ -555,7 +555,7 @@ def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = No
 
 
 class Closest:
-    """A mesh made ready for questions about its nearest points; keeps a copy of what it needs.
+    """A mesh made ready for questions about nearest points, rays and inside; keeps a copy of what it needs.
 
     Parameters
     ----------
@@ -592,13 +592,15 @@ class Closest:
     def __repr__(self) -> str:
         return f"Closest({self._mesh.n_vertices} vertices, {self._mesh.n_faces} faces)"
 
-    def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+    def find(self, points: Any, *, signed: bool = False, threads: int | None = None, progress: Progress = None) -> Array:
         """The nearest points of the mesh.
 
         Parameters
         ----------
         points
             (n, 3) [world].
+        signed
+            distances are negative inside, where `contains` is True.
 
         Returns
         -------
@@ -616,7 +618,111 @@ class Closest:
         out = ffi.new("bvx_closest_point[]", max(1, given.count))
         with Run(threads, None, progress) as run:
             run.check(lib.bvx_closest_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
-        return arrays.records_at(out, "bvx_closest_point", given.count, out)
+        found = arrays.records_at(out, "bvx_closest_point", given.count, out)
+        if signed:
+            found = found.copy()
+            found["distance"][self.contains(points, threads=threads)] *= -1
+        return found
+
+    def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, progress: Progress = None) -> Array:
+        """Where rays first meet the mesh, decided exactly: no ray passes between triangles with a common edge.
+
+        Parameters
+        ----------
+        rays
+            (n, 6) origin and direction, of any length but 0 [world].
+        t_max
+            hits have ``0 <= t <= t_max``, position = origin + t * direction.
+
+        Returns
+        -------
+        Array
+            A record array of n: t, position [world], weight (barycentric), triangle, side (1: the side that the normal points to,
+            -1: the other one, 0: the ray meets nothing).
+
+        Examples
+        --------
+        >>> triangle = bitvox.Closest(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+        >>> float(triangle.cast([[0.25, 0.25, 2, 0, 0, -1]])['t'][0])
+        2.0
+        """
+        given = arrays.numbers_in(rays, "rays", 6)
+        out = ffi.new("bvx_mesh_hit[]", max(1, given.count))
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_cast(run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, out))
+        return arrays.records_at(out, "bvx_mesh_hit", given.count, out)
+
+    def crossings(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None,
+                  progress: Progress = None) -> tuple[Array, Array]:
+        """All places where rays meet the mesh: an edge or a corner between triangles that lie side by side is one.
+
+        Parameters
+        ----------
+        rays, t_max
+            as in `cast`.
+
+        Returns
+        -------
+        tuple
+            offsets (n + 1,) and the hits as in `cast`, by t: those of ray i are ``hits[offsets[i]:offsets[i + 1]]``.
+
+        Examples
+        --------
+        >>> knot = bitvox.Closest('knot.ply')
+        >>> offsets, hits = knot.crossings([[0, 0, 0, 1, 0, 0]])
+        >>> bool(len(hits) == offsets[1])
+        True
+        """
+        import numpy as np
+
+        given = arrays.numbers_in(rays, "rays", 6)
+        offsets = np.zeros(given.count + 1, np.uint64)
+        starts = ffi.cast("uint64_t *", offsets.ctypes.data)
+        with Run(threads, None, progress) as run:
+            asked = (run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, starts)
+            run.check(lib.bvx_closest_crossings(*asked, ffi.NULL, 0))
+            count = int(offsets[-1])
+            out = ffi.new("bvx_mesh_hit[]", max(1, count))
+            run.check(lib.bvx_closest_crossings(*asked, out, count))
+        return offsets, arrays.records_at(out, "bvx_mesh_hit", count, out)
+
+    def winding(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+        """How often the mesh goes around points; exact.
+
+        Parameters
+        ----------
+        points
+            (n, 3) [world].
+
+        Returns
+        -------
+        Array
+            (n,) int64: of a closed, oriented mesh 0 outside and 1 inside. Of an open one it is the signed number of triangles that
+            lie ahead along x: `measure_field` with sign "winding" is for these.
+
+        Examples
+        --------
+        >>> bitvox.Closest('knot.ply').winding([[100, 0, 0]]).tolist()
+        [0]
+        """
+        import numpy as np
+
+        given = arrays.numbers_in(points, "points", 3)
+        turns = np.zeros(given.count, np.int64)
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_winding(run.context, self._c, ffi.cast("double *", given.pointer), given.count,
+                                              ffi.cast("int64_t *", turns.ctypes.data)))
+        return turns
+
+    def contains(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+        """Which points lie inside: (n,) bool, where `winding` is not 0.
+
+        Examples
+        --------
+        >>> bitvox.Closest('knot.ply').contains([[100, 0, 0]]).tolist()
+        [False]
+        """
+        return self.winding(points, threads=threads, progress=progress) != 0
 
 
 def repair(
