@@ -604,7 +604,6 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
     BVXI_TRY(check_boolean_options(context, operation, &o));

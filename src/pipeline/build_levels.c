@@ -106,7 +106,6 @@ static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mes
     bvx_levels_options o;
     double low[3], high[3], area, longest = 0, wanted;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (resolution == NULL) return bvxi_fail_null(context, plan_name, "resolution");
     BVXI_TRY(bvxi_take_options(context, plan_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, plan_name, &o));
@@ -467,7 +466,6 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     uint64_t used;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
     used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));

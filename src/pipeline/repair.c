@@ -198,7 +198,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
     /* The result is not the mesh that it is made of. */

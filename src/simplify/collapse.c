@@ -406,7 +406,7 @@ typedef struct range_job {
     collapse_range *ranges;
 } range_job;
 
-static void range_piece(void *user, int32_t index, int32_t worker)
+static void range_piece(void *user, int32_t index)
 {
     const range_job *const job = user;
     const collapse_sweep *const s = job->s;
@@ -415,7 +415,6 @@ static void range_piece(void *user, int32_t index, int32_t worker)
     uint64_t const begin = (uint64_t)index * s->size;
     uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
     uint64_t candidates = 0, quota;
-    (void)worker;
 
     /* Each range has its part of what is needed, so that all of them together take no more. */
     for (uint64_t v = begin; v < end; v++) candidates += c->least[v] <= s->threshold;

@@ -238,12 +238,11 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
     c->edge[v] = best;
 }
 
-static void evaluate_piece(void *user, int32_t index, int32_t worker)
+static void evaluate_piece(void *user, int32_t index)
 {
     bvxi_collapse *const c = user;
     bvxi_corners *const m = &c->mesh;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
     for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
@@ -257,11 +256,10 @@ static void evaluate_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static void least_piece(void *user, int32_t index, int32_t worker)
+static void least_piece(void *user, int32_t index)
 {
     bvxi_collapse *const c = user;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
     for (uint64_t v = begin; v < end; v++)

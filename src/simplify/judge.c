@@ -138,12 +138,11 @@ static int is_beside_fresh(const bvxi_collapse *c, uint32_t v)
     return 0;
 }
 
-static void fans_piece(void *user, int32_t piece, int32_t worker)
+static void fans_piece(void *user, int32_t piece)
 {
     const judge_level *const l = user;
     const bvxi_collapse *const c = l->c;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), piece, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {

@@ -118,12 +118,11 @@ static void corners_in(const crossing_tree *tree, uint64_t t, const double *p[3]
     for (int k = 0; k < 3; k++) p[k] = tree->at[tree->triangle[t].vertex[k]].p;
 }
 
-static void leaf_piece(void *user, int32_t index, int32_t worker)
+static void leaf_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     const crossing_tree *const tree = job->tree;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
@@ -315,12 +314,11 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
 }
 
 /* Of fans of very many triangles all nodes overlap. */
-static void common_piece(void *user, int32_t index, int32_t worker)
+static void common_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     const crossing_tree *const tree = job->tree;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -384,13 +382,12 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     return found;
 }
 
-static void pairs_piece(void *user, int32_t index, int32_t worker)
+static void pairs_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     uint64_t *const keys = job->keys + job->begins[index];
     uint64_t const room = job->begins[index + 1] - job->begins[index];
     uint64_t begin, end, found = 0;
-    (void)worker;
 
     if (job->written[index]) return;
     bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
@@ -448,7 +445,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
     for (int32_t i = 0; i <= job.pieces; i++)
         job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
     bvxi_tasks(ctx, job.pieces, common_piece, &job);
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
+    BVXI_TRY(bvxi_each(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
     bvxi_drop(ctx, job.common);

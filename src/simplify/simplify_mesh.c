@@ -25,7 +25,6 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     bvx_certificate from;
     double low[3], high[3];
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, simplify_name, "levels");
     BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, simplify_name, &o, BVXI_OPTIONS(simplify_rows)));

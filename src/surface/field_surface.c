@@ -13,8 +13,6 @@
 #include "mesh/topology.h"
 #include "mesh/view.h"
 
-/* ---- checks ---- */
-
 static const bvxi_option field_surface_rows[] = {
     BVXI_PLACING(bvx_field_surface_options),
     BVXI_OR(bvx_field_surface_options, sharp_angle, REAL, BVXI_SHARP_ANGLE, -1.0, 1.0),
@@ -29,7 +27,6 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
 
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
 
-    /* Row by row: what is given against the bits before it. */
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -78,7 +75,6 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
                               const bvx_field_surface_options *o)
 {
-    /* Only what the chosen way reads has to be there. */
     int const vectors = (o->placing.interpolation != BVX_EDGE_SCALAR &&
                          o->placing.interpolation != BVX_EDGE_MIDDLE) ||
                         o->placing.sharp != BVX_SHARP_NEVER;
@@ -122,7 +118,6 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
 {
     double low[3], high[3];
 
-    /* Before any of them is looked up. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
@@ -140,7 +135,6 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     double low[3], high[3], share;
     int32_t sharp;
 
-    /* Requested or forbidden: the mesh is not looked at. */
     if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
@@ -149,9 +143,6 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     return BVX_OK;
 }
 
-/* ---- steps ---- */
-
-/* Cuts counted over all pieces. */
 static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
 {
     for (int32_t p = 0; p < c->march->pieces; p++) {
@@ -181,16 +172,10 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
                              bvx_field_surface_report *report)
 {
-    /* On failure the caller's own mesh is emptied, the library's freed. */
     int const mine = surface->positions == NULL;
-    bvx_status status;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, m, surface)));
-    status = BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report));
-    if (status == BVX_OK) return BVX_OK;
-    if (mine) bvx_mesh_free(ctx, surface);
-    else surface->vertex_count = surface->triangle_count = 0;
-    return status;
+    return bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report)), mine, surface);
 }
 
 /* The surface by cuts becomes scratch. */
@@ -204,7 +189,6 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
 
-    /* As large as the plain surface is: it is made here first. */
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
@@ -237,15 +221,12 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     cuts.values = values;
     cuts.interpolation = options->placing.interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
-    /* Both ways share the march; sharpening only adds to it. */
     BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                    : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);
     if (options->report != NULL) *options->report = report;
     return BVX_OK;
 }
-
-/* ---- public ---- */
 
 static bvx_status run_extract_field_surface(bvx_context *context, const bvx_field *field,
                                             const bvx_mesh_view *mesh,
@@ -257,7 +238,6 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     bvxi_sparse values;
     int32_t asked;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (field == NULL || surface == NULL)
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
