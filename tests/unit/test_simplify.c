@@ -824,7 +824,7 @@ static void test_simplify_refuses_options_out_of_range_or_exclusive(void)
     refuse(BVX_ERR_ARGUMENT, &o, 1, "even");
     o = defaults();
     o.targets.samples = (uint64_t)1 << 31;
-    refuse(BVX_ERR_ARGUMENT, &o, 1, "measure_samples");
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "samples");
     for (int i = 0; i < 3; i++) {
         static const double wrong[3] = {-1e-9, 1000.001, (double)NAN};
         o = defaults();
