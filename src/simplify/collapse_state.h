@@ -63,6 +63,7 @@ struct bvxi_collapse {
     const char *function;
     bvxi_collapse_options options;
     bvxi_corners mesh;
+    int fast; /* 1: with AVX2 */
 
     uint32_t
         *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
@@ -74,7 +75,8 @@ struct bvxi_collapse {
     uint8_t *kind;  /* VERTEX_... */
     uint8_t *waits; /* 1: its edge reaches into another range */
     uint8_t *fresh; /* 1: it has changed since the level was judged */
-    uint8_t *stale; /* 1: an edge of it has another cost than bvxi_edge_evaluate finds, at both of its ends */
+    uint8_t
+        *stale; /* 1: an edge of it has another cost than bvxi_edges_evaluate finds, at both of its ends */
     collapse_undo *undo; /* of vertices that are gone */
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 

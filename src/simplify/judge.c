@@ -154,29 +154,47 @@ static void fans_piece(void *user, int32_t piece, int32_t worker)
     }
 }
 
-/* Boxes over the level, and pairs that cross. */
+void bvxi_collapse_end_careful(bvxi_collapse *c)
+{
+    bvxi_drop(c->ctx, c->tree.node[0]);
+    c->tree.node[0] = NULL;
+}
+
+/* Boxes over the mesh as it is, for collapses that are looked at one by one. */
+static bvx_status open_tree(bvxi_collapse *c, const uint32_t *live, uint64_t triangles)
+{
+    c->tree.at = c->mesh.at;
+    c->tree.triangle = c->mesh.triangle;
+    c->tree.live = live;
+    c->tree.triangles = triangles;
+    c->tree.scale = c->scale;
+    memcpy(c->tree.low, c->low, sizeof c->low);
+    return bvxi_crossing_tree_open(c->ctx, &c->tree);
+}
+
+/* Pairs of the level that cross. */
 static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs,
                                uint64_t *count)
 {
     judge_level l = {c, all, NULL};
-    uint64_t fresh = 0;
+    uint64_t fresh = 0, count_live = 0;
+    uint32_t *live;
 
     /* Where most has changed each pair is looked at from one side, which is less than what is fresh from both. */
     for (uint64_t v = 0; v < c->mesh.vertices; v++) fresh += c->fresh[v];
     if (2 * fresh > c->alive) all = l.all = 1;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.fan));
     bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
-    c->tree.at = c->mesh.at;
-    c->tree.triangle = c->mesh.triangle;
-    c->tree.triangles = c->mesh.triangles;
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.left * 4, "the level's triangles", &live));
+    for (uint64_t t = 0; t < c->mesh.triangles; t++) {
+        if (!bvxi_triangle_gone(&c->mesh.triangle[t])) live[count_live++] = (uint32_t)t;
+    }
+    BVXI_TRY(open_tree(c, live, count_live));
     c->tree.fan = l.fan;
-    c->tree.scale = c->scale;
-    memcpy(c->tree.low, c->low, sizeof c->low);
-    BVXI_TRY(bvxi_crossing_tree_open(c->ctx, &c->tree));
     BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, all, from, to, pairs, count));
-
-    /* Fans change from now on. */
+    bvxi_collapse_end_careful(c);
     c->tree.fan = NULL;
+    bvxi_drop(c->ctx, live);
     bvxi_drop(c->ctx, l.fan);
     return BVX_OK;
 }
@@ -199,12 +217,6 @@ static uint64_t count_live_pairs(const bvxi_collapse *c, const uint32_t *pairs, 
         counted += !bvxi_triangle_gone(&c->mesh.triangle[pairs[0]]) &&
                    !bvxi_triangle_gone(&c->mesh.triangle[pairs[1]]) && is_fresh_pair(c, pairs) == fresh;
     return counted;
-}
-
-void bvxi_collapse_end_careful(bvxi_collapse *c)
-{
-    bvxi_drop(c->ctx, c->tree.node[0]);
-    c->tree.node[0] = NULL;
 }
 
 /* ---- What has come with the mesh ---- */
@@ -455,6 +467,8 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     bvxi_drop(c->ctx, c->pairs);
     BVXI_TRY(search_level(c, all, from, to, &c->pairs, &c->crossings));
 
+    BVXI_TRY(open_tree(c, NULL, c->mesh.triangles));
+
     /* How many others were found along the way must not show. */
     if (count_live_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
     for (uint64_t i = 0; i < c->crossings; i++) {
@@ -483,6 +497,5 @@ bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
     *count = c->listed ? count_live_pairs(c, c->pairs, c->crossings, 0) + count_live_pairs(c, pairs, found, 1)
                        : found;
     bvxi_drop(c->ctx, pairs);
-    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }

@@ -22,6 +22,8 @@ typedef struct crossing_tree {
     const bvxi_corner_vertex *at;
     const bvxi_corner_triangle *triangle;
     const uint8_t *fan; /* FAN_... of each vertex; NULL: all are fresh, and nothing else is known */
+    const uint32_t
+        *live; /* triangles that are not gone, ascending; NULL: all have a place [Size: triangles] */
     uint64_t triangles;
     double low[3], scale; /* (position - low) * scale is within 0 and 1 */
 
@@ -36,7 +38,7 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree);
 /* Triangle t has moved or come back: its box is its own again, those above grow. */
 void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t);
 
-/* Find pairs of triangles that cross; all: also those of which neither has a fresh vertex. *pairs becomes a block
+/* Find pairs of triangles that cross in a tree of live ones; all: also those of which neither has a fresh vertex. *pairs becomes a block
  * of scratch [Size: *count * 2], in rising order, each with its lower index first, or NULL where none cross. */
 bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
                                uint32_t **pairs, uint64_t *count);
