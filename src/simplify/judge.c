@@ -386,31 +386,45 @@ static int add_pair(void *user, uint32_t t)
     return 0;
 }
 
-/* The triangles around a vertex that is back where it was: their boxes, and what they cross. */
-static void look_around(judge_found *list, uint32_t v)
+enum { FRESH_LOOKED = 2 }; /* in place of 1: changed, and looked at since */
+
+/* The triangles around a vertex that is back where it was: their boxes, or what they cross, once for all of these
+ * vertices that they have. */
+static void look_around(judge_found *list, uint32_t v, int boxes)
 {
     bvxi_collapse *const c = list->c;
     const bvxi_corners *const m = &c->mesh;
-    uint32_t const graph = is_graph(m, v, c->any[v]) ? v : BVXI_VERTEX_NONE;
+    uint32_t const graph = !boxes && is_graph(m, v, c->any[v]) ? v : BVXI_VERTEX_NONE;
+    int32_t at = c->any[v];
 
-    for (int pass = 0; pass < 2; pass++) {
-        int32_t at = c->any[v];
+    do {
+        uint32_t const t = (uint32_t)at >> 2, *const w = m->triangle[t].vertex;
+        int first = t < m->triangles;
 
-        do {
-            uint32_t const t = (uint32_t)at >> 2;
+        at = bvxi_corner_turn_left(m, at);
+        for (int k = 0; k < 3 && first; k++) first = w[k] >= v || c->fresh[w[k]] != 1;
+        if (first && boxes) {
+            bvxi_crossing_tree_move(&c->tree, t);
+        } else if (first) {
+            const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
 
-            if (t < m->triangles && pass == 0) bvxi_crossing_tree_move(&c->tree, t);
-            if (t < m->triangles && pass == 1) {
-                const uint32_t *const w = m->triangle[t].vertex;
-                const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
+            list->triangle = t;
+            bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
+                                     bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
+        }
+    } while (at != c->any[v]);
+}
 
-                list->triangle = t;
-                bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
-                                         bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
-            }
-            at = bvxi_corner_turn_left(m, at);
-        } while (at != c->any[v]);
-    }
+/* What the vertices cross that are back since the last look. */
+static void look_at_undone(judge_found *list)
+{
+    bvxi_collapse *const c = list->c;
+
+    for (int boxes = 1; boxes >= 0; boxes--)
+        for (uint32_t v = 0; v < c->mesh.vertices; v++)
+            if (c->fresh[v] == 1 && !bvxi_collapse_is_gone(c, v)) look_around(list, v, boxes);
+    for (uint32_t v = 0; v < c->mesh.vertices; v++)
+        c->fresh[v] = c->fresh[v] == 1 ? FRESH_LOOKED : c->fresh[v];
 }
 
 /* The last collapse that changed one of both triangles: the vertex that went in it, or BVXI_VERTEX_NONE. */
@@ -444,15 +458,11 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
         latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
         if (latest == BVXI_VERTEX_NONE) continue;
 
-        /* One at a time, until the one that was meant is undone. */
+        /* One at a time, until the one that was meant is undone; then both are looked at again. */
         do {
             went = bvxi_collapse_undo(c, latest);
             ++*undone;
-            look_around(list, went);
-            look_around(list, c->undo[went].stayed);
         } while (went != latest);
-
-        /* Both are looked at again. */
         list->triangle = s;
         add_pair(list, t);
     }
@@ -477,7 +487,11 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to
     }
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
-    BVXI_TRY(undo_pairs(&list, undone));
+    while (list.count != 0) {
+        BVXI_TRY(undo_pairs(&list, undone));
+        look_at_undone(&list);
+    }
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) c->fresh[v] = c->fresh[v] != 0;
     c->counts.refused += *undone;
     c->listed = all;
     bvxi_drop(c->ctx, list.pair);
