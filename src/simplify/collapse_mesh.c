@@ -109,12 +109,11 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
     int met;
 
-    c->listed = 0;
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     met = c->mesh.left <= target;
-    BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
+    BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);

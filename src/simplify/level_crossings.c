@@ -27,7 +27,6 @@ typedef crossing_node box_node;
 
 typedef struct crossing_job {
     const crossing_tree *tree;
-    int all;
     int32_t pieces;
     uint32_t
         *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
@@ -222,11 +221,6 @@ typedef struct held_triangle {
     box_query query;
 } held_triangle;
 
-static int is_fresh(const crossing_tree *tree, const uint32_t *v)
-{
-    return tree->fan == NULL || ((tree->fan[v[0]] | tree->fan[v[1]] | tree->fan[v[2]]) & FAN_FRESH) != 0;
-}
-
 static int same_position(const double *p, const double *q)
 {
     return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
@@ -260,9 +254,9 @@ static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint3
 {
     int shared = 0;
 
-    for (int k = 0; k < 3 && tree->fan != NULL; k++)
-        shared |= ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2])) & tree->fan[b[k]];
-    return (shared & FAN_GRAPH) != 0;
+    for (int k = 0; k < 3 && tree->graph != NULL; k++)
+        shared |= ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2])) & tree->graph[b[k]];
+    return shared;
 }
 
 /* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
@@ -288,17 +282,14 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
 
         if (held[i].vertex == NULL) continue;
         bits = overlaps(&tree->node[0][second], &held[i].query);
-        if (first == second) bits &= job->all ? ~0u << (i + 1) : ~(1u << i);
+        if (first == second) bits &= ~0u << (i + 1);
         for (; bits != 0; bits &= bits - 1) {
             uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
             const uint32_t *const v = vertices_in(tree, t);
 
             if (share_graph(tree, held[i].vertex, v)) continue;
-            /* Each pair once: from its first triangle, or from the only one that is fresh. */
-            if (!job->all && t < s && is_fresh(tree, v)) continue;
             if (!crosses(tree, &held[i].plane, held[i].p, v)) continue;
-            if (found < room)
-                keys[found] = triangle_at(tree, t < s ? t : s) << 32 | triangle_at(tree, t < s ? s : t);
+            if (found < room) keys[found] = triangle_at(tree, s) << 32 | triangle_at(tree, t);
             found++;
         }
     }
@@ -318,7 +309,6 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
         int16_t const high[3] = {box->high[0][i], box->high[1][i], box->high[2][i]};
 
         held[i].vertex = is_alive(tree, t) ? vertices_in(tree, t) : NULL;
-        if (held[i].vertex != NULL && !job->all && !is_fresh(tree, held[i].vertex)) held[i].vertex = NULL;
         if (held[i].vertex == NULL) continue;
         any = 1;
         held[i].query = query_of(low, high);
@@ -353,7 +343,7 @@ static void common_piece(void *user, int32_t index, int32_t worker)
         }
         job->common[i] = BVXI_VERTEX_NONE;
         for (int k = 0; k < 3; k++)
-            if (common[k] != BVXI_VERTEX_NONE && tree->fan != NULL && (tree->fan[common[k]] & FAN_GRAPH) != 0)
+            if (common[k] != BVXI_VERTEX_NONE && tree->graph != NULL && tree->graph[common[k]] != 0)
                 job->common[i] = common[k];
     }
 }
@@ -387,9 +377,8 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
         for (uint32_t bits = overlaps(&tree->node[level][index], &whole); bits != 0; bits &= bits - 1) {
             uint64_t const child = index * WIDTH + (uint64_t)bvxi_lowest(bits);
 
-            /* A child of this level holds 8^(level - 1) nodes. Those up to this node have had their turn, but
-             * where only fresh triangles are looked at. */
-            if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
+            /* A child of this level holds 8^(level - 1) nodes. Those up to this node have had their turn. */
+            if ((child + 1) << 3 * (level - 1) <= node + 1) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
             else if (!share_a_fan(job, node, child))
                 found = pairs_of_nodes(job, held, node, child, keys, room, found);
@@ -446,10 +435,10 @@ static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t coun
     return BVX_OK;
 }
 
-bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
+bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, double from, double to,
                                uint32_t **pairs, uint64_t *count)
 {
-    crossing_job job = {.tree = tree, .all = all, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
+    crossing_job job = {.tree = tree, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
 
     *pairs = NULL;
     *count = 0;
@@ -484,6 +473,8 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
+        /* Not itself. */
+        if (tree->at[v[0]].p == p[0] && tree->at[v[1]].p == p[1] && tree->at[v[2]].p == p[2]) continue;
         if (crosses(tree, plane, p, v) && (visit == NULL || visit(user, (uint32_t)t))) return 1;
 next:;
     }
