@@ -62,27 +62,47 @@ static bvx_status collapse_within(bvxi_collapse *c, uint64_t target, double from
     return BVX_OK;
 }
 
-/* What lies further from the surface than in levels that look like their source goes only where the target is met by
- * it, little by little: a shape that cannot have so few triangles is not crumpled to come nearer. */
+/* 1: vertices may lie further from their planes than in levels that look like their source. Of a closed mesh no fewer
+ * triangles than its Euler characteristic and four vertices have are possible. A strong pull towards even triangles
+ * would be measured as a distance, too. */
+static int may_crumple(const bvxi_collapse *c, uint64_t target)
+{
+    return c->options.even <= EVEN_LITTLE &&
+           (c->mesh.ghosts != 0 || target + 2 * c->alive >= c->mesh.left + 8);
+}
+
+/* From so many mean edges on little by little to the most. A shape that cannot have so few triangles is not crumpled
+ * to come nearer: what was done is undone. */
+static bvx_status collapse_crumpling(bvxi_collapse *c, uint64_t target, double first, double from, double to)
+{
+    float const reached = c->reached;
+    uint32_t const order = c->order;
+
+    for (c->crumpled = first;; c->crumpled *= CRUMPLED_STEP) {
+        if (c->crumpled > CRUMPLED_MOST) c->crumpled = CRUMPLED_MOST;
+        BVXI_TRY(collapse_within(c, target, from, to));
+        if (c->mesh.left <= target) return BVX_OK;
+        if (c->crumpled == CRUMPLED_MOST) break;
+        BVXI_TRY(bvxi_collapse_evaluate(c));
+    }
+    bvxi_collapse_undo_since(c, order);
+    memset(c->stale, 1, (size_t)c->mesh.vertices);
+    c->reached = reached;
+    return bvxi_collapse_evaluate(c);
+}
+
 static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, double from, double to)
 {
-    uint32_t order;
+    /* Strips between seams meet before they crumple: what looks like the source goes first there. */
+    int const seams = c->attributes.row != NULL;
 
-    /* A strong pull towards even triangles would be measured as a distance, too. */
+    if (last && !seams && may_crumple(c, target))
+        BVXI_TRY(collapse_crumpling(c, target, CRUMPLED_MOST, from, to));
     c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
     BVXI_TRY(collapse_within(c, target, from, to));
-    order = c->order;
-
-    /* A closed mesh keeps its Euler characteristic and has four vertices at least: fewer triangles are out of reach. */
-    if (c->mesh.ghosts == 0 && target + 2 * c->alive < c->mesh.left + 8) return BVX_OK;
-    while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
-        c->crumpled = c->crumpled * CRUMPLED_STEP < CRUMPLED_MOST ? c->crumpled * CRUMPLED_STEP
-                                                                  : CRUMPLED_MOST;
-        BVXI_TRY(bvxi_collapse_evaluate(c));
-        BVXI_TRY(collapse_within(c, target, to, to));
-    }
-    if (last && c->mesh.left > target) bvxi_collapse_undo_since(c, order);
-    return BVX_OK;
+    return last && seams && c->mesh.left > target && may_crumple(c, target)
+               ? collapse_crumpling(c, target, CRUMPLED_LITTLE * CRUMPLED_STEP, to, to)
+               : BVX_OK;
 }
 
 /* Cut and fill what is small beside the triangles of a level, and go on to it without. In the last one only where
