@@ -302,6 +302,15 @@ enum {
 /* 0 stands for the standard, and BVX_NONE for 0 where that is allowed. */
 #define BVXI_OR(type, field, kind, standard, low, high) \
     BVXI_OPTION(type, field, BVXI_IS_##kind, low, high, standard)
+/* Those of structs that several options share. */
+#define BVXI_PLACING(type)                                                          \
+    BVXI_CHOICE(type, placing.position_type, BVX_POSITION_AUTO, BVX_F64),           \
+        BVXI_SWITCH(type, placing.local_frame),                                     \
+        BVXI_CHOICE(type, placing.face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),     \
+        BVXI_CHOICE(type, placing.interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER), \
+        BVXI_CHOICE(type, placing.sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),         \
+        BVXI_RESERVED(type, placing.reserved)
+#define BVXI_PARTS(type)   BVXI_SWITCH(type, parts.keep_crumbs), BVXI_RESERVED(type, parts.reserved)
 #define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
 #define BVXI_FINITE        1.7976931348623157e308 /* the largest double */
 

@@ -178,7 +178,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     bvxi_level_chain chain = {
         .function = lod_name,
         .original = &view,
-        .target_triangles = &target,
+        .targets.triangles = &target,
         .halve_from = fine->triangle_count,
         .collapse = {.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
         .count = 1,

@@ -14,12 +14,7 @@
 #include "mesh/view.h"
 
 static const bvxi_option field_surface_rows[] = {
-    BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
-    BVXI_CHOICE(bvx_field_surface_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
-    BVXI_CHOICE(bvx_field_surface_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_CHOICE(bvx_field_surface_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
-    BVXI_SWITCH(bvx_field_surface_options, local_frame),
-    BVXI_RESERVED(bvx_field_surface_options, reserved),
+    BVXI_PLACING(bvx_field_surface_options),
     BVXI_OR(bvx_field_surface_options, sharp_angle, REAL, BVXI_SHARP_ANGLE, -1.0, 1.0),
     BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
@@ -51,11 +46,11 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
                                 const bvx_field_surface_options *o)
 {
     static const double local_origin[3] = {0, 0, 0};
-    const double *const origin = o->local_frame ? local_origin : grid->lattice.origin;
+    const double *const origin = o->placing.local_frame ? local_origin : grid->lattice.origin;
 
     /* Floats need no such check: they round, and the surface stays closed. */
-    if (o->position_type == BVX_F32) return BVX_OK;
-    if (o->position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
+    if (o->placing.position_type == BVX_F32) return BVX_OK;
+    if (o->placing.position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
     return bvxi_check_f64(ctx, function, grid, origin);
 }
 
@@ -80,8 +75,9 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
                               const bvx_field_surface_options *o)
 {
-    int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
-                        o->sharp != BVX_SHARP_NEVER;
+    int const vectors = (o->placing.interpolation != BVX_EDGE_SCALAR &&
+                         o->placing.interpolation != BVX_EDGE_MIDDLE) ||
+                        o->placing.sharp != BVX_SHARP_NEVER;
 
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0)
@@ -94,7 +90,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     /* Middles need no value of the field. */
-    if (o->interpolation == BVX_EDGE_MIDDLE && o->sharp == BVX_SHARP_NEVER) return BVX_OK;
+    if (o->placing.interpolation == BVX_EDGE_MIDDLE && o->placing.sharp == BVX_SHARP_NEVER) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) ||
         memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
@@ -139,11 +135,11 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     double low[3], high[3], share;
     int32_t sharp;
 
-    if (o->sharp != BVX_SHARP_AUTO) return BVX_OK;
+    if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp, &share)));
-    o->sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
+    o->placing.sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     return BVX_OK;
 }
 
@@ -210,11 +206,11 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                               const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface)
 {
-    int const sharp = options->sharp == BVX_SHARP_ALWAYS;
+    int const sharp = options->placing.sharp == BVX_SHARP_ALWAYS;
     /* Choices of the field's surface that marching cubes has too. */
-    bvx_extract_options extract = {.face_rule = options->face_rule,
-                                   .position_type = options->position_type,
-                                   .local_frame = options->local_frame};
+    bvx_extract_options extract = {.face_rule = options->placing.face_rule,
+                                   .position_type = options->placing.position_type,
+                                   .local_frame = options->placing.local_frame};
     bvx_field_surface_report report = {.sharp = sharp ? 1 : 0};
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
@@ -223,7 +219,7 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_march_open(ctx, &m, inside, &extract)));
     cuts.march = &m;
     cuts.values = values;
-    cuts.interpolation = options->interpolation;
+    cuts.interpolation = options->placing.interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
     BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                    : make_plain(ctx, &m, &cuts, surface, &report));
@@ -246,13 +242,14 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
-    if (o.sharp == BVX_SHARP_AUTO && (mesh == NULL || field->vectors == NULL)) o.sharp = BVX_SHARP_NEVER;
+    if (o.placing.sharp == BVX_SHARP_AUTO && (mesh == NULL || field->vectors == NULL))
+        o.placing.sharp = BVX_SHARP_NEVER;
     BVXI_TRY(check_field(context, name, field, &o));
     /* Remembered, as looking for sharp edges takes its share of progress. */
-    asked = o.sharp;
+    asked = o.placing.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
-    if (o.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
+    if (o.placing.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;

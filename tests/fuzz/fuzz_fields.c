@@ -88,10 +88,10 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
         o.grid = &changed;
         o.offset = fuzz_range(in, -8, 8) * field->inside.lattice.spacing[0] / 4.0;
     }
-    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
-    o.face_rule = fuzz_range(in, 0, 1);
-    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
-    o.position_type = BVX_F64;
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.face_rule = fuzz_range(in, 0, 1);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.placing.position_type = BVX_F64;
     if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh)))
         fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
     bvx_mesh_free(ctx, &mesh);
@@ -134,15 +134,15 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0}, twin = {0};
 
-    o.resolution = fuzz_range(in, 1, 24);
+    o.fit.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
-    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
-    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
-    o.least_part = (uint64_t)fuzz_range(in, 0, 3);
-    o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
-    o.least_cavity = (uint64_t)fuzz_range(in, 0, 3);
-    o.position_type = BVX_F64;
+    o.parts.least_part = (uint64_t)fuzz_range(in, 0, 3);
+    o.parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
+    o.parts.least_cavity = (uint64_t)fuzz_range(in, 0, 3);
+    o.placing.position_type = BVX_F64;
     if (!fuzz_good(ctx, bvx_repair(ctx, &m->view, &o, &mesh))) return;
     fuzz_require(mesh.triangle_count > 0, "an empty success");
     fuzz_certified(ctx, &mesh, "a repaired mesh that is not certified");

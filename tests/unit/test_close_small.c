@@ -38,7 +38,7 @@ static void simplify_to(uint64_t target, int32_t topology, int32_t vertices)
     bvx_mesh_view const view = maker_view(&mesh);
 
     drop_levels();
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     o.topology = topology;
     o.vertices = vertices;
     o.reports = report;

@@ -826,21 +826,21 @@ def repair(
     if lattice is not None:
         if resolution is not None:
             raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.lattice = lattice._c
+        options.fit.lattice = lattice._c
     elif resolution is not None:
-        options.resolution = in_range("resolution", resolution, 1, 2**24)
+        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
-    options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = sharpness(sharp)
-    options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
+    options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+    options.placing.sharp = sharpness(sharp)
+    options.placing.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
-    options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
-    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
-    options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+    options.parts.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
+    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+    options.parts.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
     targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
         if not measure:
@@ -971,20 +971,20 @@ def boolean(
     if lattice is not None:
         if resolution is not None:
             raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.lattice = lattice._c
+        options.fit.lattice = lattice._c
     elif resolution is not None:
-        options.resolution = in_range("resolution", resolution, 1, 2**24)
+        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
     number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
     options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
     if interpolation is not None:
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = sharpness(sharp)
+        options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+    options.placing.sharp = sharpness(sharp)
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
-    options.local_frame = int(bool(local_frame))
-    options.keep_crumbs = int(least_part is not None)
-    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+    options.placing.local_frame = int(bool(local_frame))
+    options.parts.keep_crumbs = int(least_part is not None)
+    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
     report = ffi.new("bvx_boolean_report *")
     options.report = report
     targets = level_target(triangles, error, error_kind)
