@@ -346,7 +346,6 @@ static bvx_status run_closest_cast(bvx_context *context, const bvx_closest *clos
     static const char *const function = "bvx_closest_cast";
     ray_work w = {.closest = closest, .rays = rays, .t_max = t_max, .hits = hits};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(check_mesh_rays(context, function, closest, rays, count, t_max));
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
     return bvxi_for(context, "rays", count, RAY_GRAIN, cast_mesh_rays, &w);
@@ -365,7 +364,6 @@ static bvx_status run_closest_crossings(bvx_context *context, const bvx_closest 
     static const char *const function = "bvx_closest_crossings";
     ray_work w = {.closest = closest, .rays = rays, .t_max = t_max, .offsets = offsets};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(check_mesh_rays(context, function, closest, rays, count, t_max));
     if (offsets == NULL) return bvxi_fail_null(context, function, "offsets");
     offsets[0] = 0;
@@ -394,7 +392,6 @@ static bvx_status run_closest_winding(bvx_context *context, const bvx_closest *c
     static const char *const function = "bvx_closest_winding";
     ray_work w = {.closest = closest, .rays = points, .turns = turns};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (turns == NULL && count != 0) return bvxi_fail_null(context, function, "turns");

@@ -14,7 +14,8 @@ enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
-    COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
+    COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one, */
+    COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many */
 };
 
 /* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
@@ -128,16 +129,24 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
     int met;
 
-    c->listed = 0;
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     met = c->mesh.left <= target;
-    BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
+    BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
+}
+
+/* Where crossings are looked for next on the way to the last level. */
+static uint64_t judged_next(const bvxi_collapse *c, uint64_t triangles, uint64_t last)
+{
+    int const seldom = triangles >= COLLAPSE_MANY && c->mesh.ghosts == 0;
+    uint64_t const next = triangles / (seldom ? 2 * COLLAPSE_JUDGED : COLLAPSE_JUDGED);
+
+    return next > (seldom ? 2 * last : last) ? next : last;
 }
 
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
@@ -146,7 +155,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
     /* What is small is closed before the target, so that other triangles need not make up for those that go. */
     uint64_t const near = c->options.topology != BVX_TOPOLOGY_KEEP ? target + target / 4 : target;
     uint64_t const last = near < begun ? near : begun;
-    uint64_t next = begun / COLLAPSE_JUDGED > last ? begun / COLLAPSE_JUDGED : last;
+    uint64_t next = judged_next(c, begun, last);
 
     /* Judged on the way, what crosses has little built on it. */
     while (next > target) {
@@ -155,7 +164,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 
         BVXI_TRY(collapse_judged(c, next, 0, at, end > at ? end : at));
         if (next == last || c->mesh.left > next) break;
-        next = next / COLLAPSE_JUDGED > last ? next / COLLAPSE_JUDGED : last;
+        next = judged_next(c, next, last);
     }
     if (c->mesh.left <= target) return BVX_OK;
     return collapse_judged(
@@ -226,7 +235,7 @@ static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     if (o->packed != NULL) memcpy(v, o->packed + 3 * t, sizeof v);
     else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
-    first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
+    first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
     for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
     return first;
 }
@@ -603,6 +612,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->view = &sheets->view;
     c->sheets = sheets;
     c->source = sheets->source;
+    c->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     BVXI_TRY(open_steps(c, &sheets->view));
     *collapse = c;
     return BVX_OK;

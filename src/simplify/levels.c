@@ -370,7 +370,6 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     bvxi_sheets made = {.view = *mesh};
     bvx_status status = BVX_OK;
 
-    c->collapse.counted = c->reports != NULL;
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;

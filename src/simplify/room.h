@@ -21,7 +21,6 @@ enum {
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
-    int32_t counted; /* 1: crossings of levels are to be counted */
     int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
