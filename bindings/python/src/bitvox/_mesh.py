@@ -832,7 +832,8 @@ def new_mesh() -> Any:
 def with_positions(options: Any, dtype: Any, make: Any, **limits: Any) -> Mesh:
     """A mesh in the requested type; None: float32, or float64 where float32 does not distinguish neighboring positions."""
     with Run(**limits) as run:
-        options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
+        held = options.placing if hasattr(options, "placing") else options
+        held.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
         made = new_mesh()
         run.check(make(run, made))
     return Mesh._made(made)
