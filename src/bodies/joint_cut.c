@@ -100,16 +100,13 @@ static bvx_status give_kinds(bvxi_oblique *o)
 {
     uint32_t *torn = NULL;
     uint64_t count = 0;
-    bvx_status status;
 
     /* A vertex's kind depends on its place only, so pieces can be made at once. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
-    status = BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
-    bvxi_drop(o->ctx, torn);
-    return status;
+    return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
 }
 
 /* ---- what vertices lie between ---- */

@@ -17,10 +17,9 @@ static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *larger, "the crossings of a section", &larger));
     if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
-    if (p->owns_cuts) bvxi_drop(s->ctx, p->cut);
+    if (p->cut != p->shared_cut) bvxi_drop(s->ctx, p->cut);
     p->cut = larger;
     p->cut_room = room;
-    p->owns_cuts = 1;
     return BVX_OK;
 }
 

@@ -257,17 +257,14 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *stays)
 {
     bvxi_mend_paths const p = {t->w, t->edge, t->rank, t->stop, t->loop, t->stop_count, t->loop_count};
-    uint64_t const bytes = t->stop_count * sizeof(int16_t[2]);
     int16_t(*nudge)[2];
-    bvx_status status;
 
     /* Who stays is chosen first, as all others move away from it. */
     mend_choose_stay(t, &p, narrowest, stays);
-    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, bytes, "the steps of points", &nudge));
-    status = bvxi_mend_apart(&p, stays, nudge);
-    if (status == BVX_OK) status = mend_give_loops(t, (const int16_t(*)[2])nudge);
-    bvxi_free(t->w->s->ctx, nudge, bytes);
-    return status;
+    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, t->stop_count * sizeof *nudge, "the steps of points",
+                             &nudge));
+    BVXI_TRY(bvxi_mend_apart(&p, stays, nudge));
+    return mend_give_loops(t, (const int16_t(*)[2])nudge);
 }
 
 /* ---- memory ---- */
@@ -323,7 +320,5 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
 
-    BVXI_TRY(mend_trace_in(&t, key, order, narrowest, stays));
-    bvxi_drop(w->s->ctx, block);
-    return BVX_OK;
+    return mend_trace_in(&t, key, order, narrowest, stays);
 }

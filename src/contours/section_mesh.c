@@ -92,7 +92,8 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
             larger.key[at] = m->key[i];
             larger.vertex[at] = m->vertex[i];
         }
-    bvxi_map_free(s, m);
+    bvxi_drop(s->ctx, m->vertex);
+    bvxi_drop(s->ctx, m->key);
     *m = larger;
     return BVX_OK;
 }
@@ -126,11 +127,4 @@ void bvxi_map_clear(bvxi_vertex_map *m)
 {
     if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
     m->count = 0;
-}
-
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *m)
-{
-    bvxi_drop(s->ctx, m->vertex);
-    bvxi_drop(s->ctx, m->key);
-    memset(m, 0, sizeof *m);
 }

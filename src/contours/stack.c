@@ -225,12 +225,7 @@ static bvx_status gather_planes(bvxi_stack *s)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key));
-    BVXI_TRY(gather(s, loops, points, plane_of, key));
-    bvxi_drop(s->ctx, key);
-    bvxi_drop(s->ctx, points);
-    bvxi_drop(s->ctx, plane_of);
-    bvxi_drop(s->ctx, loops);
-    return BVX_OK;
+    return gather(s, loops, points, plane_of, key);
 }
 
 /* ---- directions ---- */
@@ -294,32 +289,4 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 {
     BVXI_TRY(bvxi_stack_begin(ctx, function, given, options, s));
     return bvxi_stack_finish(s);
-}
-
-void bvxi_stack_close(bvxi_stack *s)
-{
-    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, s->cap_edge[k]);
-    bvxi_drop(s->ctx, s->slab_mesh.triangle);
-    bvxi_drop(s->ctx, s->slab_mesh.position);
-    bvxi_drop(s->ctx, s->mesh.triangle);
-    bvxi_drop(s->ctx, s->mesh.position);
-    /* Planes whose cuts outgrew the shared array have one of their own. */
-    for (uint32_t i = s->plane_count; i-- > 0;)
-        if (s->plane[i].owns_cuts) bvxi_drop(s->ctx, s->plane[i].cut);
-    bvxi_drop(s->ctx, s->all.box);
-    bvxi_drop(s->ctx, s->all.group);
-    bvxi_drop(s->ctx, s->all.asking);
-    bvxi_drop(s->ctx, s->all.arc_cell);
-    bvxi_drop(s->ctx, s->all.ring_arc);
-    bvxi_drop(s->ctx, s->all.arc);
-    bvxi_drop(s->ctx, s->all.cut);
-    bvxi_drop(s->ctx, s->all.inside);
-    bvxi_drop(s->ctx, s->all.contour);
-    bvxi_drop(s->ctx, s->all.ring);
-    bvxi_drop(s->ctx, s->all.next);
-    bvxi_drop(s->ctx, s->all.uv);
-    bvxi_drop(s->ctx, s->all.q);
-    bvxi_drop(s->ctx, s->all.given);
-    bvxi_drop(s->ctx, s->plane);
-    memset(s, 0, sizeof *s);
 }

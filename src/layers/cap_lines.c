@@ -63,11 +63,5 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
                         &p.contour));
     memset(behind, 0xff, (size_t)vertices * 4);
     BVXI_TRY(follow_lines(s, &p, edge, count, behind));
-    BVXI_TRY(bvxi_cap_fill(s, &p, side));
-    bvxi_drop(s->ctx, p.contour);
-    bvxi_drop(s->ctx, p.ring);
-    bvxi_drop(s->ctx, p.next);
-    bvxi_drop(s->ctx, p.q);
-    bvxi_drop(s->ctx, behind);
-    return BVX_OK;
+    return bvxi_cap_fill(s, &p, side);
 }

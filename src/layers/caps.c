@@ -404,15 +404,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
                         "the bridges of a cap", &w.bridge));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
-    BVXI_TRY(fill_regions(&w, owner));
-    bvxi_polygon_free(&w.polygon);
-    bvxi_drop(s->ctx, w.cut);
-    bvxi_drop(s->ctx, w.at);
-    bvxi_drop(s->ctx, w.bridge);
-    bvxi_drop(s->ctx, w.corner);
-    bvxi_drop(s->ctx, w.after);
-    bvxi_drop(s->ctx, owner);
-    return BVX_OK;
+    return fill_regions(&w, owner);
 }
 
 double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)

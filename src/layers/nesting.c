@@ -294,12 +294,7 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
     for (int k = 0; k < 2; k++)
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]));
-    BVXI_TRY(nest_find_all(&w));
-    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, w.active[k]);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    bvxi_drop(s->ctx, w.loop);
-    return BVX_OK;
+    return nest_find_all(&w);
 }
 
 /* Stacks without holes, and those of fields, have no levels. */

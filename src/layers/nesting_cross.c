@@ -207,9 +207,5 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own));
     BVXI_TRY(nest_gather_shared(&m, own));
-    /* The cells' marks are freed before crossings are looked for, which need the room. */
-    bvxi_drop(s->ctx, own);
-    bvxi_drop(s->ctx, m.shared);
-    bvxi_drop(s->ctx, m.seen);
     return nest_find_crossed(&m, found);
 }

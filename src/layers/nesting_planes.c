@@ -180,9 +180,7 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     BVXI_TRY(
         bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
-    BVXI_TRY(nest_make_levels(s, part));
-    bvxi_drop(s->ctx, part);
-    return BVX_OK;
+    return nest_make_levels(s, part);
 }
 
 void bvxi_nesting_refresh(bvxi_plane *p)
@@ -194,14 +192,4 @@ void bvxi_nesting_refresh(bvxi_plane *p)
     p->cut_count = whole->cut_count;
     p->ring_count = whole->ring_count;
     p->vertex = whole->vertex;
-}
-
-void bvxi_nesting_drop(bvxi_stack *s)
-{
-    bvxi_nesting *const n = &s->nesting;
-
-    for (uint32_t i = n->plane_count; i-- > 0;) bvxi_drop(s->ctx, n->plane[i].contour);
-    bvxi_drop(s->ctx, n->plane);
-    n->plane = NULL;
-    n->plane_count = n->plane_room = 0;
 }

@@ -188,9 +188,5 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
         job.first[i] = cuts;
         cuts += s->plane[i].cut_count;
     }
-    BVXI_TRY(make_in_job(&job));
-    bvxi_drop(s->ctx, job.first);
-    bvxi_drop(s->ctx, job.sorted);
-    bvxi_drop(s->ctx, job.start);
-    return BVX_OK;
+    return make_in_job(&job);
 }

@@ -435,21 +435,3 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
     return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
 }
-
-void bvxi_field_close(bvxi_field *f)
-{
-    bvxi_stack *const s = f->s;
-
-    bvxi_drop(s->ctx, f->crossed);
-    bvxi_drop(s->ctx, f->before);
-    bvxi_drop(s->ctx, f->hanging_row);
-    bvxi_drop(s->ctx, f->hanging_column);
-    bvxi_drop(s->ctx, f->layer);
-    for (int k = BVXI_BLEND_SECTIONS; k-- > 0;) {
-        bvxi_drop(s->ctx, f->plane[k].known);
-        bvxi_drop(s->ctx, f->plane[k].distance);
-        bvxi_drop(s->ctx, f->line[k]);
-        bvxi_drop(s->ctx, f->plane[k].column);
-    }
-    memset(f, 0, sizeof *f);
-}

@@ -74,7 +74,6 @@ static bvx_status put_between(const bvxi_stack *s, const bvxi_plane *pair, bvxi_
         to->parts += g.shifted;
         BVXI_TRY(bvxi_shift_between(s, on, &g, number, &to->body));
     }
-    bvxi_disc_groups_close(s->ctx, &g);
     return BVX_OK;
 }
 
@@ -85,10 +84,7 @@ static bvx_status shift_pair(const bvxi_stack *s, const bvxi_plane *pair, bvxi_s
     memset(on, 0, sizeof on);
     BVXI_TRY(bvxi_discs_open(s, &pair[0], &on[0]));
     BVXI_TRY(bvxi_discs_open(s, &pair[1], &on[1]));
-    BVXI_TRY(put_between(s, pair, on, to));
-    bvxi_discs_close(s->ctx, &on[1]);
-    bvxi_discs_close(s->ctx, &on[0]);
-    return BVX_OK;
+    return put_between(s, pair, on, to);
 }
 
 bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)

@@ -127,25 +127,15 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     bvxi_split_work w;
-    bvx_status status = BVX_OK;
 
     memset(&w, 0, sizeof w);
     w.s = s;
-    for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
-        status = bvxi_progress(s->ctx, "subdivide", (double)i / count);
+    for (uint32_t i = 0; i < count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / count));
         w.is_last = slabs[i].below == slabs[count - 1].below;
-        if (status == BVX_OK) status = split_slab(&w, &slabs[i]);
+        BVXI_TRY(split_slab(&w, &slabs[i]));
     }
-    bvxi_drop(s->ctx, w.sorted);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    bvxi_drop(s->ctx, w.grown.hanging);
-    bvxi_drop(s->ctx, w.grown.arc);
-    bvxi_drop(s->ctx, w.grown.leaf);
-    bvxi_drop(s->ctx, w.grown.split);
-    bvxi_drop(s->ctx, w.piece);
-    bvxi_drop(s->ctx, w.pool);
-    return status;
+    return BVX_OK;
 }
 
 static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, double low, double high)
@@ -239,12 +229,11 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
     return count;
 }
 
-bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
+bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 {
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
 
-    *count = (uint32_t)room;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
 
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
@@ -259,20 +248,4 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
      * themselves. */
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
-}
-
-void bvxi_slabs_free(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
-{
-    if (slabs == NULL) return;
-    for (uint32_t i = count; i-- > 0;) {
-        bvxi_slab *const b = &slabs[i];
-        if (b->owns_mesh) {
-            bvxi_drop(s->ctx, b->mesh.triangle);
-            bvxi_drop(s->ctx, b->mesh.position);
-        }
-        bvxi_drop(s->ctx, b->block);
-    }
-    bvxi_drop(s->ctx, s->nothing.inside);
-    s->nothing.inside = NULL;
-    bvxi_drop(s->ctx, slabs);
 }

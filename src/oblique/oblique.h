@@ -296,7 +296,7 @@ uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
 bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 
 /* oblique_regions.c: signs on planes by their regions; *torn: vertices of which two planes say different
- * things, to be dropped by the caller. */
+ * things. */
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count);
 
 /* oblique_signs.c */
@@ -371,7 +371,6 @@ int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t 
 bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
 bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *map, uint64_t count);
 uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
-void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *map);
 
 static inline uint64_t *bvxi_tetra_on(const bvxi_oblique *o, uint32_t vertex)
 {

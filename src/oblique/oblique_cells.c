@@ -379,16 +379,13 @@ static bvx_status open_cells(bvxi_oblique *o)
 bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 {
     uint64_t const bytes = (uint64_t)bvxi_threads(o->ctx) * sizeof(oblique_block);
-    bvx_status status;
     cells_job job;
 
     BVXI_TRY(open_cells(o));
     job.o = o;
     job.pieces = bvxi_piece_count(o->known_count, CELL_GRAIN);
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the planes of blocks", &job.block));
-    status = find_cells(&job);
-    bvxi_drop(o->ctx, job.block);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(find_cells(&job));
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);
 }

@@ -498,31 +498,15 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
     handle_work w;
-    bvx_status status;
     uint64_t found = 0;
 
     memset(&w, 0, sizeof w);
     w.o = o;
     w.triangles = o->triangle_count;
-    status = settle_handles(&w, owner, &found);
+    BVXI_TRY(settle_handles(&w, owner, &found));
     *settled = w.settled[0] + w.settled[1];
     o->report.handles_filled += w.settled[0];
     o->report.handles_cut += w.settled[1];
     o->report.handles_left = found > *settled ? found - *settled : 0;
-    bvxi_edge_free(o, &w.pair);
-    bvxi_drop(o->ctx, w.loose);
-    bvxi_drop(o->ctx, w.back);
-    bvxi_drop(o->ctx, w.flip);
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.member);
-    bvxi_drop(o->ctx, w.tetra);
-    bvxi_drop(o->ctx, w.number);
-    bvxi_drop(o->ctx, w.loops);
-    bvxi_drop(o->ctx, w.euler);
-    bvxi_drop(o->ctx, w.side);
-    bvxi_drop(o->ctx, w.loop);
-    bvxi_drop(o->ctx, w.fan);
-    bvxi_drop(o->ctx, w.patch);
-    bvxi_drop(o->ctx, w.vertex_of);
-    return status;
+    return BVX_OK;
 }

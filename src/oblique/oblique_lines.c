@@ -346,6 +346,5 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
     for (uint32_t a = 0; a < o->plane_count; a++) BVXI_TRY(order_plane(o, &w, a));
-    bvxi_drop(o->ctx, w.event);
     return BVX_OK;
 }

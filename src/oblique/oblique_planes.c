@@ -213,7 +213,6 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
     double const side = wide > tall ? wide : tall;
     int32_t(*box)[4] = NULL;
     uint64_t const boxes = (uint64_t)f->plane.contour_count * sizeof *box;
-    bvx_status status;
 
     if (f->plane.contour_count == 0) return BVX_OK;
 
@@ -237,9 +236,7 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
     bvxi_plane_snap(s, &f->plane);
     BVXI_TRY(bvxi_plane_check_simple(s, &f->plane));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, boxes, "the boxes of loops", &box));
-    status = bvxi_plane_direct(s, &f->plane, box);
-    bvxi_drop(o->ctx, box);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(bvxi_plane_direct(s, &f->plane, box));
 
     /* Which loops are holes is known from here on; distances follow last, as they need the directed loops. */
     for (uint32_t i = 0; i < f->plane.contour_count; i++)
@@ -374,14 +371,11 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
 {
     uint64_t const n = o->given->section_count;
     uint64_t *count = NULL;
-    bvx_status status;
 
     BVXI_TRY(choose_oblique_label(o));
     BVXI_TRY(bvxi_oblique_lay_planes(o));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
-    status = gather_oblique(o, count, count + n);
-    bvxi_drop(o->ctx, count);
-    return status;
+    return gather_oblique(o, count, count + n);
 }
 
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3])

@@ -232,16 +232,10 @@ static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count)
 {
     oblique_region_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
-    status = find_regions(o, &w);
-    bvxi_drop(o->ctx, w.kind);
-    bvxi_drop(o->ctx, w.vote);
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.face);
-    bvxi_drop(o->ctx, w.first);
+    BVXI_TRY(find_regions(o, &w));
     *torn = w.torn;
     *torn_count = w.torn_count;
-    return status;
+    return BVX_OK;
 }

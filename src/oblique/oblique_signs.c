@@ -261,9 +261,6 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
     for (uint32_t v = 0; v < job->vertices; v++)
         if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.vertex);
-    bvxi_drop(o->ctx, w.number);
     return BVX_OK;
 }
 
@@ -276,9 +273,7 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 
     /* Vertices that planes contradict each other of come first: others look at their signs. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count)));
-    bvxi_drop(o->ctx, torn);
-    return BVX_OK;
+    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
 }
 
 /* ---- contours' edges ---- */
@@ -510,9 +505,6 @@ static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
     for (uint64_t v = 0; v < job->vertices; v++)
         if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
             BVXI_TRY(oblique_settle_vertex(o, &w, (uint32_t)v, job));
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.vertex);
-    bvxi_drop(o->ctx, w.number);
     return BVX_OK;
 }
 
@@ -555,7 +547,6 @@ static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
 
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
-    bvx_status status;
     signs_job job;
 
     memset(&job, 0, sizeof job);
@@ -564,8 +555,5 @@ bvx_status bvxi_oblique_signs(bvxi_oblique *o)
         BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
     job.vertices = o->vertex_count;
-    status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
-    bvxi_drop(o->ctx, job.again);
-    bvxi_drop(o->ctx, job.wrong);
-    return status;
+    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
 }

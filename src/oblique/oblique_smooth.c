@@ -377,9 +377,7 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
-    bvx_status status;
     smooth_work w;
-    uint64_t mark;
 
     memset(&w, 0, sizeof w);
     w.o = o;
@@ -389,10 +387,7 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
     BVXI_TRY(
         bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, w.nodes * 8, "the nodes of the smooth number", &w.grid.node));
     o->smooth = w.grid;
-    mark = bvxi_scratch_begin(o->ctx);
-    status = bvxi_scratch_end(o->ctx, mark, solve_smooth_level(&w, &coarser));
-    bvxi_drop(o->ctx, coarser.node);
-    return status;
+    return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));
 }
 
 bvx_status bvxi_oblique_smooth(bvxi_oblique *o)

@@ -198,7 +198,6 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++)
             parts -= bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
-    bvxi_drop(o->ctx, joined);
     *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
     return BVX_OK;
 }
@@ -207,11 +206,13 @@ static bvx_status march_again(bvxi_oblique *o)
 {
     bvx_context *const ctx = o->ctx;
 
-    bvxi_edge_free(o, &o->crossing);
+    bvxi_drop(ctx, o->crossing.key);
+    bvxi_drop(ctx, o->crossing.value);
     bvxi_drop(ctx, o->position);
     bvxi_drop(ctx, o->triangle);
     bvxi_drop(ctx, o->kept);
     bvxi_drop(ctx, o->crossed);
+    memset(&o->crossing, 0, sizeof o->crossing);
     o->position = NULL;
     o->triangle = NULL;
     o->kept = NULL;
@@ -233,7 +234,7 @@ static bvx_status close_handles(bvxi_oblique *o)
     for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
         uint64_t const vertices = o->vertex_count;
 
-        BVXI_TRY(count_handles(o, &handles));
+        BVXI_TRY(BVXI_SCOPE(o->ctx, count_handles(o, &handles)));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
                             bvxi_oblique_handles(o, o->owner, &settled)));
@@ -379,7 +380,8 @@ static bvx_status refuse_torn(bvxi_oblique *o)
      * looked at. */
     memset(o->kept, 0, (size_t)o->position_count);
     for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
-    BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));
+    BVXI_TRY(BVXI_SCOPE(o->ctx, bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count,
+                                                o->kept, &broken)));
     if (broken == 0) return BVX_OK;
     return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
                          "%s: the contours contradict each other too much for a closed, manifold mesh; move "

@@ -62,7 +62,8 @@ static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
             larger.key[at] = m->key[i];
             larger.value[at] = m->value[i];
         }
-    bvxi_edge_free(o, m);
+    bvxi_drop(o->ctx, m->value);
+    bvxi_drop(o->ctx, m->key);
     *m = larger;
     return BVX_OK;
 }
@@ -99,13 +100,6 @@ uint32_t bvxi_edge_find(const bvxi_edge_map *m, uint32_t a, uint32_t b)
     if (m->room == 0) return BVXI_NONE;
     at = edge_slot(m, oblique_edge_key(a, b));
     return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
-}
-
-void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *m)
-{
-    bvxi_drop(o->ctx, m->value);
-    bvxi_drop(o->ctx, m->key);
-    memset(m, 0, sizeof *m);
 }
 
 /* ---- vertices and tetrahedra ---- */
