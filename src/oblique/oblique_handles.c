@@ -39,7 +39,8 @@ typedef struct handle_work {
     uint64_t tetra_room, member_room, joined_room, flip_room, back_room, loose_room, loose_count;
     uint32_t tetras, members, flips;
     int strict; /* contours hold at every step, else at the end */
-    bvxi_look look;
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look look; /* in the block */
     uint32_t looks; /* around vertices, so far */
     double done;    /* of the patches */
 } handle_work;
@@ -503,6 +504,7 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
     memset(&w, 0, sizeof w);
     w.o = o;
     w.triangles = o->triangle_count;
+    w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
     BVXI_TRY(settle_handles(&w, owner, &found));
     *settled = w.settled[0] + w.settled[1];
     o->report.handles_filled += w.settled[0];

@@ -44,10 +44,7 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
         uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
         if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
             vote_for(o, w, plane, x, y, z);
-        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
-            uint32_t const a = bvxi_root(w->joined, x), b = bvxi_root(w->joined, y);
-            w->joined[a > b ? a : b] = a > b ? b : a;
-        }
+        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
     }
 }
 
@@ -163,13 +160,10 @@ static uint64_t planes_of_face(const bvxi_oblique *o, uint32_t tetra, int corner
 }
 
 /* Which faces lie on planes, each marked at one of the two tetrahedra beside it. */
-static void mark_faces_piece(void *user, int32_t index, int32_t worker)
+static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->tetra_count, bvxi_piece_count(o->tetra_count, REGION_GRAIN), index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {
@@ -212,10 +206,8 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
 
 static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
 {
-    int32_t const pieces = bvxi_piece_count(o->tetra_count, REGION_GRAIN);
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
-                        bvxi_parallel(o->ctx, "surface", 0.0, 1.0, pieces, mark_faces_piece, o)));
+                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
     BVXI_TRY(list_plane_faces(o, w));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the regions of planes", &w->joined));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 8, "the regions of planes", &w->vote));
