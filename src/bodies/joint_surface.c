@@ -204,7 +204,6 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
 
-    /* Both halves of a tetrahedron are of its kind. */
     BVXI_TRY(
         bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
     for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
@@ -405,7 +404,6 @@ static void count_unkept_points(const joint_faces *f)
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
 
-        /* Where the body's points begin on this plane. */
         for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {

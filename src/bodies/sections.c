@@ -90,7 +90,6 @@ static bvx_status make_rings(bvxi_stack *s)
     if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-        /* All bits set: no vertex yet. */
         memset(p->ring, 0xff, (size_t)p->point_count * 4);
         s->report.unkept_points += p->point_count;
     }
@@ -221,7 +220,6 @@ static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
     bvx_mesh_view view;
     bvx_status status;
 
-    /* The mesh is already a result; it is freed where it is refused, unless the caller's arrays hold it. */
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))

@@ -29,7 +29,6 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
 static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
                                   bvx_sections *kept, uint64_t *dropped)
 {
-    /* Only the list of loops is new; points stay where they are. */
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
@@ -62,7 +61,6 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
     int done;
 
     BVXI_TRY(bvxi_mend_split_plane(w, &done));
-    /* Loops that neither touch nor cross keep their points and their order. */
     for (uint32_t i = 0; i < w->plane->contour_count; i++) {
         if (w->changed[i] && done) changed++;
         else BVXI_TRY(mend_copy_loop(w->s->ctx, w->s->given, w->plane->contour[i].given, m));

@@ -157,7 +157,6 @@ static bvx_status open_cuts(planes_job *job)
                         &all->arc_cell));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
                         &all->asking));
-    /* Each plane has its stretch; the last ones' ends are the arrays' ends. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->cut = p->shared_cut = all->cut + cut;
@@ -193,7 +192,6 @@ static bvx_status open_snap_scratch(planes_job *job)
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * (2 * boxes + loops),
                         "the order of segments", &at));
 
-    /* Boxes come first, since they hold the widest items. */
     for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
         job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
         job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
@@ -225,7 +223,6 @@ static bvx_status open_trees(bvxi_stack *s)
 {
     uint64_t group = 0, box = 0;
 
-    /* Counted first, so that all trees lie in two arrays. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
@@ -269,7 +266,6 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
 
-    /* Workers' scratch is made for the largest plane. */
     for (uint32_t i = 0; i < n; i++) {
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;

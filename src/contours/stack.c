@@ -62,7 +62,6 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
     for (first = 0; loops[order[first]] == 0; first++) {}
     for (end = n; loops[order[end - 1]] == 0; end--) {}
 
-    /* In order, so equal positions are neighbours. */
     for (uint32_t i = first + 1; i < end; i++)
         if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g",
@@ -193,7 +192,6 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     memset(loops, 0, (size_t)g->section_count * 4);
     memset(points, 0, (size_t)g->section_count * 8);
 
-    /* Counted by section first. */
     for (uint64_t i = 0; i < g->loop_count; i++) {
         if (g->loops[i].label != s->options.label) continue;
         loops[g->loops[i].section]++;
@@ -278,7 +276,6 @@ bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside",
                              &s->all.inside));
-    /* A bit for each grid point of each plane. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     return bvxi_planes_ready(s);

@@ -75,7 +75,6 @@ static bvx_status open_slab_meshes(slabs_job *job)
     bvxi_section_mesh *const all = &job->s->slab_mesh;
     uint64_t vertex = 0, triangle = 0;
 
-    /* All slabs' arrays are one block, cut by what each may need. */
     for (uint32_t i = 0; i < job->count; i++) {
         all->vertex_room += job->room[2 * (size_t)i];
         all->triangle_room += job->room[2 * (size_t)i + 1];
@@ -145,7 +144,6 @@ static bvx_status open_workers(slabs_job *job)
     bvxi_stack *const s = job->s;
     uint32_t lines = 0, loop = 0;
 
-    /* Scratch for the largest slab, once a worker. */
     for (uint32_t i = 0; i < job->count; i++) {
         const bvxi_slab *const slab = &job->slab[i];
         uint32_t const rings = slab->plane[0]->ring_count + slab->plane[1]->ring_count;
@@ -289,7 +287,6 @@ static bvx_status join_in_job(slabs_job *job)
                          s->function, (int64_t)s->size[0], (int64_t)s->size[1]);
     BVXI_TRY(
         bvxi_mesh_open(s->ctx, s->function, s->options.position_type, 0, vertices, triangles, job->mesh));
-    /* Triangles that are no slab's come last. */
     if (own->triangle_count != 0)
         memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
                (size_t)own->triangle_count * 12);

@@ -14,12 +14,10 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
 {
     double const unit = (double)(1 << (s->fine - 1));
 
-    /* Each vertex has one line that leaves it, so its next vertex is all there is to keep. */
     for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
     for (uint32_t i = 0; i < count; i++) {
         bvxi_contour *const c = &p->contour[p->contour_count];
         uint32_t v = edge[i][0];
-        /* Followed already, as part of an earlier loop. */
         if (behind[v] == BVXI_NONE) continue;
         c->first = p->point_count;
         while (behind[v] != BVXI_NONE) {

@@ -48,7 +48,6 @@ static bvx_status add_shift_position(bvx_context *ctx, bvxi_shifted *to, double 
     bvx_sections *const body = &to->body.sections;
     uint64_t const room = to->position_room < 16 ? 16 : 2 * to->position_room;
 
-    /* Twice as many each time, as how many there will be is known only at the end. */
     if (body->section_count == to->position_room) {
         BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &to->positions, to->position_room * 8, room * 8,
                              "the positions of sections"));

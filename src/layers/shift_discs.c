@@ -136,7 +136,6 @@ static bvxi_disc *disc_at(bvxi_discs on[2], uint32_t i)
 static uint32_t find_root(bvxi_discs on[2], uint32_t i)
 {
     while (disc_at(on, i)->root != i) {
-        /* Half of the way goes each time, so that ways stay short. */
         disc_at(on, i)->root = disc_at(on, disc_at(on, i)->root)->root;
         i = disc_at(on, i)->root;
     }
@@ -147,7 +146,6 @@ static void join_discs(bvxi_discs on[2], uint32_t i, uint32_t j)
 {
     uint32_t const a = find_root(on, i), b = find_root(on, j);
 
-    /* The lowest number is the root, whatever came first. */
     if (a < b) disc_at(on, b)->root = a;
     else disc_at(on, a)->root = b;
 }

@@ -29,7 +29,6 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
     for (uint32_t i = 0; i < n; i++)
         if (i == 0 || w->key[i] != w->key[i - 1]) w->sorted[kept++] = slab->hanging[w->order[i]];
 
-    /* The other order is only a list of indices into this one. */
     slab->hanging_count = kept;
     for (uint32_t i = 0; i < kept; i++) {
         w->key[i] = hanging_key(&w->sorted[i], 0);
@@ -72,14 +71,13 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 
     if (g->split_count == 0) return BVX_OK;
 
-    /* One block, since slabs are many and most are small: one allocation each, and one to free. */
-    slab->block_size = split + leaf + arc + hanging + by_u;
-    BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, slab->block_size, "the parts of cells", &slab->block));
+    /* One block, since slabs are many and most are small. */
+    BVXI_TRY(
+        bvxi_alloc(w->s->ctx, BVXI_SCRATCH, split + leaf + arc + hanging + by_u, "the parts of cells", &at));
     slab->split_count = g->split_count;
     slab->leaf_count = g->leaf_count;
     slab->arc_count = g->arc_count;
     slab->hanging_count = g->hanging_count;
-    at = slab->block;
     slab->split = (bvxi_split *)(void *)at;
     at = keep_part(at, g->split, split);
     slab->leaf = (bvxi_leaf *)(void *)at;
@@ -219,7 +217,6 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
         }
         slabs[count].below = i;
 
-        /* Two empty neighbours make no slab at all. */
         if (here && there) set_slab(&slabs[count++], &p[i], &p[i + 1], p[i].w, p[i + 1].w);
         else if (here) set_slab(&slabs[count++], &p[i], nothing, p[i].w, half);
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);

@@ -37,8 +37,6 @@ struct bvxi_slab {
     bvxi_hanging *hanging; /* by v, then u */
     uint32_t *by_u;        /* numbers of them by u, then v */
     uint32_t hanging_count, hanging_room;
-    unsigned char *block; /* of all these arrays */
-    uint64_t block_size;
     /* the surface between the planes, when each slab has its own: vertices
      * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
@@ -109,7 +107,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *stack);
 bvx_status bvxi_nesting_make(bvxi_stack *stack);
 /* What has changed in the section since: crossings, or the ring. */
 void bvxi_nesting_refresh(bvxi_plane *level);
-/* Return the levels' arrays. */
 
 /* ---- nesting_cross.c ---- */
 

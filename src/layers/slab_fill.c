@@ -39,7 +39,6 @@ static void find_active(bvxi_slab_work *w, int32_t j)
         }
     }
 
-    /* There is one corner more than there are cells. */
     w->row[last] &= (UINT64_C(1) << (s->size[0] & 63)) - 1;
 }
 

@@ -148,7 +148,7 @@ typedef struct bvxi_slab_work {
 } bvxi_slab_work;
 
 /* lines: the most crossings of lines of a slab; loop: vertices of the
- * longest loop that is likely. Close it also after a failure. */
+ * longest loop that is likely. */
 bvx_status bvxi_slab_work_open(bvxi_slab_work *work, bvxi_stack *stack, uint32_t lines, uint32_t loop);
 /* The surface between two planes, into the mesh of the work's stack. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);

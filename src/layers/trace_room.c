@@ -89,7 +89,6 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
     BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
 
-    /* As many as a usual cell has; more are made when they are needed. */
     t->end_count = t->node_count = TRACE_FEW;
     BVXI_TRY(bvxi_trace_open_rows(t));
     t->end_count = t->node_count = 0;

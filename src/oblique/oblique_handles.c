@@ -110,7 +110,6 @@ static bvx_status count_surface_patches(handle_work *w)
         if (c % 3 == 0) ++*euler;
         if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
-        /* Border edges that share a vertex of the patch are one loop. */
         if (w->side[c] == 0)
             bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, handle_next_corner(c)));
     }

@@ -99,7 +99,6 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
     uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
     bvxi_knot *keep, *gone;
 
-    /* The lower number is the root, whatever came first. */
     if (x == y) return;
     if (y < x) {
         uint32_t const swap = x;

@@ -27,7 +27,6 @@ static int look_add_tetra(bvxi_look *l, uint32_t tetra)
 
 static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
-    /* All bits set: a free place, as no tetrahedron has that number. */
     memset(l->seen, 0xff, (size_t)l->most * 16);
     l->count = 0;
     if (!look_add_tetra(l, o->vertex[vertex].tetra)) return 0;
@@ -71,7 +70,6 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     uint32_t stretches[2] = {0, 0};
 
-    /* Each vertex is a stretch of its own at first, and each join takes one away. */
     for (uint32_t i = 0; i < l->vertices; i++)
         if (l->sign[i] != 0) stretches[l->sign[i] > 0]++;
     for (uint32_t i = 0; i < l->count; i++) {

@@ -188,7 +188,6 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
 
     open_link(&w);
     for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
-    /* All are judged at once; what changes from here on is marked, to be looked at again. */
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
     for (uint32_t v = 0; v < job->vertices; v++)
@@ -213,7 +212,6 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 /* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
 static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
 {
-    /* Half as far on the other side; a value of 0 would have no crossing beside it. */
     o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
     o->vertex[m].value = -0.5F * o->vertex[of].value;
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;

@@ -175,7 +175,6 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
     const double *const plate_y = w->plate[1][j], *const plate_z = w->plate[2][k];
     const double *const slope_y = w->slope[1][j], *const slope_z = w->slope[2][k];
 
-    /* Zeros beside the row stand for nodes beyond the grid, so that the loops need no test for its ends. */
     memset(own, 0, sizeof own);
     memset(across, 0, sizeof across);
     memset(out, 0, (size_t)n * 8);

@@ -47,7 +47,6 @@ static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
 
     if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
 
-    /* The place of each in the lattice, from the slot of its block. */
     for (int e = 0; e < 2; e++) {
         slot = e == 0 ? one : two;
         bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
@@ -162,7 +161,6 @@ static bvx_status march_all(bvxi_oblique *o)
 
     job.o = o;
 
-    /* Counted first, so that the arrays of triangles are taken once. */
     job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
@@ -171,7 +169,6 @@ static bvx_status march_all(bvxi_oblique *o)
     for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
 
-    /* The tetrahedra's own after those of plain cells, whose vertices they share. */
     /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
     o->crossing.near = o->point_count < o->vertex_count / 8;
     BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
@@ -342,7 +339,6 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
 {
     uint64_t kept = 0;
 
-    /* What hangs together by triangles is one body. */
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++) bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
