@@ -889,6 +889,55 @@ BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_vie
     X(BVX_FACE_JOIN, 1, "join")
 enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 
+/** The lattice that a call works on: given, or fitted to what the call takes. */
+typedef struct bvx_fit {
+    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
+    int32_t resolution;         /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256; of
+                                     bvx_build_levels that of bvx_plan_levels] */
+    int32_t reserved;
+} bvx_fit;
+
+/** Where the vertices of a surface between voxels lie, and their type. */
+typedef struct bvx_placing {
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame;   /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1]
+                                [Default: 0] */
+    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
+    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel:
+                                BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
+    int32_t reserved;
+} bvx_placing;
+
+/** Which parts of a solid are kept, in voxels that join through faces. */
+typedef struct bvx_parts {
+    uint64_t least_part;   /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t keep_largest; /**< so many of the largest parts that least_part leaves are kept, as in
+                                bvx_keep_options [Limit: any] [Default: 0, all] */
+    uint64_t
+        least_cavity;    /**< cavities of fewer voxels are filled; 0 in booleans [Limit: any] [Default: 0] */
+    int32_t keep_crumbs; /**< 1: keep small parts and pockets that are not in the mesh (docs/rules.md)
+                                [Limit: 0..1] [Default: 0, dropped and filled] */
+    int32_t reserved;
+} bvx_parts;
+
+/** What simplified levels have: triangles or an error each, and with neither half the triangles of the one
+ * before. */
+typedef struct bvx_targets {
+    const uint64_t *triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
+    const double *errors;      /**< largest error of each level [Units: world] [Limit: > 0]
+                                    [Size: level_count] [Default: NULL] */
+    int32_t error_kind;        /**< of errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
+    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
+                           is the smallest that is not crumpled, by error the level before, or the mesh
+                           [Limit: 0..1] [Default: 0] */
+    uint64_t samples; /**< points a side for each report's distances; 0: not measured, though errors measure
+                           with 20000 [Limit: 0..2^31-1] [Default: 0] */
+    double even;      /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
+                           [Default: 1e-9] */
+} bvx_targets;
+
 /** Sides of the window that are left open (bits of open_sides). */
 #define BVX_SIDE_LIST(X)            \
     X(BVX_OPEN_X_LOW, 1, "x-low")   \
@@ -1054,20 +1103,9 @@ typedef struct bvx_level_report {
 
 typedef struct bvx_simplify_options {
     size_t struct_size;
-    const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    const double *target_errors;      /**< largest error of each level [Units: world] [Limit: > 0]
-                                           [Size: level_count] [Default: NULL; with neither target each level
-                                           has half the triangles of the one before] */
-    int32_t error_kind;    /**< of target_errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
+    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
+    int32_t position_type;     /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
                                 BVX_POSITION_AUTO] */
-    double even;           /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
-                                   [Default: 1e-9] */
-    uint64_t measure_samples; /**< points a side for each report's distances; 0: not measured, though
-                                   target_errors measure with 20000 [Limit: 0..2^31-1] [Default: 0] */
-    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
-                         is the smallest that is not crumpled, by error the level before, or the mesh
-                         [Limit: 0..1] [Default: 0] */
     int32_t lock_border;       /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
                                     join [Limit: 0..1] [Default: 0] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
@@ -1218,37 +1256,23 @@ typedef struct bvx_repair_report {
 
 typedef struct bvx_repair_options {
     size_t struct_size;
-    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution, padded by 2 voxels and
-                                     half a shell] */
-    int32_t resolution;         /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256] */
-    int32_t sign;          /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+    bvx_fit fit;         /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
+    int32_t sign;        /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO: WINDING, or VOTE where flipped triangles cannot be turned] */
-    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel:
-                                BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t measure; /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
+    int32_t measure;     /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
                           [Default: 0] */
+    bvx_placing placing; /**< of the surface [Default: all zero] */
     double shell;    /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
-    uint64_t least_part;       /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t least_cavity;     /**< cavities of fewer voxels are filled [Limit: any] [Default: 0] */
+    bvx_parts parts; /**< that are kept [Default: all zero] */
     uint64_t target_triangles; /**< at most so many: the largest resolution, up to resolution, that a
                                     bisection finds [Limit: any] [Default: 0, none] */
     uint64_t measure_samples;  /**< [Limit: any; with measure 1..2^31-1] [Default: 100000] */
     bvx_repair_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    int32_t keep_crumbs;       /**< 1: keep small parts and pockets that are not in the mesh (docs/rules.md)
-                                    [Limit: 0..1] [Default: 0, dropped and filled] */
     int32_t if_needed;         /**< 1: copy a mesh that needs nothing (the report's needs): same positions and
                                     triangles, vertices at one position once, its own position_type and no
                                     frame, whatever the other options are [Limit: 0..1] [Default: 0] */
     int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
-    int32_t reserved0;
-    uint64_t keep_largest; /**< so many of the largest parts that least_part leaves are kept, by voxels that
-                                join through faces, as in bvx_keep_options [Limit: any] [Default: 0, all] */
 } bvx_repair_options;
 
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
@@ -1296,41 +1320,29 @@ typedef struct bvx_levels_report {
 
 typedef struct bvx_levels_options {
     size_t struct_size;
-    const uint64_t *target_triangles; /**< as in bvx_simplify_options; halving starts from the input
-                                           [Default: NULL] */
-    const double *target_errors;      /**< as in bvx_simplify_options [Default: NULL] */
-    int32_t error_kind;    /**< as in bvx_simplify_options [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
+    bvx_targets targets;   /**< as in bvx_simplify_options; halving starts from the input
+                                [Default: half the triangles of the one before] */
     int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's own; of a measured surface f32 where it
                                 holds, else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    double even;           /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1]
-                                   [Default: 1e-9] */
-    uint64_t measure_samples; /**< as in bvx_simplify_options [Limit: 0..2^31-1] [Default: 0] */
-    int32_t strict;           /**< as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
                         from its default] */
-    const bvx_lattice *lattice; /**< solid: to work on [Default: NULL, fitted by resolution] */
-    int32_t resolution;         /**< solid: along the longest axis [Limit: 0..2^24] [Default: 0, by
-                                     bvx_plan_levels] */
-    int32_t sign;               /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
+    bvx_fit fit;   /**< solid: [Default: the resolution of bvx_plan_levels] */
+    int32_t sign;  /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO] */
-    int32_t sharp;              /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
-    int32_t outer;              /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    double shell;               /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
+    int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
+    double shell;  /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
                                      [Default: 2] */
-    uint64_t least_part;        /**< solid: parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t least_cavity;      /**< solid: cavities of fewer voxels are filled [Limit: any] [Default: 0] */
-    bvx_levels_report *report;  /**< receives what was found and done when not NULL [Default: NULL] */
-    bvx_level_report *reports;  /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    int32_t lock_border;        /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
-    int32_t vertices;           /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    double attribute_weight;    /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1000]
+    bvx_parts parts;           /**< solid: that are kept [Default: all zero] */
+    int32_t outer;             /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
+    int32_t lock_border;       /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+    double attribute_weight;   /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1000]
                                      [Default: 1] */
-    uint64_t keep_largest;      /**< solid: as in bvx_repair_options [Limit: any] [Default: 0, all] */
-    const uint8_t *locked;      /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t topology;           /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
-    int32_t reserved0;
-    uint64_t reserved[1];
+    const uint8_t *locked;     /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
+    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_levels_options;
 
 /** The resolution at which bvx_build_levels measures a mesh when none is given: from 256 to 320, so that the
@@ -1396,28 +1408,16 @@ enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 
 typedef struct bvx_boolean_options {
     size_t struct_size;
-    const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution with padding of 1 voxel:
-                                     of a difference to a, of an intersection to the box that both share (to a
-                                     where there is none), else to both] */
-    int32_t resolution;    /**< voxels along the longest axis of that box [Limit: 1..2^24] [Default: 256] */
-    int32_t fill;          /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default:
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 1 voxel: of a difference to a, of an intersection to the
+                      box that both share (to a where there is none), else to both] */
+    int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default:
                                 BVX_FILL_AUTO] */
-    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t sharp;         /**< sharp edges of the meshes, and those where they meet, as in
-                                bvx_field_surface_options; BVX_SHARP_..., AUTO: where one of the meshes has
-                                them [Default: BVX_SHARP_AUTO] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t keep_crumbs;   /**< 1: as in bvx_repair_options, with parts that neither mesh has [Limit: 0..1]
-                                [Default: 0] */
-    bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
-    uint64_t least_part;        /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t keep_largest;      /**< as in bvx_repair_options [Limit: any] [Default: 0, all] */
     int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
                        BVX_THIN_DROP [Limit: 0..1] [Default: BVX_THIN_KEEP] */
-    int32_t reserved1;
+    bvx_placing placing; /**< of the surface; sharp edges are those of the meshes and where they meet, AUTO:
+                              where one of the meshes has them [Default: all zero] */
+    bvx_parts parts;     /**< that are kept; crumbs are parts that neither mesh has [Default: all zero] */
+    bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
 } bvx_boolean_options;
 
 /** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the
@@ -1512,7 +1512,7 @@ BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, c
 
 /* ---- Closest points ------------------------------------------------------------------------------------ */
 
-/** A mesh prepared for closest points. It keeps what it needs: the view may be freed. */
+/** A mesh prepared for closest points, rays and winding numbers. It keeps what it needs: the view may be freed. */
 typedef struct bvx_closest bvx_closest;
 
 /** The closest point of a mesh to a point. */
@@ -1540,6 +1540,46 @@ BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view 
  *  [Cost: O(log triangles) a point near the surface, more farther off] */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
+
+/** Where a ray meets a mesh. */
+typedef struct bvx_mesh_hit {
+    double t;           /**< position = origin + t * direction */
+    double position[3]; /**< [Units: world] */
+    double weight[3];   /**< barycentric coordinates: not negative, with sum 1 but for rounding */
+    uint32_t triangle;
+    int32_t side; /**< 1: the side that the normal by the right hand points to; -1: the other one; 0: the ray
+                       meets none, and the other fields are zero */
+} bvx_mesh_hit;
+
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits
+ *  have 0 <= t <= t_max; of equal t the lowest index is the nearest. Which triangles are met is decided exactly:
+ *  a ray passes between no two triangles with a common edge, and through an edge or a corner it meets one of
+ *  the triangles that lie side by side there. A triangle seen from its edge is not met.
+ *  hits  the nearest one of each ray [Size: count]
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
+ *  finite, or starts 2^200 times the mesh's size away, with its index).
+ *  [Memory: none]
+ *  [Cost: O(log triangles) a ray, whatever their number] */
+BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *closest, const double *rays,
+                                    uint64_t count, double t_max, bvx_mesh_hit *hits);
+
+/** All hits of each ray, by t, then by index of the triangle.
+ *  offsets  where the hits of each ray begin, and their number [Size: count + 1]
+ *  hits     NULL: offsets alone are wanted [Size: capacity]
+ *  Returns what bvx_closest_cast returns, BVX_ERR_CAPACITY (offsets are valid then).
+ *  [Memory: none] */
+BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
+                                         uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
+                                         uint64_t capacity);
+
+/** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented
+ *  mesh 0 outside and 1 inside; of an open one the signed number of triangles that lie ahead along x. Points on
+ *  the surface are on one side, by the tie rule of voxel centres.
+ *  Returns BVX_ERR_RANGE (a point that is not finite, with its index).
+ *  [Memory: none]
+ *  [Cost: O(log triangles) a point] */
+BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
+                                       uint64_t count, int64_t *turns);
 
 /** Free what bvx_closest_create allocated; NULL is allowed. */
 BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
@@ -1634,16 +1674,10 @@ BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field,
 
 typedef struct bvx_field_surface_options {
     size_t struct_size;
-    int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t sharp; /**< BVX_SHARP_...: cells on sharp edges and corners get a vertex there, and cuts move to
-                        the closest triangles' planes where the field has triangles and the mesh is given.
-                        AUTO: never without vectors or the mesh [Default: BVX_SHARP_AUTO] */
-    int32_t reserved;
-    double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle
+    bvx_placing placing; /**< sharp: cells on sharp edges and corners get a vertex there, and cuts move to the
+                              closest triangles' planes where the field has triangles and the mesh is given.
+                              AUTO: never without vectors or the mesh [Default: all zero] */
+    double sharp_angle;  /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle
                              between their normals; not 0, but as near to it as wanted] [Limit: -1..1]
                              [Default: 0.8] */
     bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */

@@ -374,7 +374,7 @@ export interface ChainOptions extends CallOptions {
     errorKind?: 'mean' | 'max' | undefined;
     positionType?: PositionType | undefined;
     even?: number | undefined;
-    measureSamples?: number | undefined;
+    samples?: number | undefined;
     strict?: boolean | undefined;
     /** Vertices on borders stay where they are, so that tiles join. */
     lockBorder?: boolean | undefined;

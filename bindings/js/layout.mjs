@@ -138,7 +138,13 @@ export function layoutTable({ structs, choices }, wanted) {
     const keep = name => {
         if (kept[name] || !structs[name]) return;
         const fields = {};
-        for (const [field, type, offset, count, meaning] of structs[name].fields) {
+        // Fields of the structs that options share are options themselves.
+        const flat = structs[name].fields.flatMap(field =>
+            /_options$/.test(name) && /^bvx_(fit|placing|parts|targets)$/.test(field[1])
+                ? structs[field[1]].fields.map(([inner, type, offset, ...rest]) => [inner, type, field[2] + offset, ...rest])
+                : [field],
+        );
+        for (const [field, type, offset, count, meaning] of flat) {
             if (field.startsWith('reserved')) continue;
             keep(type);
             const row = [type.replace(/^bvx_/, ''), offset, count];

@@ -88,7 +88,6 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     bvxi_oblique o;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (labels == NULL) return bvxi_fail_null(context, bodies_name, "labels");
     if (meshes == NULL) return bvxi_fail_null(context, bodies_name, "meshes");
     BVXI_TRY(check_labels(context, labels, count));

@@ -462,7 +462,6 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     bvx_sections_options o;
     bvx_sections_report report;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_section_options_check(context, sections_name, &o));

@@ -247,6 +247,7 @@ static inline int32_t cli_sharp(const cli_options *o)
 {
     return o->sharp ? BVX_SHARP_ALWAYS : o->no_sharp ? BVX_SHARP_NEVER : BVX_SHARP_AUTO;
 }
+bvx_parts cli_parts(const cli_run *run);
 /* 1 when --triangles or --error is given. */
 int cli_reduces(const cli_run *run);
 

@@ -124,6 +124,16 @@ int cli_given(const cli_run *run, const char *name)
     return cli_given_name(run, name, strlen(name)) != NULL;
 }
 
+bvx_parts cli_parts(const cli_run *run)
+{
+    const cli_options *const o = run->options;
+
+    return (bvx_parts){.least_part = (uint64_t)o->least_part,
+                       .keep_largest = (uint64_t)o->keep_largest,
+                       .least_cavity = (uint64_t)o->least_cavity,
+                       .keep_crumbs = cli_given(run, "--least-part")};
+}
+
 int cli_reduces(const cli_run *run)
 {
     return run->options->triangles.count != 0 || run->options->errors.count != 0;

@@ -189,13 +189,11 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_lattice lattice;
     bvx_status status;
 
-    o.lattice = &lattice;
+    o.fit.lattice = &lattice;
     o.fill = run->options->fill;
-    o.interpolation = run->options->interpolation;
-    o.sharp = cli_sharp(run->options);
-    if (run->options->least_part > 0) o.least_part = (uint64_t)run->options->least_part;
-    o.keep_crumbs = cli_given(run, "--least-part");
-    o.keep_largest = (uint64_t)run->options->keep_largest;
+    o.placing.interpolation = run->options->interpolation;
+    o.placing.sharp = cli_sharp(run->options);
+    o.parts = cli_parts(run);
     o.report = &b->report;
     for (int i = 0; i < 2; i++) bvx_mesh_view_of(&b->in[i].mesh, &view[i]);
     cli_stage_begin(run, "boolean");

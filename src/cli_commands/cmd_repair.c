@@ -205,15 +205,12 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 
     /* What several commands share is filled in beside what is repair's own. */
     *o = *own;
-    if (c->resolution.count != 0) o->resolution = (int32_t)c->resolution.value[0];
+    if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
-    o->interpolation = c->interpolation;
-    o->sharp = cli_sharp(c);
+    o->placing.interpolation = c->interpolation;
+    o->placing.sharp = cli_sharp(c);
     if (cli_given(run, "--shell")) o->shell = cli_or_none(c->shell);
-    if (c->least_part > 0) o->least_part = (uint64_t)c->least_part;
-    o->keep_crumbs = cli_given(run, "--least-part");
-    o->keep_largest = (uint64_t)c->keep_largest;
-    if (c->least_cavity > 0) o->least_cavity = (uint64_t)c->least_cavity;
+    o->parts = cli_parts(run);
 }
 
 static int check_repair_options(cli_run *run)

@@ -38,17 +38,11 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     bvx_simplify_options s = {.struct_size = sizeof s};
     bvx_status status;
 
-    /* Targets are counts or distances, never both: rules have seen to that. */
-    if (c->by_error) s.target_errors = c->error;
-    else s.target_triangles = c->target;
-    s.error_kind = o->error_kind;
-    if (cli_given(run, "--even")) s.even = cli_or_none(o->even);
+    s.targets = cli_targets(run, c);
     if (cli_given(run, "--attributes")) s.attribute_weight = cli_or_none(o->attributes);
     s.lock_border = o->lock_border;
     s.topology = o->topology;
     s.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
-    s.measure_samples = cli_collapse_samples(run, c);
-    s.strict = o->strict;
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");

@@ -118,11 +118,21 @@ static uint64_t wanted_samples(const cli_run *run)
     return run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
 }
 
-/* A level by its error is measured while it is looked for, so that the distances
- * told are those that decided. */
-uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c)
+bvx_targets cli_targets(const cli_run *run, const cli_collapse_run *c)
 {
-    return c->by_error ? wanted_samples(run) : 0;
+    const cli_options *const o = run->options;
+    bvx_targets t = {.error_kind = o->error_kind, .strict = o->strict};
+
+    /* Counts or distances, never both: rules have seen to that. A level by its error is measured while it is
+     * looked for, so that the distances told are those that decided. */
+    if (c->by_error) {
+        t.errors = c->error;
+        t.samples = wanted_samples(run);
+    } else {
+        t.triangles = c->target;
+    }
+    if (cli_given(run, "--even")) t.even = cli_or_none(o->even);
+    return t;
 }
 
 /* The library measures from the input to the level, the report from the level to the input. */

@@ -30,8 +30,7 @@ typedef struct cli_collapse_run {
 int cli_check_collapse(cli_run *run, cli_collapse_run *c);
 /* Read the input, choose the targets, open the outputs. */
 int cli_open_collapse(cli_run *run, cli_collapse_run *c);
-/* Points a side that the library shall measure each level with. */
-uint64_t cli_collapse_samples(const cli_run *run, const cli_collapse_run *c);
+bvx_targets cli_targets(const cli_run *run, const cli_collapse_run *c);
 /* With levels, their reports, before, surface, source and seconds there: carry, measure. */
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c);
 /* Of a job that begins with a cli_collapse_run. */

@@ -61,27 +61,20 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     const cli_options *const o = run->options;
 
     *b = own->levels;
-    if (l->run.by_error) b->target_errors = l->run.error;
-    else b->target_triangles = l->run.target;
-    b->error_kind = o->error_kind;
-    if (cli_given(run, "--even")) b->even = cli_or_none(o->even);
+    b->targets = cli_targets(run, &l->run);
     if (cli_given(run, "--attributes")) b->attribute_weight = cli_or_none(o->attributes);
     b->lock_border = o->lock_border;
     b->topology = o->topology;
     b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
-    b->measure_samples = cli_collapse_samples(run, &l->run);
-    b->strict = o->strict;
     b->report = &l->report;
     b->reports = l->run.level;
     /* What follows measures a mesh; a grid has chosen its parts before. */
     if (l->run.kind == CLI_GRID) return;
-    if (o->resolution.count != 0) b->resolution = (int32_t)o->resolution.value[0];
+    if (o->resolution.count != 0) b->fit.resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
     b->sharp = cli_sharp(o);
     if (cli_given(run, "--shell")) b->shell = cli_or_none(o->shell);
-    b->least_part = (uint64_t)o->least_part;
-    b->keep_largest = (uint64_t)o->keep_largest;
-    b->least_cavity = (uint64_t)o->least_cavity;
+    b->parts = cli_parts(run);
 }
 
 /* ---- Levels ---- */

@@ -199,9 +199,9 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     if (o->errors.percent[0]) error *= cli_diagonal(box.low, box.high) / 100.0;
 
     /* One target, a count or a distance: rules have refused both. */
-    if (target != 0) s.target_triangles = &target;
-    else s.target_errors = &error;
-    s.error_kind = o->error_kind;
+    if (target != 0) s.targets.triangles = &target;
+    else s.targets.errors = &error;
+    s.targets.error_kind = o->error_kind;
     s.reports = &r->level;
 
     bvx_mesh_view_of(mesh, &view);

@@ -58,7 +58,7 @@ static bvx_status make_source_surface(cli_run *run, cli_voxels *v)
 
     /* A command that moved walls has measured already, farther out. */
     if (v->field == NULL) status = cli_measure_source(run, v->source, v->solid, 0.0, &own);
-    s.sharp = cli_sharp(o);
+    s.placing.sharp = cli_sharp(o);
     s.grid = v->grid;
     s.offset = v->offset;
     s.report = &v->surface;

@@ -21,8 +21,6 @@ typedef struct compare_work {
     int32_t pieces;
 } compare_work;
 
-/* ---- The pass over all words ---- */
-
 static void clear_compare_sums(const int32_t size[3], compare_sums *s)
 {
     memset(s, 0, sizeof *s);
@@ -53,7 +51,6 @@ static void compare_row(const uint64_t *a, const uint64_t *b, int32_t words, int
         uint64_t const differ = a[k] ^ b[k], only_a = a[k] & differ, only_b = b[k] & differ;
         uint32_t const same = bvxi_popcount(a[k] & b[k]);
         s->both += same;
-        /* Runs of the difference end at a word where both are the same. */
         if (differ == 0) {
             last_a = last_b = 0;
             continue;
@@ -107,7 +104,6 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     uint64_t const rows = bvxi_grid_rows(a), words = bvxi_grid_words(a);
     int32_t const pieces = bvxi_piece_count(words, COMPARE_GRAIN);
 
-    /* A piece has a row at least. */
     w->pieces = (uint64_t)pieces > rows ? (int32_t)rows : pieces;
     uint64_t const bytes = (uint64_t)w->pieces * sizeof *w->sums;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
@@ -117,8 +113,6 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     bvxi_drop(ctx, w->sums);
     return BVX_OK;
 }
-
-/* ---- The pieces of what only one grid has ---- */
 
 /* What happens with each run of the difference, in the order of their voxels. */
 typedef void compare_run_fn(void *user, int32_t begin, int32_t end, int32_t y, int32_t z);
@@ -156,7 +150,6 @@ static void visit_row_difference(const compare_side *s, int32_t y, int32_t z, co
 
     for (int32_t k = 0; k < s->one->words_per_row; k++) {
         uint64_t changes = bvxi_run_changes(one[k] & ~other[k], &last);
-        /* Changes are begin and end in turn; a run may go on in the next word. */
         for (; changes != 0; changes &= changes - 1) {
             int32_t const x = k * BVXI_WORD_BITS + bvxi_lowest(changes);
             if (begin >= 0) take(user, begin, x, y, z);
@@ -217,7 +210,6 @@ static bvx_status measure_components(bvx_context *ctx, const compare_side *side,
     uint64_t const bytes = c->component_count * sizeof(uint64_t);
     compare_sizes s = {c->label, NULL};
 
-    /* The runs come in the order in which they were numbered, so labels are read one after the other. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the components' sizes", &s.size));
     BVXI_TRY(visit_difference(ctx, side, measure_compare_run, &s));
     for (uint64_t i = 0; i < c->component_count; i++) *largest = s.size[i] > *largest ? s.size[i] : *largest;
@@ -245,8 +237,6 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-/* ---- The whole ---- */
-
 static void report_comparison(const compare_sums *all, bvx_grid_difference *d)
 {
     /* The pass has counted what only one has; with both it is the whole of each. */
@@ -269,7 +259,6 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     bvx_grid_difference d;
     compare_sums all;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (difference == NULL) return bvxi_fail_null(context, function, "difference");
     memset(difference, 0, sizeof *difference);
     memset(&d, 0, sizeof d);

@@ -86,8 +86,6 @@ static inline void unite_components(uint32_t *parent, uint32_t i, uint32_t j)
     }
 }
 
-/* ---- Rows ---- */
-
 /* A word of a row with what lies beside its bits: bit i of low is voxel i - 1, of high voxel i + 1. */
 typedef struct component_word {
     uint64_t here, low, high;
@@ -177,7 +175,6 @@ BVXI_VECTOR_INLINE void join_component_word(uint32_t *parent, component_row row,
     component_pairs of_a, of_b, of_c, of_d;
 
     if (connectivity == BVXI_CONNECT_6) {
-        /* Faces only: the row before in y and the one before in z. */
         of_a = straight_component_pairs(r, a, 0);
         of_b = straight_component_pairs(r, b, 0);
         if ((of_a.back | of_b.back) == 0) return;
@@ -279,7 +276,6 @@ void bvxi_components_number(bvxi_components *c)
     uint32_t *const label = c->label;
     uint32_t next = 0;
 
-    /* Runs come in order, so one walk numbers all. */
     for (uint64_t i = 0; i < c->added; i++) { /* a parent is an earlier run, whose label is final by now */
         uint32_t const parent = label[i], of_parent = label[parent];
         label[i] = parent == i ? next : of_parent;
@@ -336,8 +332,6 @@ static bvx_status join_spaces(bvx_context *ctx, bvxi_spaces *s)
 bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *stage, const bvx_grid *grid,
                             int32_t empty, int32_t connectivity, bvxi_spaces *spaces)
 {
-    bvx_status status;
-
     memset(spaces, 0, sizeof *spaces);
 
     /* The number of runs is known before, so the forest is made in its exact size. */
@@ -346,9 +340,7 @@ bvx_status bvxi_spaces_open(bvx_context *ctx, const char *function, const char *
     spaces->grid = grid;
     spaces->stage = stage;
     spaces->empty = empty;
-    status = join_spaces(ctx, spaces);
-    if (status != BVX_OK) bvxi_spaces_free(spaces);
-    return status;
+    return join_spaces(ctx, spaces);
 }
 
 void bvxi_spaces_each(const bvxi_spaces *spaces, bvxi_spaces_fn *take, void *user)
@@ -372,8 +364,6 @@ void bvxi_spaces_free(bvxi_spaces *spaces)
     bvxi_components_free(&spaces->parts);
     memset(spaces, 0, sizeof *spaces);
 }
-
-/* ---- What is done with all of them ---- */
 
 typedef struct spaces_sizes {
     const bvx_grid *grid;

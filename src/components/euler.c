@@ -31,7 +31,6 @@ static int64_t euler_of_rows(const uint64_t *const rows[4], int32_t words, uint6
     uint64_t last[4] = {0, 0, 0, 0};
     int64_t sum = 0;
 
-    /* Each word of the four rows is read once for all four counts. */
     for (int32_t k = 0; k < words; k++) {
         uint64_t w[4], ab, ac, all;
         for (int32_t i = 0; i < 4; i++)
@@ -56,7 +55,6 @@ static int64_t euler_number(const bvx_grid *g, int any)
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     int64_t sum = 0;
 
-    /* Closed boxes reach one row below the first. */
     for (int32_t z = any ? -1 : 0; z < g->size[2]; z++)
         for (int32_t y = any ? -1 : 0; y < g->size[1]; y++) {
             const uint64_t *const rows[4] = {euler_row(g, y, z), euler_row(g, y + 1, z),
@@ -106,7 +104,6 @@ static bvx_status run_grid_topology(bvx_context *context, const bvx_grid *grid, 
 {
     bvx_topology t = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (topology == NULL) return bvxi_fail_null(context, topology_name, "topology");
     BVXI_TRY(bvxi_grid_check(context, topology_name, grid));
     if (connectivity != BVXI_CONNECT_6 && connectivity != BVXI_CONNECT_26)

@@ -45,7 +45,6 @@ static bvx_status check_seeds(bvx_context *ctx, const bvx_grid *walls, const int
     for (uint64_t i = 0; i < count; i++) {
         const int32_t *const s = seeds + 3 * i;
         BVXI_TRY(bvxi_seed_check(ctx, grid_fill_name, walls, s, i));
-        /* A seed inside a wall stands in no space. */
         if (bvx_grid_get(walls, s[0], s[1], s[2]))
             return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: seed %i at (%d, %d, %d) lies on a set voxel",
                              grid_fill_name, i, (int64_t)s[0], (int64_t)s[1], (int64_t)s[2]);
@@ -79,7 +78,6 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, grid_fill_name, walls));
     if (filled == NULL) return bvxi_fail_null(context, grid_fill_name, "filled");
     if (seeds == NULL && seed_count != 0) return bvxi_fail_null(context, grid_fill_name, "seeds");
@@ -90,16 +88,10 @@ static bvx_status run_grid_fill(bvx_context *context, const bvx_grid *walls, con
     memcpy(window.size, walls->size, sizeof window.size);
     bvxi_grid_renew(context, &walls->lattice, &window, filled);
 
-    /* A copy of the struct: after a failure the caller's grid is as it was. */
     made = *filled;
     BVXI_TRY(bvxi_grid_open(context, grid_fill_name, &walls->lattice, &window, &made));
     status = fill_from_seeds(context, walls, seeds, seed_count, connectivity, &made);
-    if (status != BVX_OK) {
-        if (filled->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *filled = made;
-    return BVX_OK;
+    return bvxi_grid_put(context, status, &made, filled);
 }
 
 bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,

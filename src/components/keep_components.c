@@ -48,8 +48,6 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-/* ---- Rules ---- */
-
 static void drop_small_parts(keep_work *w, uint64_t at_least)
 {
     for (uint64_t i = 0; i < w->spaces.count; i++) w->marks[i] |= w->voxels[i] < at_least;
@@ -65,7 +63,6 @@ static void keep_seeded_run(void *user, uint32_t space, int32_t begin, int32_t e
     const keep_seeds *const s = user;
     const uint64_t *const row = s->seeds->words + ((size_t)z * (size_t)s->seeds->size[1] + (size_t)y) *
                                                       (size_t)s->seeds->words_per_row;
-    /* A run with a seed keeps its part, which may have many runs. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++)
         if ((row[k] & bvxi_run_mask(begin, end, k)) != 0) s->marks[space] = 0;
 }
@@ -80,7 +77,6 @@ static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const b
     memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
     for (uint64_t i = 0; i < o->seed_count; i++)
         bvx_grid_set(&marked, o->seeds[3 * i], o->seeds[3 * i + 1], o->seeds[3 * i + 2], 1);
-    /* All go, but for those that a seed is found in. */
     memset(w->marks, 1, (size_t)w->spaces.count);
     bvxi_spaces_each(&w->spaces, keep_seeded_run, &s);
 }
@@ -123,8 +119,6 @@ static void report_kept(const keep_work *w, bvx_keep_report *report)
     }
 }
 
-/* ---- The calls ---- */
-
 static const bvxi_option keep_rows[] = {
     BVXI_OR(bvx_keep_options, connectivity, AMONG, 6, 1 << 6 | 1 << 18 | 1 << 26, 0),
     BVXI_RESERVED(bvx_keep_options, reserved),
@@ -134,7 +128,6 @@ static bvx_status check_keep_options(bvx_context *ctx, const bvx_grid *grid, bvx
 {
     BVXI_TRY(bvxi_check_options(ctx, keep_name, o, BVXI_OPTIONS(keep_rows)));
     if (o->seeds == NULL && o->seed_count != 0) return bvxi_fail_null(ctx, keep_name, "seeds");
-    /* Seeds are checked before a voxel is looked at. */
     for (uint64_t i = 0; i < o->seed_count; i++)
         BVXI_TRY(bvxi_seed_check(ctx, keep_name, grid, o->seeds + 3 * i, i));
     return BVX_OK;
@@ -151,7 +144,6 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     BVXI_TRY(open_keep_work(ctx, keep_name, grid, 0, o->connectivity, &w));
     if (o->seed_count != 0) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words));
 
-    /* Seeds first, then small parts, then the largest of what is left. */
     if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
     drop_small_parts(&w, o->at_least);
     if (o->largest != 0) drop_all_but_largest(&w, o->largest);
@@ -169,16 +161,13 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
     status = keep_parts(context, grid, &o, &made);
-    if (status == BVX_OK) *result = made;
-    else if (result->words == NULL) bvx_grid_free(context, &made);
-    return status;
+    return bvxi_grid_put(context, status, &made, result);
 }
 
 bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
@@ -203,7 +192,6 @@ bvx_status bvxi_fill_pockets(bvx_context *ctx, const char *function, const bvx_g
         set.count += w.marks[i];
     }
     if (words != grid->words) memcpy(words, grid->words, (size_t)bvxi_grid_words(grid) * 8);
-    /* Flipping empty voxels sets them. */
     bvxi_spaces_flip(&w.spaces, w.marks, words);
     *filled = set;
     return BVX_OK;
@@ -216,7 +204,6 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
@@ -225,9 +212,7 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
     status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, &set);
     if (status == BVX_OK && filled != NULL) *filled = set.voxels;
-    if (status == BVX_OK) *result = made;
-    else if (result->words == NULL) bvx_grid_free(context, &made);
-    return status;
+    return bvxi_grid_put(context, status, &made, result);
 }
 
 bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,

@@ -9,8 +9,6 @@
 static const char parts_name[] = "bvx_grid_components";
 static const char label_name[] = "bvx_grid_label";
 
-/* ---- Boxes and counts ---- */
-
 typedef struct parts_list {
     const bvx_grid *grid;
     bvx_component *parts;
@@ -23,7 +21,6 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
     parts_list *const list = user;
     bvx_component *const p = &list->parts[space];
 
-    /* The first run of a part has its least voxel. */
     if (space == list->seen) { /* spaces are numbered as they come */
         const bvx_grid *const g = list->grid;
         memset(p, 0, sizeof *p);
@@ -35,7 +32,6 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
         list->seen++;
     }
 
-    /* The box grows with every run; z only rises. */
     p->voxels += (uint64_t)(end - begin);
     p->low[0] = begin < p->low[0] ? begin : p->low[0];
     p->low[1] = y < p->low[1] ? y : p->low[1];
@@ -56,9 +52,7 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
                                       bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
     bvxi_spaces spaces;
-    bvx_status status = BVX_OK;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, parts_name, "count");
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, parts_name, connectivity));
@@ -66,11 +60,10 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     /* The count is known even where the array is too short, so that the caller can make a longer one. */
     *count = spaces.count;
     if (parts != NULL && spaces.count > capacity)
-        status = bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
-                           parts_name, spaces.count, capacity);
-    else if (parts != NULL) list_parts(&spaces, parts);
-    bvxi_spaces_free(&spaces);
-    return status;
+        return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
+                         parts_name, spaces.count, capacity);
+    if (parts != NULL) list_parts(&spaces, parts);
+    return BVX_OK;
 }
 
 bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
@@ -78,8 +71,6 @@ bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32
 {
     return BVXI_CALL(context, run_grid_components(context, grid, connectivity, parts, capacity, count));
 }
-
-/* ---- Numbers of voxels ---- */
 
 /* A word's voxels; label: behind that of the run that the word begins in.
  * Returns where it stands at the word's end. */
@@ -114,7 +105,6 @@ static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32
 {
     uint64_t last = 0;
 
-    /* Voxels without a part have 0. */
     memset(to, 0, (size_t)size * sizeof *to);
     for (int32_t k = 0; k * BVXI_WORD_BITS < size; k++) {
         uint64_t const w = size - k * BVXI_WORD_BITS < BVXI_WORD_BITS ? row[k] & bvxi_tail_mask(size)
@@ -178,11 +168,9 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
     bvxi_spaces spaces;
     int ok = 1;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (labels == NULL) return bvxi_fail_null(context, label_name, "labels");
     BVXI_TRY(bvxi_grid_check(context, label_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, label_name, connectivity));
-    /* The product is checked, as a window may have more voxels than 64 bits count. */
     for (int32_t a = 0; a < 3; a++) voxels = bvxi_mul(voxels, (uint64_t)grid->size[a], &ok);
     if (!ok || capacity < voxels)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the window has %u voxels, the array given holds %u",
@@ -192,7 +180,6 @@ static bvx_status run_grid_label(bvx_context *context, const bvx_grid *grid, int
                         bvxi_spaces_open(context, label_name, "components", grid, 0, connectivity, &spaces)));
     BVXI_TRY(BVXI_SHARE(context, 0.2, 1.0, label_rows(context, &spaces, labels)));
     if (count != NULL) *count = spaces.count;
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 

@@ -53,8 +53,6 @@ void bvxi_components_add(bvxi_components *c, int32_t y, int32_t z);
 void bvxi_components_number(bvxi_components *c);
 void bvxi_components_free(bvxi_components *c);
 
-/* ---- Spaces of a grid ---- */
-
 typedef struct bvxi_spaces {
     bvxi_components parts;
     const bvx_grid *grid; /* must not change while the spaces are open */

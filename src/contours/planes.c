@@ -33,13 +33,10 @@ static int32_t plane_pieces(const bvxi_stack *s)
 
 /* ---- places ---- */
 
-static void plane_place_piece(void *user, int32_t index, int32_t worker)
+static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     planes_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         double *const b = job->bounds[i];
         b[0] = b[1] = 1e300;
@@ -52,7 +49,8 @@ static bvx_status place_in_job(planes_job *job)
 {
     bvxi_stack *const s = job->s;
 
-    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.0, 0.25, job->pieces, plane_place_piece, job));
+    BVXI_TRY(bvxi_for_ranges(s->ctx, "sections", 0.0, 0.25, job->pieces, job->s->plane_count,
+                             plane_place_piece, job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         const double *const b = job->bounds[i];
         /* Gone over again with a stack that has messages: it fails here, and says where. */

@@ -439,7 +439,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     slice_work w;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));

@@ -144,17 +144,26 @@ bvx_status bvxi_parallel(bvx_context *ctx, const char *stage, double from, doubl
  * else. */
 bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
                               double each, bvx_task_fn *task, void *user);
+/* Both for tasks that do not depend on the worker. */
+typedef void bvxi_item_fn(void *user, int32_t index);
+bvx_status bvxi_each(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                     bvxi_item_fn *item, void *user);
+bvx_status bvxi_each_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                          double each, bvxi_item_fn *item, void *user);
 /* body(user, begin, end) for ranges of [0, count), each of at least grain items, one alone where count is 0. The
  * ranges follow from the shape alone, and bodies write apart from each other. */
 typedef void bvxi_range_fn(void *user, uint64_t begin, uint64_t end);
 bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
                     void *user);
-/* The same for bodies with a result of their own for each of `pieces` ranges; a share [from, to] of the progress. */
+/* The same with the number of ranges, for a share [from, to] of the progress; bvxi_for_pieces for bodies with a
+ * result of their own for each range. */
+bvx_status bvxi_for_ranges(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
+                           uint64_t count, bvxi_range_fn *body, void *user);
 typedef void bvxi_piece_fn(void *user, int32_t piece, uint64_t begin, uint64_t end);
 bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
                            uint64_t count, bvxi_piece_fn *body, void *user);
-/* bvxi_parallel without reports, for what is short beside the time between two of them. */
-void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user);
+/* bvxi_each without reports, for what is short beside the time between two of them. */
+void bvxi_tasks(bvx_context *ctx, int32_t count, bvxi_item_fn *item, void *user);
 /* 0: none */
 uint64_t bvxi_memory_limit(const bvx_context *ctx);
 int32_t bvxi_threads(const bvx_context *ctx);
@@ -164,8 +173,10 @@ int32_t bvxi_cpu(const bvx_context *ctx);
 /* ---- parallel.c ---- */
 
 /* The work of a public function, with one rise of progress around it; inside another public function it is a
- * part of that. Its end frees the scratch that it took, so bodies free only what others should have before. */
-#define BVXI_CALL(ctx, call) (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call)))
+ * part of that; refused without a context. Its end frees the scratch that it took, so bodies free only what others
+ * should have before. */
+#define BVXI_CALL(ctx, call) \
+    ((ctx) == NULL ? BVX_ERR_ARGUMENT : (bvxi_call_begin(ctx, __func__), bvxi_call_end(ctx, (call))))
 void bvxi_call_begin(bvx_context *ctx, const char *function);
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status);
 /* Work that reports 0 to 1 while the present one goes from `from` to `to`. */
@@ -247,6 +258,10 @@ static inline int32_t bvxi_piece_count(uint64_t count, uint64_t grain)
 /* Refuses points [Size: count * 3] that are not finite. */
 bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const double *points, uint64_t count);
 
+/* Refuses rays [Size: count * 6] that are not finite or have no direction, and a t_max below 0. */
+bvx_status bvxi_check_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
+                           double t_max);
+
 /* Copy the caller's options; NULL: all zeros. Refuses a struct_size that no version had. */
 bvx_status bvxi_take_options(bvx_context *ctx, const char *function, const void *given, void *options,
                              size_t size);
@@ -287,6 +302,15 @@ enum {
 /* 0 stands for the standard, and BVX_NONE for 0 where that is allowed. */
 #define BVXI_OR(type, field, kind, standard, low, high) \
     BVXI_OPTION(type, field, BVXI_IS_##kind, low, high, standard)
+/* Those of structs that several options share. */
+#define BVXI_PLACING(type)                                                          \
+    BVXI_CHOICE(type, placing.position_type, BVX_POSITION_AUTO, BVX_F64),           \
+        BVXI_SWITCH(type, placing.local_frame),                                     \
+        BVXI_CHOICE(type, placing.face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),     \
+        BVXI_CHOICE(type, placing.interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER), \
+        BVXI_CHOICE(type, placing.sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),         \
+        BVXI_RESERVED(type, placing.reserved)
+#define BVXI_PARTS(type)   BVXI_SWITCH(type, parts.keep_crumbs), BVXI_RESERVED(type, parts.reserved)
 #define BVXI_OPTIONS(rows) rows, sizeof(rows) / sizeof((rows)[0])
 #define BVXI_FINITE        1.7976931348623157e308 /* the largest double */
 

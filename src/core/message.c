@@ -10,8 +10,6 @@
 
 /* ---- Texts of statuses, and the version ---- */
 
-/* Statuses and reasons, their texts, and the version. */
-
 const char *bvx_status_text(bvx_status status)
 {
     switch (status) {
@@ -29,8 +27,6 @@ int32_t bvx_version(void)
 }
 
 /* ---- Messages ---- */
-
-/* What went wrong, in parts and in one line, formatted without stdio and without a locale. */
 
 typedef struct message_line {
     char *text;

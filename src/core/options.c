@@ -171,3 +171,27 @@ bvx_status bvxi_check_points(bvx_context *ctx, const char *function, const doubl
                                  axis_name[i % 3], points[i]);
     return BVX_OK;
 }
+
+bvx_status bvxi_check_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count,
+                           double t_max)
+{
+    static const char *const part[6] = {"origin x",    "origin y",    "origin z",
+                                        "direction x", "direction y", "direction z"};
+
+    if (!(t_max >= 0.0))
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: t_max is %g; it must be 0 or above", function, t_max);
+    for (uint64_t i = 0; i < count; i++) {
+        const double *const ray = rays + 6 * i;
+
+        for (int k = 0; k < 6; k++)
+            if (ray[k] - ray[k] != 0.0)
+                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
+                                     "%s: ray %i has %s = %g, which is not finite", function, i, part[k],
+                                     ray[k]);
+        if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                                 "%s: ray %i has a direction of length 0", function, i);
+    }
+    return BVX_OK;
+}

@@ -31,7 +31,6 @@ static double place_in(const bvxi_share *s, double fraction)
 
 void bvxi_call_begin(bvx_context *ctx, const char *function)
 {
-    if (ctx == NULL) return;
     bvxi_scope_begin(ctx);
     if (ctx->calls++ != 0) return;
 
@@ -46,7 +45,6 @@ void bvxi_call_begin(bvx_context *ctx, const char *function)
 
 bvx_status bvxi_call_end(bvx_context *ctx, bvx_status status)
 {
-    if (ctx == NULL) return status;
     (void)bvxi_scope_end(ctx, status);
     if (--ctx->calls != 0) return status;
     /* What fails has nothing to warn of. */
@@ -95,11 +93,6 @@ bvx_status bvxi_progress(bvx_context *ctx, const char *stage, double fraction)
 
 /* ---- Tasks ---- */
 
-/* Tasks in batches, with progress and cancellation asked on the calling thread between them.
- *
- * What a task computes depends on its index only; the number of tasks follows from the work's shape. So
- * neither the threads nor the batches show in any result. */
-
 enum { BATCHES = 8, TASKS_PER_WORKER = 16, LONG_TASKS_PER_WORKER = 2 };
 
 #define BETWEEN_REPORTS 5e7 /* what a batch of long tasks may take [Units: nanoseconds] */
@@ -130,15 +123,10 @@ static void run(bvx_context *ctx, int32_t first, int32_t count, bvx_task_fn *tas
     }
 }
 
-void bvxi_tasks(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user)
-{
-    if (count > 0) run(ctx, 0, count, task, user);
-}
-
 /* Without a callback nobody is asked between batches, so there is one. */
 static bvx_status run_all(bvx_context *ctx, int32_t count, bvx_task_fn *task, void *user)
 {
-    bvxi_tasks(ctx, count, task, user);
+    if (count > 0) run(ctx, 0, count, task, user);
     return BVX_OK;
 }
 
@@ -189,39 +177,74 @@ bvx_status bvxi_parallel_long(bvx_context *ctx, const char *stage, double from, 
     return run_batches(ctx, stage, from, to, count, batch_of_long(ctx, count, each), task, user);
 }
 
-typedef struct split_range {
-    bvxi_range_fn *body;
-    bvxi_piece_fn *own; /* in place of body */
+/* Items and ranges, which do not depend on who computes them. */
+typedef struct plain_tasks {
+    bvxi_item_fn *item; /* one of the three */
+    bvxi_range_fn *range;
+    bvxi_piece_fn *piece;
     void *user;
     uint64_t count;
     int32_t pieces;
-} split_range;
+} plain_tasks;
 
-static void run_range(void *user, int32_t index, int32_t worker)
+static void run_plain(void *user, int32_t index, int32_t worker)
 {
-    const split_range *const r = user;
+    const plain_tasks *const p = user;
     uint64_t begin, end;
 
     (void)worker;
-    bvxi_piece(r->count, r->pieces, index, &begin, &end);
-    if (r->own != NULL) r->own(r->user, index, begin, end);
-    else r->body(r->user, begin, end);
+    if (p->item != NULL) {
+        p->item(p->user, index);
+        return;
+    }
+    bvxi_piece(p->count, p->pieces, index, &begin, &end);
+    if (p->piece != NULL) p->piece(p->user, index, begin, end);
+    else p->range(p->user, begin, end);
+}
+
+void bvxi_tasks(bvx_context *ctx, int32_t count, bvxi_item_fn *item, void *user)
+{
+    plain_tasks p = {.item = item, .user = user};
+
+    (void)run_all(ctx, count, run_plain, &p);
+}
+
+bvx_status bvxi_each(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                     bvxi_item_fn *item, void *user)
+{
+    plain_tasks p = {.item = item, .user = user};
+
+    return bvxi_parallel(ctx, stage, from, to, count, run_plain, &p);
+}
+
+bvx_status bvxi_each_long(bvx_context *ctx, const char *stage, double from, double to, int32_t count,
+                          double each, bvxi_item_fn *item, void *user)
+{
+    plain_tasks p = {.item = item, .user = user};
+
+    return bvxi_parallel_long(ctx, stage, from, to, count, each, run_plain, &p);
 }
 
 bvx_status bvxi_for(bvx_context *ctx, const char *stage, uint64_t count, uint64_t grain, bvxi_range_fn *body,
                     void *user)
 {
-    split_range r = {body, NULL, user, count, bvxi_piece_count(count, grain)};
+    return bvxi_for_ranges(ctx, stage, 0.0, 1.0, bvxi_piece_count(count, grain), count, body, user);
+}
 
-    return bvxi_parallel(ctx, stage, 0.0, 1.0, r.pieces, run_range, &r);
+bvx_status bvxi_for_ranges(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
+                           uint64_t count, bvxi_range_fn *body, void *user)
+{
+    plain_tasks p = {.range = body, .user = user, .count = count, .pieces = pieces};
+
+    return bvxi_parallel(ctx, stage, from, to, pieces, run_plain, &p);
 }
 
 bvx_status bvxi_for_pieces(bvx_context *ctx, const char *stage, double from, double to, int32_t pieces,
                            uint64_t count, bvxi_piece_fn *body, void *user)
 {
-    split_range r = {NULL, body, user, count, pieces};
+    plain_tasks p = {.piece = body, .user = user, .count = count, .pieces = pieces};
 
-    return bvxi_parallel(ctx, stage, from, to, pieces, run_range, &r);
+    return bvxi_parallel(ctx, stage, from, to, pieces, run_plain, &p);
 }
 
 int32_t bvxi_threads(const bvx_context *ctx)

@@ -52,7 +52,6 @@ static void look_around_space_run(void *user, uint32_t space, int32_t begin, int
     const int32_t *const size = s->band->size;
     unsigned sides = s->sides[space];
 
-    /* Both sides already: nothing more to find. */
     if (sides == (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     if (begin > 0) sides |= sides_in_row(s, begin - 1, begin, y, z);
     if (end < size[0]) sides |= sides_in_row(s, end, end + 1, y, z);
@@ -68,7 +67,6 @@ static void settle_space_run(void *user, uint32_t space, int32_t begin, int32_t 
     carry_spaces *const s = user;
     const bvx_grid *const g = s->band;
     uint64_t const row = ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)y) * (uint64_t)g->words_per_row;
-    /* One side only: the whole space lies there. */
     if (s->sides[space] == CARRY_INSIDE) bvxi_set_run(s->to + row, begin, end);
     if (s->sides[space] != (CARRY_INSIDE | CARRY_OUTSIDE)) return;
     bvxi_set_run(s->open + row, begin, end);
@@ -90,14 +88,11 @@ static bvx_status settle_spaces(bvx_context *ctx, const char *function, const bv
     /* Spaces of what the band leaves, through faces. */
     BVXI_TRY(bvxi_spaces_open(ctx, function, "signs", band, 1, BVXI_CONNECT_6, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the sides of spaces", &s.sides));
-    /* First all sides are found, then spaces are settled: the first pass sees the band alone. */
     bvxi_spaces_each(&spaces, look_around_space_run, &s);
     bvxi_spaces_each(&spaces, settle_space_run, &s);
     *mixed = s.mixed;
     return BVX_OK;
 }
-
-/* ---- fronts ---- */
 
 typedef struct carry_front {
     const bvx_grid *shape;
@@ -133,12 +128,10 @@ static uint64_t carry_reach(const carry_front *f, uint64_t row, int32_t k, uint6
     near = own << 1 | own >> 1;
     if (k > 0) near |= carry_known(f, at - 1, flip) >> 63;
     if (k + 1 < g->words_per_row) {
-        /* A bit of the words beside it. */
         uint64_t next = carry_known(f, at + 1, flip);
         if (k + 2 == g->words_per_row) next &= tail;
         near |= next << 63;
     }
-    /* Whole words of the rows around it. */
     if (y > 0) near |= carry_known(f, at - words, flip);
     if (y + 1 < (uint64_t)g->size[1]) near |= carry_known(f, at + words, flip);
     if (z > 0) near |= carry_known(f, at - slice, flip);
@@ -185,17 +178,13 @@ static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t en
     f->reached[piece] = reached;
 }
 
-static void move_fronts(void *user, int32_t piece, int32_t worker)
+static void move_fronts(void *user, uint64_t row, uint64_t end)
 {
     carry_front *const f = user;
     uint64_t const words = (uint64_t)f->shape->words_per_row;
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(f->shape), f->pieces, piece, &row, &end);
     for (; row < end; row++) {
         if (!f->change[row]) continue;
-        /* All that was reached is known from the next step on. */
         for (uint64_t at = row * words; at < (row + 1) * words; at++) {
             f->open[at] &= ~f->come[at];
             f->inside[at] |= f->come_in[at];
@@ -217,10 +206,9 @@ static bvx_status run_fronts(bvx_context *ctx, const char *stage, double at, car
         /* All looks before all moves: a step sees the state before it only. */
         BVXI_TRY(
             bvxi_for_pieces(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), look_for_fronts, f));
-        BVXI_TRY(bvxi_parallel(ctx, stage, at, at, f->pieces, move_fronts, f));
+        BVXI_TRY(bvxi_for_ranges(ctx, stage, at, at, f->pieces, bvxi_grid_rows(f->shape), move_fronts, f));
         f->changed = f->change;
         f->change = was;
-        /* Until no row was reached. */
         reached = 0;
         for (int32_t i = 0; i < f->pieces; i++) reached += f->reached[i];
     }
@@ -231,15 +219,12 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
                                  uint64_t *open, uint64_t *inside)
 {
     uint64_t const bytes = bvxi_grid_words(band) * 8, rows = bvxi_grid_rows(band);
-    carry_front f = {0};
+    carry_front f = {.shape = band, .inside = inside, .open = open};
     uint64_t *come = NULL;
     uint8_t *changed = NULL;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * bytes, "the fronts of signs", &come));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * rows, "the fronts' rows", &changed));
-    f.shape = band;
-    f.inside = inside;
-    f.open = open;
     f.come = come;
     f.come_in = come + bvxi_grid_words(band);
     f.changed = changed;

@@ -21,7 +21,7 @@ typedef struct dense_job {
     int32_t vectors, pieces;
 } dense_job;
 
-static void write_dense_rows(void *user, int32_t piece, int32_t worker)
+static void write_dense_rows(void *user, int32_t piece)
 {
     const dense_job *const job = user;
     const bvx_grid *const g = &job->field->band;
@@ -29,7 +29,6 @@ static void write_dense_rows(void *user, int32_t piece, int32_t worker)
     double numbers[3 * BVXI_WORD_BITS];
     uint64_t row, end;
 
-    (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         float *to = job->values + (size_t)(row * (uint64_t)g->size[0] * each);
@@ -71,7 +70,6 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     dense_job job;
     double centres;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));
@@ -82,9 +80,8 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     centres = (double)bvxi_grid_rows(&field->band) * (double)field->band.size[0];
     job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band),
                                   1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
-    BVXI_TRY(bvxi_parallel_long(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1,
-                                job.pieces, DENSE_TIME * centres / (double)job.pieces, write_dense_rows,
-                                &job));
+    BVXI_TRY(bvxi_each_long(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces,
+                            DENSE_TIME * centres / (double)job.pieces, write_dense_rows, &job));
     return far_rule == BVX_FAR_CONSTANT
                ? BVX_OK
                : bvxi_field_propagate(context, function, field, mesh, vectors, values);
@@ -130,8 +127,6 @@ typedef struct propagate_job {
     int32_t pieces;
 } propagate_job;
 
-/* ---- points ---- */
-
 /* Distance from a centre to a triangle, and the vector to its closest point [Units: world]. */
 static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, int32_t z, uint32_t triangle,
                                 double vector[3])
@@ -154,21 +149,19 @@ static double propagate_measure(const propagate_job *job, int32_t x, int32_t y, 
 }
 
 /* Rows of the band: its own values are the sources there. */
-static void propagate_start(void *user, int32_t piece, int32_t worker)
+static void propagate_start(void *user, int32_t piece)
 {
     const propagate_job *const job = user;
     const bvx_field *const f = job->field;
     const bvx_grid *const g = &f->band;
     uint64_t row, end;
 
-    (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
         uint32_t *const source = job->source + row * (uint64_t)g->size[0];
         uint64_t n = f->row_values[row];
 
-        /* Values lie by rank: the next one belongs to the next centre of the band. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             double v[3], c[3];
             source[x] = PROPAGATE_NONE;
@@ -182,8 +175,6 @@ static void propagate_start(void *user, int32_t piece, int32_t worker)
     }
 }
 
-/* ---- sweeps ---- */
-
 /* The centre at takes over the point of the one before it when that is
  * closer. Centres of the band keep their own. */
 static inline void propagate_offer(const propagate_job *job, const int32_t at[3], uint64_t to, uint64_t from)
@@ -193,9 +184,7 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
     const float *q;
     float d, d2 = 0.0f;
 
-    /* Nothing that is not there already. */
     if (offered == has || offered == PROPAGATE_NONE) return;
-    /* Centres of the band keep their own. */
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
     q = job->points + 3 * (size_t)offered;
     for (int a = 0; a < 3; a++) {
@@ -209,7 +198,7 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
 }
 
 /* A piece of the lines along the axis: rows in slices for x and y, rows of all slices for z. */
-static void propagate_sweep(void *user, int32_t piece, int32_t worker)
+static void propagate_sweep(void *user, int32_t piece)
 {
     const propagate_job *const job = user;
     const int32_t *const size = job->field->band.size;
@@ -219,7 +208,6 @@ static void propagate_sweep(void *user, int32_t piece, int32_t worker)
     uint64_t begin, end;
     int32_t low[3] = {0, 0, 0}, high[3] = {size[0], size[1], size[2]};
 
-    (void)worker;
     bvxi_piece((uint64_t)size[split], job->pieces, piece, &begin, &end);
     /* Pieces are cut across the sweep's axis: no line is shared. */
     low[split] = (int32_t)begin;
@@ -250,29 +238,24 @@ static bvx_status propagate_all(bvx_context *ctx, propagate_job *job)
         job->axis = s / 2 % 3;
         job->down = s % 2;
         job->pieces = bvxi_piece_count((uint64_t)g->size[job->axis == 2 ? 1 : 2], 1);
-        BVXI_TRY(bvxi_parallel_long(ctx, "dense field", from, to, job->pieces,
-                                    centres * PROPAGATE_SWEEP_TIME / (double)job->pieces, propagate_sweep,
-                                    job));
+        BVXI_TRY(bvxi_each_long(ctx, "dense field", from, to, job->pieces,
+                                centres * PROPAGATE_SWEEP_TIME / (double)job->pieces, propagate_sweep, job));
     }
     return BVX_OK;
 }
 
-/* ---- results ---- */
-
 /* Distances with their sign, or vectors, outside the band. */
-static void propagate_finish(void *user, int32_t piece, int32_t worker)
+static void propagate_finish(void *user, int32_t piece)
 {
     const propagate_job *const job = user;
     const bvx_field *const f = job->field;
     const bvx_grid *const g = &f->band;
     uint64_t row, end;
 
-    (void)worker;
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
 
-        /* Measured to the triangle the point came from, not to the point itself. */
         for (int32_t x = 0; x < g->size[0]; x++) {
             uint64_t const at = row * (uint64_t)g->size[0] + (uint64_t)x;
             float *const to = job->values + at * job->each;
@@ -285,8 +268,6 @@ static void propagate_finish(void *user, int32_t piece, int32_t worker)
         }
     }
 }
-
-/* ---- all of it ---- */
 
 static bvx_status check_sources(bvx_context *ctx, const char *function, const bvx_field *field,
                                 const bvx_mesh_view *mesh)
@@ -336,26 +317,23 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
                         &job->points));
     job->pieces = pieces;
     /* Points before sweeps, as any centre may pass on any of them. */
-    BVXI_TRY(bvxi_parallel_long(ctx, "dense field", 0.1, 0.2, job->pieces, each, propagate_start, job));
+    BVXI_TRY(bvxi_each_long(ctx, "dense field", 0.1, 0.2, job->pieces, each, propagate_start, job));
     BVXI_TRY(propagate_all(ctx, job));
     job->pieces = pieces;
-    return bvxi_parallel_long(ctx, "dense field", 0.7, 1.0, job->pieces, each, propagate_finish, job);
+    return bvxi_each_long(ctx, "dense field", 0.7, 1.0, job->pieces, each, propagate_finish, job);
 }
 
 bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bvx_field *field,
                                 const bvx_mesh_view *mesh, int32_t vectors, float *values)
 {
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
-    propagate_job job = {0};
+    propagate_job job = {.mesh = mesh, .values = values};
     double low[3], high[3];
 
-    /* All is checked before scratch is taken. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));
     job.field = field;
-    job.mesh = mesh;
-    job.values = values;
     job.each = vectors ? 3 : 1;
     place_centres(low, high, &job);
     return propagate_steps(ctx, voxels, &job);

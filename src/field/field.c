@@ -4,8 +4,6 @@
  * the values is kept. Guarantee: what bvxi_field_check has passed can be read without further checks. */
 #include "field/room.h"
 
-/* ---- freed ---- */
-
 static uint64_t field_rows(const bvx_field *field)
 {
     return field->band.words != NULL ? bvxi_grid_rows(&field->band) : 0;
@@ -27,8 +25,6 @@ void bvx_field_free(bvx_context *context, bvx_field *field)
     bvx_grid_free(context, &field->band);
     memset(field, 0, sizeof *field);
 }
-
-/* ---- checked ---- */
 
 static uint64_t field_row_values(const bvx_grid *grid, uint64_t row)
 {
@@ -115,14 +111,11 @@ bvx_status bvxi_field_check_vectors(bvx_context *ctx, const char *function, cons
     if (vectors != 0 && vectors != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: vectors is %d, not 0 or 1",
                              function, (int64_t)vectors);
-    /* Vectors may have been left out to save memory. */
     if (vectors == 1 && field->vectors == NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: the field has no vectors (it was measured with no_vectors)", function);
     return BVX_OK;
 }
-
-/* ---- read ---- */
 
 uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z)
 {
@@ -152,7 +145,6 @@ void bvxi_field_word(const bvx_field *field, uint64_t row, int32_t word, int32_t
     int32_t const left = g->size[0] - word * BVXI_WORD_BITS;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
 
-    /* Numbers are taken in the order of the bits, so the caller's count goes on. */
     for (int32_t i = 0; i < n; i++) {
         int const valued = (int)(band >> i & 1);
         if (vectors) {

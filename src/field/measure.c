@@ -69,8 +69,6 @@ typedef struct measure_job {
     uint8_t *features;
 } measure_job;
 
-/* ---- what is requested ---- */
-
 static const bvxi_option measure_rows[] = {
     BVXI_OR(bvx_field_options, half_width, ABOVE, 3.0, 0.0, 0.0),
     BVXI_CHOICE(bvx_field_options, sign, 0, BVX_SIGN_COUNT - 1),
@@ -84,7 +82,6 @@ static bvx_status check_empty_field(bvx_context *ctx, const bvx_field *field)
 {
     if (field == NULL) return bvxi_fail_null(ctx, measure_name, "field");
     if (field->band.owned == 1) return BVX_OK; /* the library's own, which go when another one is made */
-    /* Others are the caller's, who would lose them. */
     if (field->band.words != NULL || field->inside.words != NULL || field->row_values != NULL ||
         field->vectors != NULL || field->distances != NULL || field->triangles != NULL ||
         field->features != NULL)
@@ -155,8 +152,6 @@ static bvx_status check_measure(bvx_context *ctx, const bvx_mesh_view *mesh, con
     job->mesh = mesh;
     return check_measure_range(ctx, job, lattice);
 }
-
-/* ---- the band and its values ---- */
 
 /* Every centre has a value. */
 static void take_every_centre(bvx_field *field)
@@ -236,8 +231,6 @@ static bvx_status make_values(bvx_context *ctx, measure_job *job)
                              &values);
 }
 
-/* ---- inside ---- */
-
 static bvx_status make_inside(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
@@ -265,7 +258,6 @@ static void negate_rows(void *user, uint64_t row, uint64_t end)
         uint64_t n = f->row_values[row];
         for (uint64_t at = row * words; at < (row + 1) * words; at++)
             for (uint64_t left = f->band.words[at]; left != 0; left &= left - 1, n++) {
-                /* The lowest bit left is this value's centre. */
                 if ((f->inside.words[at] & left & (0 - left)) == 0) continue;
                 if (f->value_type == BVX_F32) ((float *)f->distances)[n] = -((float *)f->distances)[n];
                 else ((double *)f->distances)[n] = -((double *)f->distances)[n];
@@ -282,8 +274,6 @@ static bvx_status negate_inside(bvx_context *ctx, bvx_field *field)
     return BVXI_SHARE(ctx, 0.97, 1.0,
                       bvxi_for(ctx, measure_stage, rows, 1 + MEASURE_GRAIN / (1 + each), negate_rows, &job));
 }
-
-/* ---- all of it ---- */
 
 static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
@@ -304,7 +294,6 @@ static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, me
 
     /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
     solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
-    /* What distances refuse is refused before. */
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));
@@ -319,7 +308,6 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
     measure_job job;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
     status = measure_steps(context, lattice, &job);
@@ -328,7 +316,6 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
         return status;
     }
 
-    /* The caller's field is replaced only by a whole one. */
     bvx_field_free(context, field);
     *field = job.field;
     return BVX_OK;

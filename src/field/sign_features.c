@@ -21,8 +21,6 @@ static uint64_t grid_voxels(const bvx_grid *grid)
     return bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
 }
 
-/* ---- a lattice without a band ---- */
-
 static void set_every_voxel(bvx_grid *grid)
 {
     uint64_t const rows = bvxi_grid_rows(grid);
@@ -54,8 +52,6 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     if (set != 0) set_every_voxel(inside);
     return BVX_OK;
 }
-
-/* ---- a band over all of the lattice ---- */
 
 /* The band of the whole lattice with its features, made for the signs only; its words are zero before. */
 static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest, double width,
@@ -90,7 +86,6 @@ static void cut_window(const bvx_grid *whole, bvx_grid *part)
                 uint64_t w = from[column + k] >> shift;
                 if (shift != 0 && column + k + 1 < whole->words_per_row)
                     w |= from[column + k + 1] << (64 - shift);
-                /* Bits past the row's end stay 0. */
                 to[k] = k + 1 == part->words_per_row ? w & bvxi_tail_mask(part->size[0]) : w;
             }
         }

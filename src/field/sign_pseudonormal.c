@@ -79,7 +79,6 @@ static void decide_sides(void *user, uint64_t row, uint64_t end)
         uint64_t value = job->band->first[row];
         for (int32_t k = 0; k < g->words_per_row; k++) {
             uint64_t set = 0;
-            /* Values lie in the order of the bits. */
             for (uint64_t left = g->words[at + (uint64_t)k]; left != 0; left &= left - 1, value++) {
                 int32_t const bit = bvxi_lowest(left);
                 if (side_of(job, k * BVXI_WORD_BITS + bit, y, z, value)) set |= UINT64_C(1) << bit;
@@ -187,8 +186,6 @@ typedef struct pseudo_rule {
     double scale;
 } pseudo_rule;
 
-/* ---- triangles ---- */
-
 static void pseudo_corners(const pseudo_rule *rule, uint32_t triangle, uint32_t c[3])
 {
     bvxi_view_triangle(rule->mesh, triangle, c);
@@ -222,8 +219,6 @@ static double pseudo_angle(const double t[3][3], int k)
     return bvxi_angle(along, bvxi_facet_normal(turned, n));
 }
 
-/* ---- directions ---- */
-
 static void sum_at_vertex(const pseudo_rule *rule, uint32_t vertex, double sum[3])
 {
     /* Ascending triangles: sums are the same on every machine. */
@@ -233,7 +228,6 @@ static void sum_at_vertex(const pseudo_rule *rule, uint32_t vertex, double sum[3
         int k = 0;
         pseudo_corners(rule, rule->list[i], c);
         if (!pseudo_normal(rule, c, t, n)) continue;
-        /* The corner that is at the vertex. */
         while (k < 2 && c[k] != vertex) k++;
         angle = pseudo_angle((const double(*)[3])t, k);
         for (int a = 0; a < 3; a++) sum[a] += angle * n[a];
@@ -250,7 +244,6 @@ static void sum_at_edge(const pseudo_rule *rule, uint32_t v, uint32_t w, double 
         uint32_t c[3];
         double t[3][3], n[3];
         pseudo_corners(rule, rule->list[i], c);
-        /* Of that end's triangles those that have the other one too. */
         if ((c[0] != other && c[1] != other && c[2] != other) || !pseudo_normal(rule, c, t, n)) continue;
         for (int a = 0; a < 3; a++) sum[a] += n[a];
     }
@@ -264,7 +257,6 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
 
     pseudo_corners(rule, triangle, c);
     memset(outwards, 0, 3 * sizeof outwards[0]);
-    /* 0: the triangle's face; 1 to 3: its edges; then its corners. */
     if (feature == 0) pseudo_normal(rule, c, t, outwards);
     else if (feature <= 3) sum_at_edge(rule, c[feature - 1], c[feature % 3], outwards);
     else memcpy(outwards, rule->outwards + 3 * (size_t)c[feature - 4], 3 * sizeof outwards[0]);
@@ -281,8 +273,6 @@ static void sum_at_vertices(void *user, uint64_t v, uint64_t end)
         if (rule->same[v] == v) sum_at_vertex(rule, (uint32_t)v, sum);
     }
 }
-
-/* ---- tables ---- */
 
 /* start[v + 1] counts, then ends, and while the list is filled runs from the start of v to its end. */
 static void pseudo_list_triangles(pseudo_rule *rule)

@@ -24,7 +24,6 @@ static int32_t base_index(const bvx_lattice *lattice, int32_t axis, double heigh
 {
     double const v = (height - lattice->origin[axis]) *
                      ((double)(1 << lattice->fraction_bits) / lattice->spacing[axis]);
-    /* Beyond the numbers of fixed point: below or above all centres. */
     if (!(v > 0.5 - BVXI_FIXED_LIMIT)) return INT32_MIN;
     if (!(v < BVXI_FIXED_LIMIT - 0.5)) return INT32_MAX;
     return bvxi_centres_below(bvxi_round_half_up(v), lattice->fraction_bits);
@@ -36,7 +35,6 @@ static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t
     const bvx_grid *const g = job->grid;
     uint64_t columns = 0, cut = 0, fill = 0;
 
-    /* Each row by itself: what is filled follows from its own crossings. */
     for (uint64_t r = begin; r < end; r++) {
         uint64_t *const row = g->words + (size_t)r * (size_t)g->words_per_row;
         int32_t const a = job->first[r], b = job->second != NULL ? job->second[r] : job->base;
@@ -44,10 +42,8 @@ static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t
         int32_t const most = job->second != NULL && b > a ? b : a;
         int64_t low = least > job->base ? least : job->base, high = most;
         memset(row, 0, (size_t)g->words_per_row * 8);
-        /* No surface over this row. */
         if (a == INT32_MIN || (job->second != NULL && b == INT32_MIN)) continue;
         columns++;
-        /* Cut to the window. */
         low = low - g->low[0] < 0 ? 0 : low - g->low[0];
         high = high - g->low[0] > g->size[0] ? g->size[0] : high - g->low[0];
         if (low >= high) continue;
@@ -82,7 +78,6 @@ static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_repor
     job->pieces = bvxi_piece_count(rows, BELOW_GRAIN);
     BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.8, 0.9, job->pieces, bvxi_grid_rows(job->grid), fill_below_piece,
                              job));
-    /* Sums of whole numbers: the order of pieces does not show. */
     for (int32_t i = 0; i < job->pieces; i++) {
         report->columns += job->columns[i];
         report->cut_voxels += job->cut[i];
@@ -96,7 +91,6 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
 {
     uint64_t const words = bvxi_grid_words(turned);
 
-    /* Rows along x need no turned grid. */
     if (axis == 0) {
         job->grid = solid;
         return fill_columns(ctx, job, report);
@@ -109,9 +103,7 @@ static bvx_status fill_turned(bvx_context *ctx, const char *function, below_job 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the grid along another axis", &turned->words));
     job->grid = turned;
     BVXI_TRY(fill_columns(ctx, job, report));
-    BVXI_TRY(bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL));
-    bvxi_drop(ctx, turned->words);
-    return BVX_OK;
+    return bvxi_turn_back(ctx, turned, axis, BVXI_TURN_SET, 0.9, solid, NULL);
 }
 
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
@@ -122,7 +114,6 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     int32_t const axis = o->up == BVX_UP_Z ? 2 : o->up - BVX_UP_X;
     bvx_grid turned;
 
-    /* Heights of one surface after the other, by the same engine. */
     bvxi_turn_shape(solid, axis, &turned);
     BVXI_TRY(find_highest(bvxi_solid_step(ctx, job, 0.1, 0.5), job, &turned, axis, report, &first));
     if (second_job != NULL)
@@ -131,6 +122,5 @@ bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *sec
     below.first = first;
     below.second = second;
     below.base = o->has_base ? base_index(&solid->lattice, axis, o->base) : INT32_MIN;
-    BVXI_TRY(fill_turned(ctx, job->function, &below, axis, &turned, solid, report));
-    return BVX_OK;
+    return fill_turned(ctx, job->function, &below, axis, &turned, solid, report);
 }

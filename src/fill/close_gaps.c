@@ -58,7 +58,6 @@ static void join_row_up(uint64_t *row, int32_t words, int32_t by)
  * one `by` before (OR) or behind it (AND). */
 static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, int32_t by, int both)
 {
-    /* In the direction in which a row that is read has not been written yet. */
     for (int32_t i = 0; i < n; i++) {
         int32_t const at = both ? i : n - 1 - i, from = both ? at + by : at - by;
         uint64_t *const row = first + (size_t)at * stride;
@@ -90,14 +89,12 @@ static int32_t gap_lines(const gap_job *job)
 }
 
 /* A piece of the slices (x, y), or of the rows of a slice (z). */
-static void join_gap_piece(void *user, int32_t index, int32_t worker)
+static void join_gap_piece(void *user, int32_t index)
 {
     const gap_job *const job = user;
     size_t const row = (size_t)job->row_words, slice = row * (size_t)job->size[1];
     uint64_t begin, end;
 
-    /* Lines of rows share no words, so pieces need nothing of each other. */
-    (void)worker;
     bvxi_piece((uint64_t)gap_lines(job), job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         if (job->axis == 2) join_line(job, job->words + (size_t)i * row, slice, job->size[2]);
@@ -118,7 +115,7 @@ static bvx_status run_gap_passes(bvx_context *ctx, gap_job *job, int32_t first, 
         job->axis = pass % 3;
         job->pieces = bvxi_piece_count(words, GAP_GRAIN);
         if (job->pieces > gap_lines(job)) job->pieces = gap_lines(job);
-        BVXI_TRY(bvxi_parallel(ctx, "gaps", pass / 6.0, (pass + 1) / 6.0, job->pieces, join_gap_piece, job));
+        BVXI_TRY(bvxi_each(ctx, "gaps", pass / 6.0, (pass + 1) / 6.0, job->pieces, join_gap_piece, job));
     }
     return BVX_OK;
 }
@@ -142,7 +139,6 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
     size_t const row_words = (size_t)grid->words_per_row;
     uint64_t const tail = bvxi_tail_mask(grid->size[0]);
 
-    /* From the window into the larger grid, or back; both begin at the same corner. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++) {
             size_t const at = ((size_t)z * (size_t)grid->size[1] + (size_t)y) * row_words;
@@ -158,19 +154,16 @@ static void copy_gap_rows(const bvx_grid *grid, const gap_job *job, uint64_t *ba
         }
 }
 
-/* pockets NULL: gaps are closed and no more. */
-static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
-                                         uint64_t *pockets)
+bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+                           uint64_t *pockets)
 {
     gap_job job = {0};
     uint64_t bytes = 8;
     int ok = 1;
 
-    /* Room for D: gap voxels more along each axis. */
     for (int32_t a = 0; a < 3; a++) job.size[a] = grid->size[a] + gap;
     job.row_words = bvxi_row_words(job.size[0]);
     job.m = gap + 1;
-    /* Each product is watched, as sides may be long. */
     bytes = bvxi_mul(bytes, (uint64_t)job.row_words, &ok);
     bytes = bvxi_mul(bytes, (uint64_t)job.size[1], &ok);
     bytes = bvxi_mul(bytes, (uint64_t)job.size[2], &ok);
@@ -182,21 +175,9 @@ static bvx_status close_gaps_and_pockets(bvx_context *ctx, const char *function,
     copy_gap_rows(grid, &job, NULL);
     BVXI_TRY(run_gap_passes(ctx, &job, 0, 3));
 
-    /* Between the two halves the grid holds places of the cube, which is where a way for it is looked for. */
     if (pockets != NULL) BVXI_TRY(lock_gap_cubes(ctx, function, &job, pockets));
     BVXI_TRY(run_gap_passes(ctx, &job, 3, 6));
     copy_gap_rows(grid, &job, grid->words);
     bvxi_drop(ctx, job.words);
     return BVX_OK;
-}
-
-bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap)
-{
-    return close_gaps_and_pockets(ctx, NULL, grid, gap, NULL);
-}
-
-bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
-                           uint64_t *pockets)
-{
-    return close_gaps_and_pockets(ctx, function, grid, gap, pockets);
 }

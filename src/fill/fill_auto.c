@@ -23,25 +23,24 @@ typedef struct auto_work {
     bvxi_auto choice;
 } auto_work;
 
-static void choose_auto(auto_work *w, int32_t fill, int32_t reason)
+static bvx_status choose_auto(auto_work *w, int32_t fill, int32_t reason)
 {
     w->choice.fill = fill;
     w->choice.reason = reason;
+    return BVX_OK;
 }
 
-/* Edges that do not balance may all the same cover each other: those of T-junctions. */
+/* Edges that do not balance may all the same cover each other: sides of T-junctions are longer on one triangle
+ * than on its neighbors, and still close. */
 static bvx_status cover_each_other(bvx_context *ctx, const auto_work *w, int *closed)
 {
-    /* Sides of T-junctions are longer on one triangle than on its neighbours, and still close. */
     uint64_t *edges = NULL, count = 0;
-    bvx_status const status = bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count);
 
+    BVXI_TRY(bvxi_open_edges(ctx, w->job.view, &w->job.snapped, 0, &edges, &count));
     bvxi_drop(ctx, edges);
-    *closed = status == BVX_OK && count == 0;
-    return status;
+    *closed = count == 0;
+    return BVX_OK;
 }
-
-/* ---- The quick way ---- */
 
 /* Parity, which is every rule's answer where the crossings' steps and the
  * bits' are the same, or opposite: inside out. */
@@ -71,24 +70,9 @@ static int is_whole_lattice(const bvx_grid *g)
 
 /* ---- Edge by edge ---- */
 
-/* Vertices that no triangle uses may be anything. */
 static void bound_triangles(auto_work *w)
 {
-    const bvx_mesh_view *const view = &w->choice.view;
-    double p[3];
-    uint32_t c[3];
-
-    /* Around the triangles only, so that stray vertices do not move the centre. */
-    for (uint64_t t = 0; t < view->triangle_count; t++) {
-        bvxi_view_triangle(view, t, c);
-        for (int k = 0; k < 3; k++) {
-            bvxi_view_position(view, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                if ((t | (uint64_t)k) == 0 || p[a] < w->low[a]) w->low[a] = p[a];
-                if ((t | (uint64_t)k) == 0 || p[a] > w->high[a]) w->high[a] = p[a];
-            }
-        }
-    }
+    bvxi_view_used_bounds(&w->choice.view, w->low, w->high);
     for (int a = 0; a < 3; a++) w->centre[a] = 0.5 * w->low[a] + 0.5 * w->high[a];
 }
 
@@ -195,7 +179,6 @@ static bvx_status turn_inverted(bvx_context *ctx, auto_work *w, const double *vo
     }
     for (uint64_t t = 0; t < w->patches.triangles; t++) {
         uint32_t const part = w->patches.part[t];
-        /* Inside out and crossing another: those are turned. */
         w->patches.turn[t] = crosses[part] && volume[part] < 0;
         w->choice.turned += w->patches.turn[t];
     }
@@ -221,15 +204,14 @@ static bvx_status turn_closed_parts(bvx_context *ctx, auto_work *w, uint64_t pai
 {
     uint64_t const bytes = w->patches.triangles * sizeof(double);
     double *volume;
-    bvx_status status = BVX_OK;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the parts' volumes", &volume));
     if (sum_volumes(w, volume) != 0) {
-        if (pairs == 0) status = count_pairs(ctx, w, &pairs);
-        if (status == BVX_OK && pairs != 0) status = turn_inverted(ctx, w, volume, pairs);
+        if (pairs == 0) BVXI_TRY(count_pairs(ctx, w, &pairs));
+        if (pairs != 0) BVXI_TRY(turn_inverted(ctx, w, volume, pairs));
     }
     bvxi_drop(ctx, volume);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depths)
@@ -237,12 +219,10 @@ static bvx_status choose_for_parts(bvx_context *ctx, auto_work *w, int32_t depth
     uint64_t pairs = 0;
 
     BVXI_TRY(count_pairs(ctx, w, &pairs));
-    if (pairs == 0) {
-        choose_auto(w, BVX_FILL_PARITY,
-                    (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
-        return BVX_OK;
-    }
-    choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
+    if (pairs == 0)
+        return choose_auto(w, BVX_FILL_PARITY,
+                           (depths & BVXI_DEPTH_DEEP) != 0 ? BVX_FILL_REASON_NESTED : BVX_FILL_REASON_SOUND);
+    BVXI_TRY(choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP));
     return turn_closed_parts(ctx, w, pairs);
 }
 
@@ -258,7 +238,6 @@ static int has_more_rows(const bvx_lattice *lattice)
 
 static void double_voxels(bvx_lattice *lattice)
 {
-    /* Twice as long along each axis; an odd side is rounded up. */
     for (int a = 0; a < 3; a++) {
         lattice->spacing[a] *= 2;
         lattice->dims[a] = lattice->dims[a] / 2 + (lattice->dims[a] & 1);
@@ -272,62 +251,45 @@ static bvx_status look_for_depths(bvx_context *ctx, auto_work *w, const bvx_latt
 {
     bvx_lattice coarse = *lattice;
     bvxi_solid_job job = {0};
-    bvx_status status;
 
     if (!has_more_rows(lattice)) return bvxi_row_depths(ctx, &w->job, lattice, 0.0, AUTO_DEPTHS, depths);
 
     while (has_more_rows(&coarse)) double_voxels(&coarse);
     BVXI_TRY(bvxi_solid_open(ctx, w->job.function, &w->choice.view, &coarse, &job));
-    status = bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, depths);
+    BVXI_TRY(bvxi_row_depths(ctx, &job, &coarse, 0.0, AUTO_DEPTHS, depths));
     bvxi_solid_close(ctx, &job);
-    return status;
+    return BVX_OK;
 }
 
 /* Rows of the mesh as it stands now, which is closed and oriented. */
 static bvx_status choose_by_depths(bvx_context *ctx, auto_work *w, int32_t depths)
 {
-    if (depths == 0 || depths == BVXI_DEPTH_UP || depths == BVXI_DEPTH_DOWN) {
-        choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-        return BVX_OK;
-    }
+    if (depths == 0 || depths == BVXI_DEPTH_UP || depths == BVXI_DEPTH_DOWN)
+        return choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
 
-    /* What such sides part into patches is one surface, and is not turned patch by patch. */
-    if (w->cracked) {
-        choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-        return BVX_OK;
-    }
-
+    /* Sides of T-junctions split one surface into patches, which are not turned one by one. */
+    if (w->cracked) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
     if (w->representative == NULL) BVXI_TRY(look_at_edges(ctx, w, 0));
 
     /* A closed surface of one part that crosses itself nowhere is one deep: nothing need be searched. */
-    if (count_parts(&w->patches) == 1) {
-        choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
-        return BVX_OK;
-    }
+    if (count_parts(&w->patches) == 1) return choose_auto(w, BVX_FILL_NONZERO, BVX_FILL_REASON_OVERLAP);
     return choose_for_parts(ctx, w, depths);
-}
-
-static bvx_status choose_closed(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
-{
-    int32_t depths;
-
-    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
-    return choose_by_depths(ctx, w, depths);
 }
 
 /* By the edges of triangles that are there once each. */
 static bvx_status choose_by_patches(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
 {
+    int32_t depths;
+
     /* Before holes: a winding number means nothing where a patch has no sides. */
-    if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0)) {
-        choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
-        return BVX_OK;
-    }
+    if (w->patches.unorientable != 0 || (w->patches.odd_edges == 0 && w->patches.open_edges != 0))
+        return choose_auto(w, BVX_FILL_VOTE, BVX_FILL_REASON_UNORIENTABLE);
     if (w->patches.open_edges != 0) {
-        choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN);
+        BVXI_TRY(choose_auto(w, BVX_FILL_WINDING, BVX_FILL_REASON_OPEN));
         return turn_closed_parts(ctx, w, 0);
     }
-    return choose_closed(ctx, w, lattice);
+    BVXI_TRY(look_for_depths(ctx, w, lattice, &depths));
+    return choose_by_depths(ctx, w, depths);
 }
 
 static bvx_status choose_unbalanced(bvx_context *ctx, auto_work *w, const bvx_lattice *lattice)
@@ -353,11 +315,8 @@ static bvx_status choose_balanced(bvx_context *ctx, auto_work *w, const bvx_latt
 
     w->choice.view = given;
     w->choice.turned = w->choice.doubles = 0;
-    choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
-    return BVX_OK;
+    return choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
 }
-
-/* ---- The whole ---- */
 
 #define AUTO_CHOSEN 0.6 /* of the bar, when the rule is known */
 
@@ -374,7 +333,7 @@ static bvx_status choose_or_fill(bvx_context *ctx, auto_work *w, bvx_grid *solid
     if (!balanced) return BVXI_SHARE(ctx, 0.2, AUTO_CHOSEN, choose_unbalanced(ctx, w, &solid->lattice));
 
     /* Filling by parity also says how deep rows are, so a sound mesh is done when it has been examined. */
-    choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND);
+    BVXI_TRY(choose_auto(w, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND));
     if (is_whole_lattice(solid) && !has_more_rows(&solid->lattice))
         BVXI_TRY(BVXI_SHARE(ctx, 0.2, 0.4, try_parity(ctx, w, solid, report, filled)));
     return *filled ? BVX_OK : BVXI_SHARE(ctx, 0.4, AUTO_CHOSEN, choose_balanced(ctx, w, &solid->lattice));
@@ -386,7 +345,6 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     int32_t filled = 0;
     auto_work w;
 
-    /* The view may be replaced by a turned one. */
     memset(&w, 0, sizeof w);
     w.choice.view = *mesh;
     BVXI_TRY(bvxi_solid_open(ctx, function, mesh, &solid->lattice, &w.job));

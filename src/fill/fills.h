@@ -37,12 +37,11 @@ typedef struct bvxi_flood_walls {
 bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls, bvx_grid *solid,
                       bvx_solid_report *report, int32_t *leaked);
 
-/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves
- * through empty voxels, also beyond the window. Scratch: one more grid. */
-bvx_status bvxi_close_gaps(bvx_context *ctx, bvx_grid *grid, int32_t gap);
-/* The same for a cube that comes from outside: what lies behind walls that hold it is set too. *pockets: how
- * many places do. Scratch: also that of components/room.h over the grid of gap more voxels a side. */
-bvx_status bvxi_close_body(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
+/* close_gaps.c: put to the words of grid what a cube of gap + 1 voxels a side cannot reach when it moves through
+ * empty voxels, also beyond the window. pockets, unless NULL: for a cube that comes from outside, so that what
+ * lies after walls that hold it is set too; how many places do. Scratch: one more grid, and for pockets that of
+ * components/room.h over the grid of gap more voxels a side. */
+bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
                            uint64_t *pockets);
 
 /* below.c. second_job: options->second made ready, or NULL. Local. */

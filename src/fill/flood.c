@@ -152,9 +152,7 @@ static bvx_status fill_flood_rim(bvx_context *ctx, const bvx_grid *walls, uint64
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.0, look_along_rim(ctx, &work, RIM_NONE, &voxels)));
     work.filled.words = filled;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 8, "the rim of what was filled", &work.queue));
-    BVXI_TRY(spread_rim(ctx, &work, voxels));
-    bvxi_drop(ctx, work.queue);
-    return BVX_OK;
+    return spread_rim(ctx, &work, voxels);
 }
 
 typedef struct flood_work {
@@ -179,7 +177,6 @@ static void flood_run(void *user, uint32_t space, int32_t begin, int32_t end, in
     size_t const at = ((size_t)z * (size_t)w->solid->size[1] + (size_t)y) * (size_t)w->solid->words_per_row;
     uint64_t *const row = w->solid->words + at;
 
-    /* What is filled against the vote is remembered: around it walls have a rim that belongs to it. */
     if (!w->reached[space]) {
         for (int32_t k = begin >> 6; k <= (end - 1) >> 6; k++) {
             uint64_t const filled = ~row[k] & bvxi_run_mask(begin, end, k);
@@ -221,7 +218,8 @@ static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
     if (walls->close_gaps > 0) {
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
-        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, walls->surface, walls->close_gaps)));
+        BVXI_TRY(
+            BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, NULL, walls->surface, walls->close_gaps, NULL)));
         BVXI_TRY(bvx_grid_count(ctx, walls->surface, &after));
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
@@ -243,7 +241,6 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
     BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
     if (work.filled_voxels != 0)
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
-    bvxi_drop(ctx, work.filled);
     report->leaks = work.leaks;
     *leaked = work.held == 0 && work.leaks != 0;
     return BVX_OK;

@@ -34,10 +34,8 @@ static void look_at_run(void *user, uint32_t region, int32_t begin, int32_t end,
     const uint64_t *const in = w->solid->words + row, *const sure = w->sure + row;
     uint8_t *const sides = w->sides + region;
 
-    /* Until both sides were met: then more runs change nothing. */
     for (int32_t k = begin >> 6; k <= (end - 1) >> 6 && *sides != (REGION_SURE_IN | REGION_SURE_OUT); k++) {
         uint64_t const known = sure[k] & bvxi_run_mask(begin, end, k);
-        /* Only sure centres count. */
         if ((known & in[k]) != 0) *sides |= REGION_SURE_IN;
         if ((known & ~in[k]) != 0) *sides |= REGION_SURE_OUT;
     }
@@ -66,7 +64,6 @@ bvx_status bvxi_regions(bvx_context *ctx, const char *function, const bvx_grid *
 
     BVXI_TRY(bvxi_spaces_open(ctx, function, "regions", surface, 1, BVXI_CONNECT_6, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the regions' sides", &work.sides));
-    /* All sides first, then regions: a region is many runs. */
     bvxi_spaces_each(&spaces, look_at_run, &work);
     bvxi_spaces_each(&spaces, settle_run, &work);
     report->regions = spaces.count;

@@ -19,42 +19,36 @@ static const char pockets_name[] = "bvx_find_pockets";
 
 /* ---- Is a voxel inside the mesh? ---- */
 
-/* The vote over the surface's window, made when first requested. */
 typedef struct seed_judge {
     bvx_context *ctx;
     const char *function;
-    const bvx_mesh_view *mesh; /* NULL: none is asked */
+    const bvx_mesh_view *mesh; /* NULL: hidden voxels are enough */
     const bvx_grid *surface;
-    bvx_grid vote; /* words are scratch */
+    bvx_grid vote; /* over the surface's window, made when first requested; words are scratch */
 } seed_judge;
 
-static bvx_status make_seed_vote(seed_judge *j)
+static bvx_status vote_for_seeds(seed_judge *j, uint64_t bytes)
 {
-    uint64_t const bytes = bvxi_grid_words(j->surface) * 8;
     bvx_solid_report unused = {0};
     bvxi_solid_job job;
     uint64_t *sure = NULL;
 
-    /* A window of the surface, and a vote over the same. */
     BVXI_TRY(bvxi_solid_open(j->ctx, j->function, j->mesh, &j->surface->lattice, &job));
-    j->vote = *j->surface;
-    j->vote.words = NULL;
-    BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words));
     BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
-    BVXI_TRY(bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused));
-    bvxi_drop(j->ctx, sure);
-    bvxi_solid_close(j->ctx, &job);
-    return BVX_OK;
+    return bvxi_vote(bvxi_solid_step(j->ctx, &job, 0.1, 1.0), &job, 0, &j->vote, sure, &unused);
 }
 
-static void close_seed_judge(seed_judge *j)
+static bvx_status make_seed_vote(seed_judge *j)
 {
-    bvxi_drop(j->ctx, j->vote.words);
+    uint64_t const bytes = bvxi_grid_words(j->surface) * 8;
+
+    j->vote = *j->surface;
+    BVXI_TRY(bvxi_alloc(j->ctx, BVXI_SCRATCH, bytes, "the vote", &j->vote.words));
+    return BVXI_SCOPE(j->ctx, vote_for_seeds(j, bytes));
 }
 
 static bvx_status check_seed_mesh(seed_judge *j)
 {
-    /* Without a mesh only what is hidden is looked for. */
     if (j->mesh == NULL) return BVX_OK;
     BVXI_TRY(bvxi_view_check(j->ctx, j->function, j->mesh));
     if (j->mesh->triangle_count != 0) return BVX_OK;
@@ -70,7 +64,6 @@ static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, i
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
     *low = 0;
 
-    /* From both ends to the first set voxel. */
     *high = g->size[axis] - 1;
     for (p[axis] = *low; *low < *high && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *low) ++*low;
     for (p[axis] = *high; *high > *low && !bvx_grid_get(g, p[0], p[1], p[2]); p[axis] = *high) --*high;
@@ -81,7 +74,6 @@ static int scan_seed_line(const bvx_grid *g, const int32_t voxel[3], int axis, i
 static int32_t next_gap(const bvx_grid *g, const int32_t voxel[3], int axis, int32_t from, int32_t until)
 {
     int32_t p[3] = {voxel[0], voxel[1], voxel[2]};
-    /* Over set voxels, up to `until`. */
     for (p[axis] = from; p[axis] < until && bvx_grid_get(g, p[0], p[1], p[2]);) p[axis]++;
     return p[axis];
 }
@@ -105,7 +97,6 @@ static int scan_for_seed(seed_search *s, int axis, int32_t *low, int32_t *high)
 
 static int may_scan(seed_search *s)
 {
-    /* A limit of 0 is none. */
     if (s->limit != 0 && s->scanned >= s->limit) s->done = 1;
     return !s->done;
 }
@@ -114,7 +105,6 @@ static int may_scan(seed_search *s)
 static bvx_status judge_seed(seed_search *s)
 {
     if (s->judge.mesh != NULL) {
-        /* Made when the first voxel needs it. */
         if (s->judge.vote.words == NULL) BVXI_TRY(make_seed_vote(&s->judge));
         /* Hidden, but outside: a hollow of the outside. */
         if (!bvx_grid_get(&s->judge.vote, s->voxel[0], s->voxel[1], s->voxel[2])) {
@@ -132,7 +122,6 @@ static bvx_status judge_seed(seed_search *s)
  * the line's ends; -2 when there are no more lines. */
 static int look_across(seed_search *s, int32_t *low, int32_t *high)
 {
-    /* Along y and z, as along x it was found between two. */
     for (int axis = 1; axis < 3; axis++) {
         if (!may_scan(s)) return -2;
         if (!scan_for_seed(s, axis, low, high)) *high = *low;
@@ -174,7 +163,6 @@ static bvx_status look_at_gaps(seed_search *s)
     if (!scan_for_seed(s, 0, &first, &last)) return BVX_OK;
     s->voxel[0] = first;
 
-    /* From gap to gap, each tried by its first voxel. */
     while (!s->done) {
         int32_t const row[3] = {s->voxel[0], s->voxel[1], s->voxel[2]};
         s->voxel[0] = next_gap(s->surface, row, 0, s->voxel[0], last);
@@ -193,7 +181,6 @@ static bvx_status look_at_rows(bvx_context *ctx, seed_search *s)
     uint64_t const rows = (uint64_t)s->size[1] * (uint64_t)s->size[2];
     uint64_t stride = rows / 8 * 5 + 1, at = rows / 2;
 
-    /* Without a common factor each row comes just once. */
     for (;; stride++) {
         uint64_t a = rows, b = stride;
         while (b != 0) {
@@ -204,7 +191,6 @@ static bvx_status look_at_rows(bvx_context *ctx, seed_search *s)
         if (a == 1) break;
     }
     for (uint64_t n = 0; n < rows && may_scan(s); n++) {
-        /* Seldom, as rows are short. */
         if (n % 4096 == 0) BVXI_TRY(bvxi_progress(ctx, "seed", (double)n / (double)rows));
         s->voxel[1] = s->low[1] + (int32_t)(at % (uint64_t)s->size[1]);
         s->voxel[2] = s->low[2] + (int32_t)(at / (uint64_t)s->size[1]);
@@ -250,7 +236,6 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
 {
     seed_search s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (seed == NULL) return bvxi_fail_null(context, seed_name, "seed");
     BVXI_TRY(bvxi_grid_check(context, seed_name, surface));
     memset(&s, 0, sizeof s);
@@ -265,7 +250,6 @@ static bvx_status run_find_seed(bvx_context *context, const bvx_grid *surface, c
         BVXI_TRY(turn_from_middle(&s));
         if (!s.done) BVXI_TRY(look_at_rows(context, &s));
     }
-    close_seed_judge(&s.judge);
     *seed = s.seed;
     return BVX_OK;
 }
@@ -288,7 +272,6 @@ typedef struct pocket_work {
 static void judge_pocket(void *user, uint32_t space, int32_t begin, int32_t end, int32_t y, int32_t z)
 {
     pocket_work *const w = user;
-    /* Without a mesh spaces that touch a side are outside. */
     if (w->judge->mesh == NULL) {
         if (bvxi_spaces_at_side(w->judge->surface, begin, end, y, z)) w->outside[space] = 1;
     } else if (space == w->seen) { /* spaces are numbered as they come */
@@ -302,11 +285,9 @@ static void give_pocket(void *user, uint32_t space, int32_t begin, int32_t end, 
     pocket_work *const w = user;
 
     (void)end;
-    /* The space's first run only: its beginning is the least voxel. */
     if (space != w->seen) return;
     w->seen++;
     if (w->outside[space]) return;
-    /* Counted in any case, given as far as there is room. */
     if (w->count < w->capacity) {
         w->seeds[3 * w->count] = begin;
         w->seeds[3 * w->count + 1] = y;
@@ -323,7 +304,6 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
 
     BVXI_TRY(bvxi_spaces_open(ctx, pockets_name, "pockets", judge->surface, 1, BVXI_CONNECT_6, &spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, spaces.count, "the pockets' sides", &work.outside));
-    /* Both passes meet spaces in the same order. */
     bvxi_spaces_each(&spaces, judge_pocket, &work);
     work.seen = 0;
     bvxi_spaces_each(&spaces, give_pocket, &work);
@@ -337,19 +317,13 @@ static bvx_status list_pockets(bvx_context *ctx, const seed_judge *judge, int32_
 static bvx_status run_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                    int32_t *seeds, uint64_t capacity, uint64_t *count)
 {
-    seed_judge judge = {0};
+    seed_judge judge = {.ctx = context, .function = pockets_name, .mesh = mesh, .surface = surface};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, pockets_name, "count");
     BVXI_TRY(bvxi_grid_check(context, pockets_name, surface));
-    judge.ctx = context;
-    judge.function = pockets_name;
-    judge.mesh = mesh;
-    judge.surface = surface;
     BVXI_TRY(check_seed_mesh(&judge));
     if (mesh != NULL) BVXI_TRY(make_seed_vote(&judge));
     BVXI_TRY(list_pockets(context, &judge, seeds, capacity, count));
-    close_seed_judge(&judge);
     return BVX_OK;
 }
 

@@ -32,8 +32,6 @@ typedef struct loss_job {
     loss_sums sums[256]; /* by piece */
 } loss_job;
 
-/* ---- Of the mesh ---- */
-
 static inline void add_to_sums(const double from[3], double p[3][3], loss_sums *s)
 {
     double n[3];
@@ -65,7 +63,6 @@ static void sum_packed_losses(const loss_job *job, uint64_t begin, uint64_t end,
 {
     const unsigned char *const corners = job->mesh->indices, *const places = job->mesh->positions;
 
-    /* Without the general view's questions, as meshes of the library need none. */
     for (uint64_t t = begin; t < end; t++) {
         float f[3];
         double p[3][3];
@@ -86,17 +83,14 @@ static void sum_losses_piece(void *user, int32_t piece, uint64_t begin, uint64_t
     const bvx_mesh_view *const m = job->mesh;
     loss_sums s = {0, {0, 0, 0}, {0, 0, 0}};
 
-    /* The usual layout has its own loop. */
     if (!job->flat && bvxi_view_packed_u32(m) && bvxi_view_packed_f32(m)) {
         sum_packed_losses(job, begin, end, &s);
         begin = end;
     }
     for (uint64_t t = begin; t < end; t++) {
         double p[3][3];
-        uint32_t c[3];
 
-        bvxi_view_triangle(m, t, c);
-        for (int k = 0; k < 3; k++) bvxi_view_position(m, c[k], p[k]);
+        bvxi_view_corners(m, t, p);
         if (job->flat) add_flat_face(p, &s);
         else add_to_sums(job->from, p, &s);
     }
@@ -125,7 +119,6 @@ static bvx_status sum_mesh(bvx_context *ctx, const bvx_mesh_view *mesh, int flat
     return BVX_OK;
 }
 
-/* Do all vertices lie in the grid's window? */
 static int is_in_window(const bvx_mesh_view *mesh, const bvx_grid *g)
 {
     double low[3], high[3];
@@ -165,7 +158,6 @@ static double comparable_volume(const loss_sums *sums, const bvx_mesh_view *mesh
  * require it say nothing of it when requested by name. */
 static int is_oriented(const bvx_solid_report *r)
 {
-    /* What was turned was not oriented. */
     if (r->turned != 0) return 0;
     return r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
            (r->fill == BVX_FILL_PARITY && r->fill_reason != BVX_FILL_REASON_ASKED);
@@ -209,7 +201,6 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_checked = 1;
     report->thin_voxels = found.voxels;
     report->crossing_volume = bvxi_volume_by_crossings(walls, report->volume);
-    /* Nothing is thin. */
     if (found.voxels == 0) return;
     report->thin_wall = found.wall * walls->unit;
     /* Places are counted in the window; the report is in the lattice. */
@@ -225,14 +216,12 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
                                  const bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_walls walls;
-    bvx_status status;
 
     bvxi_walls_of_solid(ctx, function, mesh, solid, report, &walls);
-    status = bvxi_walls_open(&walls);
-    if (status == BVX_OK) status = bvxi_walls_find(&walls);
-    if (status == BVX_OK) bvxi_tell_walls(&walls, report);
-    bvxi_walls_close(&walls);
-    return status;
+    BVXI_TRY(bvxi_walls_open(&walls));
+    BVXI_TRY(bvxi_walls_find(&walls));
+    bvxi_tell_walls(&walls, report);
+    return BVX_OK;
 }
 
 /* From which resolution on the volume is right. What is off shrinks with the voxels; but faces along the
@@ -270,7 +259,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                      (o->check_thin == BVX_CHECK_AUTO && whole && !o->add_shell);
     bvx_status status;
     loss_sums sums;
-    uint64_t voxels, mark;
+    uint64_t voxels;
 
     BVXI_TRY(bvx_grid_count(ctx, solid, &voxels));
     report->volume = (double)voxels * voxel_size(l);
@@ -284,9 +273,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     }
 
     /* A solid that the memory limit allows is not refused for a look that nobody requested. */
-    mark = bvxi_scratch_begin(ctx);
-    status = look ? BVXI_SHARE(ctx, 0.1, 0.95, look_for_walls(ctx, function, mesh, solid, report)) : BVX_OK;
-    status = bvxi_scratch_keep(ctx, mark, status);
+    status = look ? BVXI_SHARE(ctx, 0.1, 0.95,
+                               BVXI_SCOPE(ctx, look_for_walls(ctx, function, mesh, solid, report)))
+                  : BVX_OK;
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;

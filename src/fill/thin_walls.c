@@ -87,16 +87,11 @@ static void list_wall_piece(void *user, int32_t piece, uint64_t begin, uint64_t 
 bvx_status bvxi_walls_list(bvxi_walls *t)
 {
     list_job job = {.walls = t, .pieces = bvxi_piece_count(t->bytes / 8, LIST_GRAIN)};
-    uint64_t count = 0;
+    uint64_t count;
 
     bvxi_walls_drop(t);
-    /* Counted first, so that both arrays have their size. */
     BVXI_TRY(bvxi_for_pieces(t->ctx, "thin", 0.1, 0.1, job.pieces, job.walls->bytes / 8, count_listed, &job));
-    for (int32_t i = 0; i < job.pieces; i++) {
-        uint64_t const n = job.first[i];
-        job.first[i] = count;
-        count += n;
-    }
+    count = bvxi_place_counts(job.first, (uint64_t)job.pieces);
     if (count == 0) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(t->ctx, BVXI_SCRATCH, count * 8, "the thin places", &t->at));
@@ -122,7 +117,6 @@ static void mark_diagonals(const uint64_t *in, uint64_t *out, size_t a, size_t b
 /* The same of a row and one beside it: pairs along the row. */
 static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, size_t beside, int32_t words)
 {
-    /* b and d are a and c moved by one voxel, over the borders of words. */
     for (int32_t k = 0; k < words; k++) {
         size_t const i = row + (size_t)k, j = beside + (size_t)k;
         uint64_t const a = in[i], c = in[j];
@@ -130,7 +124,6 @@ static void mark_row_diagonals(const uint64_t *in, uint64_t *out, size_t row, si
         uint64_t const d = c >> 1 | (k + 1 < words ? in[j + 1] << 63 : 0);
         uint64_t const p = a & d & ~b & ~c, q = b & c & ~a & ~d;
 
-        /* Most words have no diagonal. */
         if ((p | q) == 0) continue;
         out[i] |= q | p << 1;
         out[j] |= p | q << 1;
@@ -148,7 +141,7 @@ typedef struct diagonal_job {
 } diagonal_job;
 
 /* Of every other slice: it and the next one are marked, so no two tasks of a run meet. */
-static void mark_slice_diagonals(void *user, int32_t index, int32_t worker)
+static void mark_slice_diagonals(void *user, int32_t index)
 {
     const diagonal_job *const job = user;
     const bvx_grid *const g = job->solid;
@@ -156,15 +149,12 @@ static void mark_slice_diagonals(void *user, int32_t index, int32_t worker)
     size_t const row = (size_t)words, slice = row * (size_t)g->size[1];
     int const on = z + 1 < g->size[2];
 
-    (void)worker;
-    /* Planes xy and xz by rows, yz by words of four rows. */
     for (int32_t y = 0; y < g->size[1]; y++) {
         size_t const at = (size_t)z * slice + (size_t)y * row;
         int const up = y + 1 < g->size[1];
 
         if (up) mark_row_diagonals(g->words, job->out, at, at + row, words);
         if (on) mark_row_diagonals(g->words, job->out, at, at + slice, words);
-        /* Only where both rows are there. */
         for (size_t i = at; up && on && i < at + row; i++)
             mark_diagonals(g->words, job->out, i, i + row, i + slice, i + row + slice);
     }
@@ -176,8 +166,8 @@ bvx_status bvxi_walls_mark(bvxi_walls *t)
 
     BVXI_TRY(bvxi_lost_surface(t->ctx, t->function, t->mesh, t->solid, &t->places, t->beyond));
     for (; job.first < 2; job.first++)
-        BVXI_TRY(bvxi_parallel(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
-                               mark_slice_diagonals, &job));
+        BVXI_TRY(bvxi_each(t->ctx, "thin", 0.1, 0.1, (t->solid->size[2] + 1 - job.first) / 2,
+                           mark_slice_diagonals, &job));
     return BVX_OK;
 }
 
@@ -191,10 +181,8 @@ static double wall_dot(const double a[3], const double b[3])
 static void unit_normal(const bvxi_walls *t, uint32_t triangle, double n[3])
 {
     double p[3][3], length;
-    uint32_t c[3];
 
-    bvxi_view_triangle(&t->near, triangle, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(&t->near, c[k], p[k]);
+    bvxi_view_corners(&t->near, triangle, p);
     length = bvxi_facet_normal((const double(*)[3])p, n);
 
     /* t->near has corners sorted by place; against: that flipped the triangle, so flip its normal back. An
@@ -222,7 +210,6 @@ static int is_inside_at(const bvx_grid *g, const double place[3])
 /* Nothing of the solid behind a face: half a voxel, three quarters and one deep. */
 static int is_nothing_behind(const bvxi_walls *t, const double p[3], const double out[3])
 {
-    /* Three places, so that a single centre does not decide. */
     for (int step = 2; step <= 4; step++) {
         double at[3];
 
@@ -248,7 +235,6 @@ static void look_behind(const bvxi_walls *t, const bvx_closest_point *front, con
     /* What is nearest to a point BVXI_WALL_DEPTH deep, seen from the front. */
     bvxi_closest_ask(&t->closest, behind, hint, back);
     unit_normal(t, back->triangle, back_normal);
-    /* How far apart both lie, and how far along the way. */
     for (int a = 0; a < 3; a++) {
         double const d = front->position[a] - back->position[a];
 
@@ -344,15 +330,12 @@ static void ask_thin_centre(const bvxi_walls *t, uint64_t bit, uint32_t hint[2],
     look_beside(t, centre, n, hint, found);
 }
 
-static void ask_piece(void *user, int32_t piece, int32_t worker)
+static void ask_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_walls *const t = user;
     uint32_t hint[2] = {0, 0};
-    uint64_t begin, end;
-    (void)worker;
 
     /* Hints go from place to place: neighbours have near triangles. */
-    bvxi_piece(t->count, t->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) ask_thin_centre(t, t->at[n], hint, &t->point[n]);
 }
 
@@ -362,14 +345,13 @@ bvx_status bvxi_walls_ask(bvxi_walls *t, double limit)
 
     t->limit = limit;
     t->pieces = pieces < WALL_PIECES ? (int32_t)pieces : WALL_PIECES;
-    return bvxi_parallel(t->ctx, "thin", 0.0, 1.0, t->pieces, ask_piece, t);
+    return bvxi_for_ranges(t->ctx, "thin", 0.0, 1.0, t->pieces, t->count, ask_piece, t);
 }
 
 /* ---- What is found ---- */
 
 static void take_into_box(bvxi_wall_report *r, const int32_t at[3])
 {
-    /* The first place opens the box. */
     for (int a = 0; a < 3; a++) {
         if (r->voxels == 0 || at[a] < r->low[a]) r->low[a] = at[a];
         if (r->voxels == 0 || at[a] > r->high[a]) r->high[a] = at[a];
@@ -388,7 +370,6 @@ static double common_wall(const wall_range bins[WALL_BINS], uint64_t all)
     uint64_t below = 0;
     int bin = 0;
 
-    /* Ranges from thin to thick, until a tenth of the places is passed. */
     for (; bin + 1 < WALL_BINS; bin++) {
         below += bins[bin].count;
         if (below * 10 > all) break;
@@ -456,19 +437,9 @@ void bvxi_walls_close(bvxi_walls *t)
 /* 1: the body encloses a negative volume about the middle of its triangles. */
 static int is_inside_out(const bvx_mesh_view *mesh)
 {
-    double low[3] = {0, 0, 0}, high[3] = {0, 0, 0}, centre[3], p[3], volume = 0;
-    uint32_t c[3];
+    double low[3], high[3], centre[3], volume = 0;
 
-    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
-        bvxi_view_triangle(mesh, t, c);
-        for (uint64_t k = 0; k < 3; k++) {
-            bvxi_view_position(mesh, c[k], p);
-            for (int a = 0; a < 3; a++) {
-                if ((t | k) == 0 || p[a] < low[a]) low[a] = p[a];
-                if ((t | k) == 0 || p[a] > high[a]) high[a] = p[a];
-            }
-        }
-    }
+    bvxi_view_used_bounds(mesh, low, high);
     for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
     for (uint64_t t = 0; t < mesh->triangle_count; t++) volume += bvxi_patches_volume(mesh, t, centre);
     return volume < 0;

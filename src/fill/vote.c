@@ -52,12 +52,6 @@ static bvx_status open_vote(bvx_context *ctx, const char *function, vote_work *w
     return bvxi_alloc(ctx, BVXI_SCRATCH, most * 8, "the grid along another axis", &w->turned);
 }
 
-static void close_vote(bvx_context *ctx, vote_work *w)
-{
-    bvxi_drop(ctx, w->turned);
-    for (int32_t axis = 3; axis-- > 0;) bvxi_drop(ctx, w->odd_rows[axis]);
-}
-
 /* Parity along an axis, brought back by one of the ways of turned_rows.h. */
 static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, int32_t axis,
                              bvx_solid_report *report)
@@ -82,7 +76,6 @@ static bvx_status vote_along(bvxi_call step, bvxi_solid_job *job, vote_work *w, 
 /* Columns of rows that balance, as bits along x. */
 static void mark_even_columns(const uint8_t *odd, int32_t nx, int32_t rows, uint64_t *even)
 {
-    /* Turned grids have x along their rows, so bits along x are gathered here. */
     int32_t const words = bvxi_row_words(nx);
     memset(even, 0, (size_t)rows * (size_t)words * 8);
     for (int32_t r = 0; r < rows; r++)
@@ -107,7 +100,6 @@ static int drop_odd_rows(vote_work *w)
         uint64_t const even_x = w->odd_rows[0][row] ? 0 : ~UINT64_C(0);
         for (size_t k = 0; k < words; k++) {
             sure[k] &= even_x & even_y[k] & even_z[k];
-            /* One unsure centre is enough for a look at holes. */
             unsure |= sure[k] ^ (k + 1 == words ? bvxi_tail_mask(g->size[0]) : ~UINT64_C(0));
         }
     }
@@ -147,15 +139,13 @@ static bvx_status vote_block(bvx_context *ctx, bvxi_solid_job *job, const bvxi_r
                              double to)
 {
     const vote_work *const w = job->user;
-    bvxi_turns_job turns = {0};
+    bvxi_turns_job turns = {.solid = job, .crossed = lists};
     uint64_t unused = 0;
 
     turns.sheet = w->sheet;
     turns.grid = w->solid;
     turns.known = w->sure;
     turns.clear = w->want_clear ? w->sure : NULL;
-    turns.solid = job;
-    turns.crossed = lists;
     turns.rule = vote_rows;
     return BVXI_SCOPE(ctx, bvxi_turns_run(ctx, &turns, bvxi_solid_progress(job, from),
                                           bvxi_solid_progress(job, to), &unused));
@@ -168,35 +158,24 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     const bvx_mesh_view *const mesh = job->view;
     bvx_solid_report unused = {0};
     bvx_mesh_view view;
-    bvx_status status;
+    bvxi_sheet sheet;
 
+    BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &w->solid->lattice, &sheet));
     BVXI_TRY(bvxi_sheet_mesh_open(ctx, mesh, holes, &view));
 
-    /* The sheet is a mesh like any other, so the same engine finds its crossings, with the same ties. */
+    /* The sheet is a mesh like any other, so the same engine finds its crossings, with the same ties. The
+     * balance of rows is that of the mesh. */
+    w->sheet = &sheet;
+    job->odd_rows = NULL;
     job->view = &view;
     job->take_lists = vote_block;
     job->user = w;
-    status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, w->solid, 0, BVX_FILL_PARITY, &unused);
+    BVXI_TRY(
+        bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, w->solid, 0, BVX_FILL_PARITY, &unused));
     job->take_lists = NULL;
     job->view = mesh;
-    bvxi_sheet_mesh_close(ctx, &view);
-    return status;
-}
-
-static bvx_status ask_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, const bvxi_holes *holes,
-                            double from, double to)
-{
-    bvxi_sheet sheet;
-    bvx_status status;
-
-    BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &w->solid->lattice, &sheet));
-    w->sheet = &sheet;
-    /* The balance of rows is that of the mesh, not of the sheet. */
-    job->odd_rows = NULL;
-    status = move_sheet(ctx, job, w, holes, from, to);
     w->sheet = NULL;
-    bvxi_sheet_close(ctx, &sheet);
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
@@ -204,15 +183,12 @@ static bvx_status find_holes_and_ask(bvx_context *ctx, bvxi_solid_job *job, vote
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-    bvx_status status;
 
     /* Back along x, since the last vote has left the vertices turned. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
-    if (job->holes != NULL) return ask_sheet(ctx, job, w, job->holes, from, to);
+    if (job->holes != NULL) return move_sheet(ctx, job, w, job->holes, from, to);
     BVXI_TRY(BVXI_SHARE(ctx, from, part, bvxi_holes_open(ctx, job->view, &job->snapped, &holes)));
-    status = ask_sheet(ctx, job, w, &holes, part, to);
-    bvxi_holes_close(ctx, &holes);
-    return status;
+    return move_sheet(ctx, job, w, &holes, part, to);
 }
 
 static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote_work *w, double from,
@@ -227,12 +203,8 @@ static bvx_status ask_all_directions(bvx_context *ctx, bvxi_solid_job *job, vote
     mark_even_columns(w->odd_rows[1], size[0], size[2], w->even_y);
     mark_even_columns(w->odd_rows[2], size[0], size[1], w->even_z);
 
-    /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three
-     * votes. */
-    if (!drop_odd_rows(w)) BVXI_TRY(find_holes_and_ask(ctx, job, w, from, to));
-    bvxi_drop(ctx, w->even_z);
-    bvxi_drop(ctx, w->even_y);
-    return BVX_OK;
+    /* Nothing is unsure on a mesh without holes: looking for holes would cost more than all three votes. */
+    return drop_odd_rows(w) ? BVX_OK : find_holes_and_ask(ctx, job, w, from, to);
 }
 
 bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bvx_grid *solid, uint64_t *sure,
@@ -240,11 +212,8 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
 {
     /* Beside many holes the last step takes nearly all of the time, without any nearly none. */
     double const from = step.from, third = 0.4 * (step.to - from) / 3;
-    vote_work w = {0};
+    vote_work w = {.solid = solid, .sure = sure, .want_clear = want_clear};
 
-    w.solid = solid;
-    w.sure = sure;
-    w.want_clear = want_clear;
     BVXI_TRY(open_vote(step.ctx, job->function, &w));
     for (int32_t axis = 0; axis < 3; axis++)
         BVXI_TRY(vote_along(bvxi_call_part(step, from + axis * third, from + (axis + 1) * third), job, &w,
@@ -252,6 +221,5 @@ bvx_status bvxi_vote(bvxi_call step, bvxi_solid_job *job, int32_t want_clear, bv
     BVXI_TRY(ask_all_directions(step.ctx, job, &w, from + 3 * third, step.to));
     job->odd_rows = NULL;
     job->keep_odd = 0;
-    close_vote(step.ctx, &w);
     return BVX_OK;
 }

@@ -74,13 +74,11 @@ static bvx_status check_arguments(bvx_context *ctx, const bvx_mesh_view *mesh, c
                                   const bvx_voxelize_options *given, bvx_voxelize_options *o,
                                   bvx_window *window)
 {
-    /* The cheapest checks first; all before any memory is taken. */
     BVXI_TRY(bvxi_take_options(ctx, solid_name, given, o, sizeof *o));
     BVXI_TRY(check_choices(ctx, o));
     BVXI_TRY(bvxi_view_check(ctx, solid_name, mesh));
     if (mesh->triangle_count == 0)
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", solid_name);
-    /* A second surface has to be as sound as the first. */
     if (o->second != NULL) {
         BVXI_TRY(bvxi_view_check(ctx, solid_name, o->second));
         if (o->second->triangle_count == 0)
@@ -97,13 +95,10 @@ static bvx_status fill_below(bvx_context *ctx, bvxi_solid_job *job, const bvx_vo
                              bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job second;
-    bvx_status status;
-    /* One surface: down to the base. */
-    if (o->second == NULL) return BVXI_SCOPE(ctx, bvxi_below(ctx, job, NULL, o, solid, report));
+
+    if (o->second == NULL) return bvxi_below(ctx, job, NULL, o, solid, report);
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, o->second, &solid->lattice, &second));
-    status = BVXI_SCOPE(ctx, bvxi_below(ctx, job, &second, o, solid, report));
-    bvxi_solid_close(ctx, &second);
-    return status;
+    return bvxi_below(ctx, job, &second, o, solid, report);
 }
 
 static bvx_status flood_or_fail(bvx_context *ctx, const bvxi_flood_walls *walls, bvx_grid *solid,
@@ -134,38 +129,30 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the grid of sure centres", &sure));
     walls.sure = sure;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.1, voted,
-                        bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report)));
-    /* A shell parts the centres; regions and floods go by it. */
-    if (more) {
-        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85,
-                            bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
-        BVXI_TRY(
-            BVXI_SHARE(ctx, 0.85, 1.0,
-                       flood ? flood_or_fail(ctx, &walls, solid, report)
-                             : BVXI_SCOPE(ctx, bvxi_regions(ctx, solid_name, &shell, sure, solid, report))));
-        bvxi_shell_close(ctx, &shell);
-    }
-    bvxi_drop(ctx, sure);
-    return BVX_OK;
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.1, voted,
+        BVXI_SCOPE(ctx, bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report))));
+    if (!more) return BVX_OK;
+
+    BVXI_TRY(
+        BVXI_SHARE(ctx, 0.6, 0.85, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
+    return BVXI_SHARE(ctx, 0.85, 1.0,
+                      flood ? flood_or_fail(ctx, &walls, solid, report)
+                            : bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
 }
 
 static bvx_status fill_by_rule(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
                                const bvxi_holes *holes, bvx_grid *solid, bvx_solid_report *report)
 {
     bvxi_solid_job job;
-    bvx_status status;
 
     BVXI_TRY(bvxi_solid_open(ctx, solid_name, mesh, &solid->lattice, &job));
     job.holes = holes;
-    /* Rules of rows need no look at anything else. */
     if (o->fill == BVX_FILL_PARITY || o->fill == BVX_FILL_NONZERO)
-        status = bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
-    else if (o->fill == BVX_FILL_BELOW) status = fill_below(ctx, &job, o, solid, report);
-    else if (o->fill == BVX_FILL_WINDING) status = bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
-    else status = fill_by_vote(ctx, &job, o, solid, report);
-    bvxi_solid_close(ctx, &job);
-    return status;
+        return bvxi_solid_fill(bvxi_solid_step(ctx, &job, 0.1, 1.0), &job, solid, 0, o->fill, report);
+    if (o->fill == BVX_FILL_BELOW) return fill_below(ctx, &job, o, solid, report);
+    if (o->fill == BVX_FILL_WINDING) return bvxi_wind(ctx, &job, solid, 0.1, 1.0, report);
+    return fill_by_vote(ctx, &job, o, solid, report);
 }
 
 bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t fill, const bvxi_holes *holes,
@@ -174,7 +161,7 @@ bvx_status bvxi_fill_known(bvx_context *ctx, const bvx_mesh_view *mesh, int32_t 
     bvx_voxelize_options const o = {.fill = fill};
     bvx_solid_report unused = {0};
 
-    return fill_by_rule(ctx, mesh, &o, holes, solid, &unused);
+    return BVXI_SCOPE(ctx, fill_by_rule(ctx, mesh, &o, holes, solid, &unused));
 }
 
 /* A bvxi_fill_by_name_fn. */
@@ -183,14 +170,7 @@ static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32
 {
     bvx_voxelize_options const o = {.fill = fill};
 
-    return fill_by_rule(ctx, mesh, &o, NULL, solid, report);
-}
-
-static bvx_status fill_the_grid(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_voxelize_options *o,
-                                bvx_grid *solid, bvx_solid_report *report)
-{
-    if (o->fill == BVX_FILL_AUTO) return bvxi_fill_auto(ctx, solid_name, mesh, fill_chosen, solid, report);
-    return fill_by_rule(ctx, mesh, o, NULL, solid, report);
+    return BVXI_SCOPE(ctx, fill_by_rule(ctx, mesh, &o, NULL, solid, report));
 }
 
 /* ---- What comes after ---- */
@@ -201,16 +181,14 @@ static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx
     uint64_t const words = bvxi_grid_words(solid);
     bvx_grid shell;
     BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
-    /* Word by word, as both grids have one window. */
+
     for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
-    bvxi_shell_close(ctx, &shell);
     return BVX_OK;
 }
 
 static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_solid_report *report)
 {
     bvx_certificate c;
-    /* Only counted here; the rule has been applied already. */
     BVXI_TRY(bvx_mesh_check(ctx, mesh, 1, &c));
     report->boundary_edges = c.boundary_edges;
     report->flipped_edges = c.flipped_edges;
@@ -228,7 +206,6 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (solid == NULL) return bvxi_fail_null(context, solid_name, "solid");
     BVXI_TRY(check_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, solid);
@@ -239,20 +216,19 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     report.fill = o.fill;
 
     filled = o.add_shell || o.check_edges || o.report != NULL ? 0.3 : 1.0;
-    status = BVXI_SHARE(context, 0.0, filled, fill_the_grid(context, mesh, &o, &made, &report));
+    status = BVXI_SHARE(context, 0.0, filled,
+                        o.fill == BVX_FILL_AUTO
+                            ? bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report)
+                            : BVXI_SCOPE(context, fill_by_rule(context, mesh, &o, NULL, &made, &report)));
     if (status == BVX_OK && o.add_shell)
-        status = BVXI_SHARE(context, 0.3, 0.45, add_the_shell(context, mesh, &made, &report));
+        status = BVXI_SHARE(context, 0.3, 0.45,
+                            BVXI_SCOPE(context, add_the_shell(context, mesh, &made, &report)));
     if (status == BVX_OK && o.check_edges)
         status = BVXI_SHARE(context, 0.45, 0.7, count_edges(context, mesh, &report));
     if (status == BVX_OK && o.report != NULL)
         status = BVXI_SHARE(context, 0.7, 1.0,
                             bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
-    if (status != BVX_OK) {
-        /* The caller's own array stays the caller's. */
-        if (solid->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *solid = made;
+    BVXI_TRY(bvxi_grid_put(context, status, &made, solid));
     if (o.report == NULL) return BVX_OK;
     bvxi_warn_of_solid(context, &made, &report);
     *o.report = report;

@@ -26,11 +26,18 @@ typedef struct near_job {
     double low[NEAR_PIECES][3], high[NEAR_PIECES][3]; /* bounds of those of a piece */
 } near_job;
 
-static bvx_status run_near_pieces(near_job *job, uint64_t count, bvx_task_fn *task)
+static bvx_status run_near(near_job *job, uint64_t count, bvxi_range_fn *body)
+{
+    bvx_context *const ctx = job->walls->ctx;
+
+    return BVXI_SHARE(ctx, 0.2, 0.2, bvxi_for(ctx, "thin", count, NEAR_TRIANGLES, body, job));
+}
+
+static bvx_status run_near_pieces(near_job *job, uint64_t count, bvxi_piece_fn *body)
 {
     job->pieces = bvxi_piece_count(count, NEAR_TRIANGLES);
     if (job->pieces > NEAR_PIECES) job->pieces = NEAR_PIECES;
-    return bvxi_parallel(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, task, job);
+    return bvxi_for_pieces(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, count, body, job);
 }
 
 /* ---- which are near ---- */
@@ -54,7 +61,6 @@ static void block_range(const bvxi_walls *t, const double low[3], const double h
         double const last = (double)t->block_size[a] - 1;
         double const l = low[a] / NEAR_BLOCK, h = high[a] / NEAR_BLOCK;
 
-        /* Cut to the window: what lies beyond is sorted into its border. */
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
     }
@@ -96,21 +102,17 @@ static void mark_blocks(bvxi_walls *t, uint8_t mark)
 }
 
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
-static void place_piece_in_blocks(void *user, int32_t piece, int32_t worker)
+static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
     const bvx_lattice *const l = &t->places.lattice;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->mesh->vertex_count, job->pieces, piece, &begin, &end);
     for (uint64_t v = begin; v < end; v++) {
         double p[3];
         int32_t to[3];
 
         bvxi_view_position(t->mesh, v, p);
-        /* In voxels of the window. */
         for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
         /* from and to are one block for a point: only from is kept. */
         block_range(t, p, p, t->block_of + 3 * v, to);
@@ -123,7 +125,6 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
     const int32_t *const r = t->block_of + 3 * (size_t)c[2];
     int32_t from[3], to[3];
 
-    /* The box of the three corners' blocks. */
     for (int a = 0; a < 3; a++) {
         int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
 
@@ -145,22 +146,18 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
 }
 
 /* Each piece writes where its own triangles would stand if all were taken. */
-static void take_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-    uint64_t begin, end;
     uint32_t *to;
 
-    (void)worker;
-    bvxi_piece(t->mesh->triangle_count, job->pieces, piece, &begin, &end);
     to = t->corner + 3 * begin;
     for (uint64_t n = begin; n < end; n++) {
         double p[3][3], normal[3];
         uint32_t c[3];
 
         bvxi_view_triangle(t->mesh, n, c);
-        /* Far from all places. */
         if (!is_in_marked_block(t, c)) continue;
         for (int k = 0; k < 3; k++) bvxi_view_position(t->mesh, c[k], p[k]);
         /* Without area there is no side that it could face. */
@@ -176,13 +173,11 @@ static bvx_status take_triangles_nearby(near_job *job)
     bvxi_walls *const t = job->walls;
     uint64_t count = 0;
 
-    /* The second run writes over the first. */
     mark_blocks(t, BESIDE_MARK);
     mark_blocks(t, MARK);
-    BVXI_TRY(run_near_pieces(job, t->mesh->vertex_count, place_piece_in_blocks));
+    BVXI_TRY(run_near(job, t->mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(job, t->mesh->triangle_count, take_piece_nearby));
 
-    /* Together, in the order of the pieces. */
     for (int32_t i = 0; i < job->pieces; i++) {
         uint64_t begin, end;
 
@@ -201,7 +196,6 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 {
     uint8_t turned = 0;
 
-    /* Three swaps sort three corners; each turns the triangle round. */
     for (int step = 0; step < 3; step++) {
         int const k = step & 1; /* corners 0 and 1, 1 and 2, 0 and 1 */
         double p[2][3];
@@ -218,16 +212,13 @@ static uint8_t order_corners(const bvx_mesh_view *mesh, uint32_t c[3])
 
 /* Corners in their order, so that the hash does not depend on how they were given; and the bounds of the
  * piece, from these, as vertices that no triangle uses may be anything. */
-static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void order_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     near_job *const job = user;
     const bvxi_walls *const t = job->walls;
     double *const low = job->low[piece], *const high = job->high[piece];
     double const size[3] = {t->unit, t->unit, t->unit}, scale = bvxi_unit_scale(size, size);
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         uint32_t *const c = t->corner + 3 * n;
 
@@ -250,25 +241,19 @@ static void order_piece_nearby(void *user, int32_t piece, int32_t worker)
 }
 
 /* Sides while sorted still has them. */
-static void side_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void side_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const bvxi_walls *const t = job->walls;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(t->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++) t->against[n] = (uint8_t)job->sorted[job->numbers[n]];
 }
 
-static void move_piece_nearby(void *user, int32_t piece, int32_t worker)
+static void move_piece_nearby(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const job = user;
     const uint32_t *const corner = job->walls->corner;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->walls->near.triangle_count, job->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++)
         memcpy(job->sorted + 3 * n, corner + 3 * (size_t)job->numbers[n], 12);
 }
@@ -290,8 +275,8 @@ static bvx_status sort_triangles_nearby(near_job *job, double low[3], double hig
         }
     }
     BVXI_TRY(bvxi_radix_sort(job->walls->ctx, job->keys, job->numbers, count));
-    BVXI_TRY(run_near_pieces(job, count, side_piece_nearby));
-    return run_near_pieces(job, count, move_piece_nearby);
+    BVXI_TRY(run_near(job, count, side_piece_nearby));
+    return run_near(job, count, move_piece_nearby);
 }
 
 static bvx_status order_triangles_nearby(near_job *job, double low[3], double high[3])

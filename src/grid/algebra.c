@@ -85,7 +85,6 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     bvx_window window;
     int made_here;
 
-    if (ctx == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
     BVXI_TRY(bvxi_grid_check(ctx, function, b));
@@ -110,8 +109,6 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                                    1 + ALGEBRA_GRAIN / (uint64_t)a->words_per_row, combine_piece, &job),
                           made_here, result);
 }
-
-/* ---- public ---- */
 
 bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
 {

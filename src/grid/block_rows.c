@@ -84,7 +84,6 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
     uint32_t n = 0;
     block_counter c;
 
-    /* Each row adds one at most to 64 columns at a time, so n rows need the digits of n. */
     memset(c.sum, 0, (size_t)planes * sizeof c.sum[0]);
     for (int32_t z = box->z[0]; z < box->z[1]; z++) {
         const uint64_t *from = g->words + ((size_t)z * (size_t)g->size[1] + (size_t)box->y[0]) * row +
@@ -96,7 +95,6 @@ BVXI_VECTOR_INLINE uint64_t count_columns(const bvxi_blocks *b, const block_box 
         }
     }
 
-    /* Bits of n say which digits still have something pending. */
     end_count(&c, n, planes);
     for (int32_t p = 0; p < planes; p++)
         for (int32_t l = 0; l < BLOCK_LANES && l < left; l++) {
@@ -122,7 +120,6 @@ BVXI_VECTOR_INLINE uint64_t join_columns(const bvxi_blocks *b, const block_box *
             for (int32_t k = 0; k < row; k++) to[k] |= from[k] ^ flip;
     }
 
-    /* Bits past the row became set by the inversion. */
     to[row - 1] &= bvxi_tail_mask(g->size[0]);
     for (int32_t k = 0; k < row; k++) seen |= to[k];
     return seen;
@@ -248,8 +245,6 @@ BVXI_AVX2 static void gather_row_bmi2(const bvxi_blocks *b, const uint64_t *row,
 }
 #endif
 
-/* ---- A row of blocks ---- */
-
 BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t worker, int32_t j, int32_t k,
                                                   int32_t *digits)
 {
@@ -273,7 +268,6 @@ BVXI_VECTOR_INLINE const uint64_t *make_block_row(const bvxi_blocks *b, int32_t 
         seen = join_columns(b, &box, sum);
     }
     *digits = 0;
-    /* A row of empty blocks needs no further step: no digits stand for all 0. */
     if (seen == 0) return to;
     /* the row with the first block's missing voxels in front */
     for (int32_t p = 0; b->phase != 0 && p < n; p++) {

@@ -18,7 +18,6 @@ typedef struct bvxi_block_starts {
     int32_t reserved;
 } bvxi_block_starts;
 
-/* What a row of blocks says. */
 enum {
     BVXI_BLOCKS_ANY = 0 /* one plane: is any voxel set */,
     BVXI_BLOCKS_NONE = 1 /* one plane: is none empty */,
@@ -41,10 +40,9 @@ typedef struct bvxi_blocks {
     int32_t plane_count, workers; /* digits of a whole block's count */
 } bvxi_blocks;
 
-/* Check, lay out lattice, window and tables. bvxi_blocks_close in any case. */
+/* Check, lay out lattice, window and tables. */
 bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
                             const int32_t factor[3], int32_t what, bvxi_blocks *blocks);
-void bvxi_blocks_close(bvx_context *ctx, bvxi_blocks *blocks);
 
 /* The planes of row (j, k) of blocks, count_words words each, one after
  * the other; *digits is how many, 0 when all counts are 0. */

@@ -48,7 +48,6 @@ static uint64_t bytes_to_bits(uint64_t w)
 
 static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_t z)
 {
-    /* Bricks at the upper end are cut by the grid. */
     int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
     int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
@@ -147,8 +146,6 @@ static inline double cast_leave(const cast_axis *a, int32_t i)
     return a->way == 0 ? HUGE_VAL : cast_plane(a, i + (a->way > 0));
 }
 
-/* ---- A row ---- */
-
 /* Where the ray is along an axis [Units: voxels of the window]; only as good as its slack. */
 static inline double cast_place(const cast_axis *a, double t)
 {
@@ -231,7 +228,6 @@ static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, in
     int32_t const k_first = first >> 6;
     int32_t const k_last = last >> 6;
 
-    /* The bricks of the range, cut at both ends like the words of a row. */
     for (int32_t k = k_first; k <= k_last; k++) {
         uint64_t w = row[k];
         if (k == k_first) w &= ~UINT64_C(0) << (first & 63);
@@ -240,8 +236,6 @@ static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, in
     }
     return 0;
 }
-
-/* ---- The walk over rows ---- */
 
 /* The first cell of 2^shift voxels in the ray's order that is met at t; one is. */
 static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
@@ -312,7 +306,6 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
         int const more_y = y != last_y;
         int const more_z = z != last_z;
         cast_rows(r, shift, y, z, (cast_stretch){t, to, p, q});
-        /* What lies after the best hit, or after the end, cannot be better. */
         if (!(next <= r->t && next <= end)) return;
         if (over_y && over_z) { /* over an edge along x: the two rows beside it too */
             cast_stretch const here = {next, next, q, q};
@@ -320,7 +313,6 @@ static inline void walk_cast_rows(cast_ray *r, int32_t shift, double t, double e
             if (more_z) cast_rows(r, shift, y, z + a[2].way, here);
         }
 
-        /* Past the last row on an axis the ray has left the grid. */
         if ((over_y && !more_y) || (over_z && !more_z)) return;
         if (over_y) leave_y = cast_leave_cell(&a[1], shift, y += a[1].way);
         if (over_z) leave_z = cast_leave_cell(&a[2], shift, z += a[2].way);
@@ -338,8 +330,6 @@ static void walk_cast_bricks(cast_ray *r, double from, double to)
 {
     walk_cast_rows(r, BRICK_SHIFT, from, to);
 }
-
-/* ---- One ray ---- */
 
 /* Set up an axis; 0 when the ray lies beside the box. */
 static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double direction, cast_axis *a)
@@ -387,7 +377,6 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
         r->end = leave < r->end ? leave : r->end;
     }
 
-    /* No hit yet is a hit at the end: any voxel within it is better. */
     r->t = r->end;
     r->voxel[0] = -1;
     return *begin <= r->end;
@@ -412,8 +401,6 @@ static void report_cast_hit(const double *ray, const cast_ray *r, bvx_ray_hit *h
     }
 }
 
-/* ---- Many rays ---- */
-
 typedef struct cast_work {
     const bvx_grid *grid;
     const voxel_bricks *bricks;
@@ -430,7 +417,6 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         const double *const ray = w->rays + 6 * i;
         cast_ray r;
         double start;
-        /* Hits are zeroed first: a ray that meets nothing needs no further word. */
         memset(&w->hits[i], 0, sizeof w->hits[i]);
         r.grid = w->grid;
         r.bricks = w->bricks;
@@ -442,25 +428,6 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status check_cast_rays(bvx_context *ctx, const char *function, const double *rays, uint64_t count)
-{
-    static const char *const part[6] = {"origin x",    "origin y",    "origin z",
-                                        "direction x", "direction y", "direction z"};
-
-    for (uint64_t i = 0; i < count; i++) {
-        const double *const ray = rays + 6 * i;
-        for (int k = 0; k < 6; k++)
-            if (ray[k] - ray[k] != 0.0)
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "%s: ray %i has %s = %g, which is not finite", function, i, part[k],
-                                     ray[k]);
-        if (ray[3] == 0.0 && ray[4] == 0.0 && ray[5] == 0.0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: ray %i has a direction of length 0", function, i);
-    }
-    return BVX_OK;
-}
-
 static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
                                 uint64_t count, double t_max, bvx_ray_hit *hits)
 {
@@ -468,17 +435,13 @@ static bvx_status run_grid_cast(bvx_context *context, const bvx_grid *grid, cons
     voxel_bricks bricks = {NULL, NULL, {0, 0, 0}, 0};
     cast_work w = {grid, &bricks, rays, hits, t_max};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (rays == NULL && count != 0) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL && count != 0) return bvxi_fail_null(context, function, "hits");
-    if (!(t_max >= 0.0))
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: t_max is %g; it must be 0 or above", function, t_max);
     if (count > SIZE_MAX / sizeof *hits)
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u rays are beyond this machine's addresses", function, count);
-    BVXI_TRY(check_cast_rays(context, function, rays, count));
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max));
 
     /* Bricks pay where there are many rays for the words that they are made of. */
     if (count >= CAST_BRICK_RAYS && bvxi_grid_words(grid) / count <= CAST_BRICK_WORDS)

@@ -91,12 +91,10 @@ BVXI_VECTOR_INLINE int64_t cover_box(const bvxi_downsample *d, int32_t i, int32_
     int64_t sum = 0;
 
     for (int32_t b = z->begin[k]; b < z->end[k] && b < z->voxels; b++) {
-        /* The first and the last slice are cut by the box, those between are whole. */
         int64_t const wz = b == z->begin[k] ? z->first[k] : b == z->end[k] - 1 ? z->last[k] : z->r;
         const uint64_t *const row = bvxi_fine_row(d, begin, b);
         int64_t slice = cover_rows(x, row, words, 1, i, fast) * y->first[j];
 
-        /* Likewise for rows: first, between, last, with their weights. */
         if (between > 0) slice += cover_rows(x, row + words, words, between, i, fast) * y->r;
         if (rows > 1 && inside == rows)
             slice += cover_rows(x, row + (int64_t)words * (rows - 1), words, 1, i, fast) * y->last[j];
@@ -180,7 +178,6 @@ BVXI_VECTOR_INLINE void cover_sample_row(const bvxi_downsample *d, int32_t j, in
             if (n < 0) n = 0;
             blend_rows(d, j, k, first, n, any, all);
         }
-        /* The bits of a box must all be in the blended words, else it is counted. */
         if (end > (first + n) * 64 && first + n < d->fine->words_per_row) sum = cover_box(d, i, j, k, fast);
         else if (range_is(any, n, begin - first * 64, end - first * 64, 0)) sum = 0;
         else if (end <= x->voxels && range_is(all, n, begin - first * 64, end - first * 64, 1))
@@ -208,11 +205,10 @@ BVXI_AVX2 static void cover_piece_avx2(const bvxi_downsample *d, int32_t piece)
 }
 #endif
 
-static void cover_piece_task(void *user, int32_t piece, int32_t worker)
+static void cover_piece_task(void *user, int32_t piece)
 {
     const bvxi_downsample *const d = user;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (d->cpu == BVX_CPU_AVX2) {
         cover_piece_avx2(d, piece);
@@ -233,7 +229,7 @@ bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_v
     if (keep_values)
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, samples * sizeof *d->value, "the samples' coverage", &d->value));
-    return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
+    return bvxi_each(ctx, "lod", 0.0, 0.5, d->pieces, cover_piece_task, d);
 }
 
 static double coverage_at(const bvxi_downsample *d, int32_t i, int32_t j, int32_t k)

@@ -6,8 +6,6 @@
 
 enum { CROP_GRAIN = 4096 /* least words a piece */ };
 
-/* ---- content ---- */
-
 typedef struct content_box {
     int32_t low[3], high[3]; /* low above high when nothing is set */
 } content_box;
@@ -42,8 +40,6 @@ void bvxi_grid_content(const bvx_grid *grid, bvx_window *window)
         window->size[a] = box.high[a] - box.low[a] + 1;
     }
 }
-
-/* ---- another window, another lattice ---- */
 
 typedef struct crop_job {
     const bvx_grid *grid;
@@ -101,7 +97,6 @@ static bvx_status run_grid_crop(bvx_context *context, const bvx_grid *grid, cons
     int32_t from[3];
     bvx_window w;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_window_take(context, function, &grid->lattice, window, &w));
 
@@ -125,7 +120,6 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
     bvx_lattice lattice;
     bvx_window w;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (low == NULL || high == NULL) return bvxi_fail_null(context, function, low == NULL ? "low" : "high");
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     for (int32_t a = 0; a < 3; a++) {

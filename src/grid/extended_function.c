@@ -77,7 +77,6 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     const int32_t *const n = by->n, *const r = by->r;
     int32_t *memory;
     uint64_t entries = 0;
-    bvx_status status;
 
     memset(d, 0, sizeof *d);
     d->fine = fine;
@@ -109,9 +108,7 @@ bvx_status bvxi_downsample_open(bvx_context *ctx, const char *function, const bv
     memory = d->tables;
     for (int32_t a = 0; a < 3; a++) fill_axis(&d->axis[a], &memory);
     d->pieces = bvxi_piece_count((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, EXTENDED_GRAIN);
-    status = open_coarse(ctx, function, d);
-    if (status != BVX_OK) bvxi_downsample_close(ctx, d);
-    return status;
+    return open_coarse(ctx, function, d);
 }
 
 void bvxi_downsample_close(bvx_context *ctx, bvxi_downsample *d)
@@ -220,12 +217,9 @@ static void sample_row(const bvxi_downsample *d, int32_t j, int32_t k)
     }
 }
 
-static void sample_piece(void *user, int32_t piece, int32_t worker)
+static void sample_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_downsample *const d = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece((uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, d->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++)
         sample_row(d, (int32_t)(row % (uint64_t)d->axis[1].count),
                    (int32_t)(row / (uint64_t)d->axis[1].count));
@@ -259,7 +253,8 @@ bvx_status bvxi_extended_sample(bvx_context *ctx, bvxi_downsample *d)
             (int64_t)d->axis[0].r, (int64_t)d->axis[1].r, (int64_t)d->axis[2].r, most);
     d->total = (int64_t)total;
     d->limit = bvxi_weight_limit(d->total, d->threshold);
-    return bvxi_parallel(ctx, "lod", 0.0, 0.5, d->pieces, sample_piece, d);
+    return bvxi_for_ranges(ctx, "lod", 0.0, 0.5, d->pieces,
+                           (uint64_t)d->axis[1].count * (uint64_t)d->axis[2].count, sample_piece, d);
 }
 
 /* The place of sample i, also of -1 and count, just outside. */

@@ -17,7 +17,6 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
 
     if (lattice == NULL) return 0;
     whole = window == NULL || memcmp(window, &none, sizeof none) == 0;
-    /* NULL or a window of zeros stands for the whole lattice. */
     for (int32_t a = 0; a < 3; a++) {
         size[a] = whole ? lattice->dims[a] : window->size[a];
         if (size[a] < 1 || size[a] > lattice->dims[a]) return 0;
@@ -58,7 +57,6 @@ bvx_status bvxi_grid_open(bvx_context *ctx, const char *function, const bvx_latt
         g.owned = 1;
     }
 
-    /* All fields are written at once, at the end: after a failure the grid is as it was. */
     g.lattice = *lattice;
     memcpy(g.low, window->low, sizeof g.low);
     memcpy(g.size, window->size, sizeof g.size);
@@ -114,7 +112,6 @@ bvx_status bvxi_grid_check(bvx_context *ctx, const char *function, const bvx_gri
                          (int64_t)grid->size[0]);
     BVXI_TRY(bvxi_window_take(ctx, function, &grid->lattice, &window, &unused));
 
-    /* The words are computed with, so they are checked against the size and not believed. */
     if (grid->words_per_row != bvxi_row_words(grid->size[0]))
         return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: the grid has %d words per row, %d voxels need %d",
                          function, (int64_t)grid->words_per_row, (int64_t)grid->size[0],
@@ -147,11 +144,9 @@ static bvx_status run_grid_count(bvx_context *context, const bvx_grid *grid, uin
 {
     uint64_t n = 0, words;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_grid_count", "count");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_count", grid));
 
-    /* The bits past the rows are 0, so all words count whole. */
     words = bvxi_grid_words(grid);
     for (uint64_t i = 0; i < words; i++) n += bvxi_popcount(grid->words[i]);
     *count = n;
@@ -167,7 +162,6 @@ static bvx_status run_grid_hash(bvx_context *context, const bvx_grid *grid, uint
 {
     bvxi_hash h;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (hash == NULL) return bvxi_fail_null(context, "bvx_grid_hash", "hash");
     BVXI_TRY(bvxi_grid_check(context, "bvx_grid_hash", grid));
 
@@ -254,6 +248,13 @@ bvx_status bvxi_grid_check_shift(bvx_context *ctx, const char *function, const b
         return BVX_OK;
     return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_OVERLAP,
                          "%s: the result's words overlap the grid's without being the same", function);
+}
+
+bvx_status bvxi_grid_put(bvx_context *ctx, bvx_status status, bvx_grid *made, bvx_grid *result)
+{
+    if (status == BVX_OK) *result = *made;
+    else if (result->words == NULL) bvx_grid_free(ctx, made);
+    return status;
 }
 
 bvx_status bvxi_grid_made(bvx_context *ctx, bvx_status status, int mine, bvx_grid *result)

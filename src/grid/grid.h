@@ -32,6 +32,9 @@ bvx_status bvxi_grid_apart(bvx_context *ctx, const char *function, const bvx_gri
  * library's, so after a failure they go back to it. */
 bvx_status bvxi_grid_made(bvx_context *ctx, bvx_status status, int mine, bvx_grid *result);
 
+/* The same where a copy of the result's struct was opened and filled: on success it becomes the result. */
+bvx_status bvxi_grid_put(bvx_context *ctx, bvx_status status, bvx_grid *made, bvx_grid *result);
+
 /* The smallest window that holds all set voxels of a valid grid; all zero when none is set. */
 void bvxi_grid_content(const bvx_grid *grid, bvx_window *window);
 

@@ -118,8 +118,6 @@ static int32_t flipped(const permute_job *job, int32_t axis, int32_t i)
     return job->flips[axis] ? job->result->size[axis] - 1 - i : i;
 }
 
-/* ---- x stays x ---- */
-
 static uint64_t reverse_word(uint64_t w)
 {
     /* Neighbouring bits change places, then pairs, then groups of four, up to the halves. */
@@ -131,7 +129,6 @@ static uint64_t reverse_word(uint64_t w)
     return w >> 32 | w << 32;
 }
 
-/* Words from the last to the first, bits from the last voxel to the first. */
 static void reverse_row(const uint64_t *row, int32_t size, uint64_t *to)
 {
     int32_t const words = bvxi_row_words(size), spare = words * BVXI_WORD_BITS - size;
@@ -158,8 +155,6 @@ static void permute_rows(void *user, uint64_t begin, uint64_t end)
         else memcpy(to->words + (size_t)r * words, row, words * 8);
     }
 }
-
-/* ---- x goes elsewhere ---- */
 
 /* Rows of the result's voxels 64 k .. along x, the grid's word at `from`:
  * then bit i of word n is what bit n of row i was. */
@@ -199,8 +194,6 @@ static void permute_squares(void *user, uint64_t begin, uint64_t end)
                 permute_square(job, third, (int32_t)s, word, k);
 }
 
-/* ---- public ---- */
-
 static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_t axes[3],
                             const int32_t flips[3], permute_job *job)
 {
@@ -208,7 +201,6 @@ static bvx_status take_axes(bvx_context *ctx, const char *function, const int32_
 
     if (axes == NULL) return bvxi_fail_null(ctx, function, "axes");
 
-    /* Each of 0, 1, 2 once: a bit for each that was seen. */
     for (int32_t a = 0; a < 3; a++) {
         int32_t const flip = flips != NULL ? flips[a] : 0;
         if (axes[a] < 0 || axes[a] > 2 || (seen >> axes[a] & 1) != 0)
@@ -267,13 +259,11 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     uint64_t words;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     job.grid = grid;
 
-    /* The lattice changes with its axes, so the result may be larger or smaller in words than the grid. */
     job.result = result;
     permute_place(&job, &lattice, &window);
     bvxi_grid_renew(context, &lattice, &window, result);

@@ -8,8 +8,6 @@
 
 enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 
-/* ---- Layout ---- */
-
 /* Warren, Hacker's Delight, 7-4: which bits move by 1, 2, 4, ... places when those of the mask come
  * together. */
 static void lay_moves(bvxi_block_starts *s)
@@ -102,12 +100,6 @@ bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_gr
     return lay_starts(ctx, b);
 }
 
-void bvxi_blocks_close(bvx_context *ctx, bvxi_blocks *b)
-{
-    bvxi_drop(ctx, b->starts);
-    bvxi_drop(ctx, b->planes);
-}
-
 static uint64_t block_rows(const bvxi_blocks *b)
 {
     return (uint64_t)b->window.size[1] * (uint64_t)b->window.size[2];
@@ -118,8 +110,6 @@ static int32_t block_pieces(const bvxi_blocks *b)
     int32_t const pieces = bvxi_piece_count(bvxi_grid_words(b->grid), BLOCKS_GRAIN);
     return (uint64_t)pieces > block_rows(b) ? (int32_t)block_rows(b) : pieces;
 }
-
-/* ---- Voxels ---- */
 
 typedef struct reduce_job {
     bvxi_blocks blocks;
@@ -135,7 +125,6 @@ static uint64_t counts_above(const bvxi_blocks *b, const uint64_t *planes, int32
 
     /* A limit of more digits than the counts have is above all of them. */
     if (digits < BVXI_BLOCK_PLANES && limit >> digits != 0) return 0;
-    /* Compared like decimals: the first digit that differs decides. */
     for (int32_t p = digits - 1; p >= 0; p--) {
         uint64_t const plane = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
         if ((limit >> p & 1) != 0) {
@@ -153,7 +142,6 @@ static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t d
 {
     int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
 
-    /* Half of a whole block first, for all of them. */
     for (int32_t k = 0; k < b->count_words; k++)
         row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
     /* The first and the last block may be cut by the window: their half is smaller. */
@@ -222,7 +210,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     static const int32_t what[3] = {BVXI_BLOCKS_ANY, BVXI_BLOCKS_NONE, BVXI_BLOCKS_COUNT};
     reduce_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     if (rule < BVX_REDUCE_ANY || rule > BVX_REDUCE_MAJORITY)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: rule %d is unknown", function,
@@ -232,7 +219,6 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks));
     BVXI_TRY(reduce_grid(context, function, &job, result));
-    bvxi_blocks_close(context, &job.blocks);
     return BVX_OK;
 }
 
@@ -241,8 +227,6 @@ bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const
 {
     return BVXI_CALL(context, run_grid_downsample(context, grid, factor, rule, result));
 }
-
-/* ---- Counts ---- */
 
 typedef struct coverage_job {
     bvxi_blocks blocks;
@@ -262,7 +246,6 @@ static void put_counts(const bvxi_blocks *b, const uint64_t *planes, int32_t dig
             square[p] = planes[(size_t)p * (size_t)b->count_words + (size_t)k];
             seen |= square[p];
         }
-        /* Squares without a set bit are the most frequent by far. */
         if (seen == 0) {
             memset(to, 0, (size_t)n * sizeof *to);
         } else {
@@ -299,7 +282,6 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_coverage";
     coverage_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     /* The count is there after a failure too, 0 unless it is known. */
     *count = 0;
@@ -307,13 +289,11 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     *count = block_rows(&job.blocks) * (uint64_t)job.blocks.window.size[0];
     job.counts = counts;
     job.pieces = block_pieces(&job.blocks);
-    /* Without an array only the number of blocks is of interest. */
     if (counts != NULL && capacity < *count)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: there are %u blocks, the array given holds %u",
                          function, *count, capacity);
     else if (counts != NULL)
         BVXI_TRY(bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, coverage_piece, &job));
-    bvxi_blocks_close(context, &job.blocks);
     return BVX_OK;
 }
 

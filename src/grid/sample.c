@@ -70,7 +70,6 @@ static double sample_point(const bvx_grid *g, const double point[3], double grad
         slice[k] = row[k][0] + f[1] * slope_y[k];
     }
 
-    /* Slopes are per voxel, gradients per unit of the world. */
     gradient[0] = (slope_x[0] + f[2] * (slope_x[1] - slope_x[0])) / g->lattice.spacing[0];
     gradient[1] = (slope_y[0] + f[2] * (slope_y[1] - slope_y[0])) / g->lattice.spacing[1];
     gradient[2] = (slice[1] - slice[0]) / g->lattice.spacing[2];
@@ -92,9 +91,7 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    /* Arrays are only needed where there are points. */
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
     if (count > SIZE_MAX / 24)
@@ -146,7 +143,6 @@ static bvx_status lay_resample_tables(bvx_context *ctx, resample_job *job)
     const bvx_grid *const g = job->grid, *const to = job->result;
     int32_t next = 0;
 
-    /* All tables in one block, as they live and end together. */
     job->bytes = ((uint64_t)to->size[1] + (uint64_t)to->size[2] + (uint64_t)g->size[0] + 1) * sizeof(int32_t);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bytes, "the tables of voxels", &job->source[0]));
     job->source[1] = job->source[0] + to->size[1];
@@ -206,7 +202,6 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));

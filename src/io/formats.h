@@ -35,7 +35,7 @@ static inline bvx_status bvxi_source_at(bvxi_source *source, const char *at)
 
 /* Run count tasks, each for about BVXI_PIECE_BYTES of the file, as the part [from, to] of the work. */
 enum { BVXI_PIECE_BYTES = 1 << 19 };
-bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task,
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvxi_item_fn *task,
                               void *user);
 
 /* "STL: line 7: expected ..., found '...'": what stands at a place of a text file. */

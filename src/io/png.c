@@ -133,7 +133,6 @@ static bvx_status run_write_png(bvx_context *context, const bvx_image *image, bv
     bvx_buffer made = {0};
     png_crc crc;
     uint8_t *p, *data;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (image == NULL) return bvxi_fail_null(context, function, "image");
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     if (image->pixels == NULL || image->width < 1 || image->height < 1)

@@ -26,19 +26,19 @@ bvx_status bvxi_source_ask(bvxi_source *source, const char *at)
 }
 
 typedef struct source_group {
-    bvx_task_fn *task;
+    bvxi_item_fn *task;
     void *user;
     int32_t first;
 } source_group;
 
-static void source_run_piece(void *user, int32_t index, int32_t worker)
+static void source_run_piece(void *user, int32_t index)
 {
     const source_group *const g = user;
-    g->task(g->user, g->first + index, worker);
+    g->task(g->user, g->first + index);
 }
 
 /* A few pieces at a time, so that a large file reports progress as often as a small one. */
-bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvx_task_fn *task,
+bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32_t count, bvxi_item_fn *task,
                               void *user)
 {
     double const share = (to - from) / (double)count;
@@ -49,8 +49,8 @@ bvx_status bvxi_source_pieces(bvxi_source *source, double from, double to, int32
         g.first = i;
         /* The last group ends exactly at to, whatever the sum of shares rounds to. */
         source->reached = i + n == count ? to : from + share * (double)(i + n);
-        BVXI_TRY(bvxi_parallel(source->ctx, "read", from + share * (double)i, source->reached, n,
-                               source_run_piece, &g));
+        BVXI_TRY(bvxi_each(source->ctx, "read", from + share * (double)i, source->reached, n,
+                           source_run_piece, &g));
     }
     return BVX_OK;
 }

@@ -17,7 +17,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     bvx_status status;
 
     /* All arguments are checked before a byte is read. */
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));

@@ -344,7 +344,6 @@ static bvx_status run_write_sections(bvx_context *context, const bvx_sections *s
     bvxi_output out = {0};
     bvx_buffer made = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_sections_check(context, function, sections));
     BVXI_TRY(bvxi_section_frame(context, function,

@@ -40,7 +40,6 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
@@ -79,7 +78,6 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
 {
     static const char *const function = "bvx_write_grid";
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     /* Each writer checks what its format cannot hold. */

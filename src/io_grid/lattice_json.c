@@ -62,7 +62,6 @@ static bvx_status run_write_lattice(bvx_context *context, const bvx_grid *grid, 
     bvxi_output out = {0};
     bvx_buffer made = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     BVXI_TRY(bvxi_check_written_corner(context, function, grid));
@@ -409,7 +408,6 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     json_lattice l;
     json_text t;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,

@@ -222,12 +222,11 @@ typedef struct unpack_job {
     int32_t pieces;
 } unpack_job;
 
-static void unpack_piece(void *user, int32_t piece, int32_t worker)
+static void unpack_piece(void *user, int32_t piece)
 {
     const unpack_job *const job = user;
     const bvx_grid *const g = job->grid;
     uint64_t row, end;
-    (void)worker;
     /* Rows belong to one piece each, so no two workers write the same byte. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++)
@@ -242,5 +241,5 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
     job.bytes = bytes;
     /* A row is the least that a piece holds; grain voxels make a task worth starting. */
     job.pieces = bvxi_piece_count(bvxi_grid_rows(grid), 1 + UNPACK_GRAIN / (uint64_t)grid->size[0]);
-    return bvxi_parallel(ctx, "write", 0, 1, job.pieces, unpack_piece, &job);
+    return bvxi_each(ctx, "write", 0, 1, job.pieces, unpack_piece, &job);
 }

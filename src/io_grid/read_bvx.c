@@ -351,13 +351,10 @@ static void bvx_fill_from_words(const bvx_unpacking *job, int32_t slice, const u
     }
 }
 
-static void bvx_fill_piece(void *user, int32_t piece, int32_t worker)
+static void bvx_fill_piece(void *user, uint64_t k, uint64_t end)
 {
     const bvx_unpacking *const job = user;
-    uint64_t k, end;
 
-    (void)worker;
-    bvxi_piece((uint64_t)job->count, job->pieces, piece, &k, &end);
     for (; k < end; k++) {
         const uint8_t *const p = job->source->begin + job->place[k], *const bytes = p + BVXI_BVX_SLICE_HEAD;
         /* All was checked before, so filling has no error to report. */
@@ -373,7 +370,8 @@ static bvx_status bvx_unpack(bvx_unpacking *job, bvx_grid *grid)
     BVXI_TRY(bvx_check_slices(job));
     BVXI_TRY(bvxi_open_file_grid(job->source, "BVX", &job->lattice, &job->window, &job->part, grid));
     job->grid = grid;
-    return bvxi_parallel(job->source->ctx, "read", 0.5, 1.0, job->pieces, bvx_fill_piece, job);
+    return bvxi_for_ranges(job->source->ctx, "read", 0.5, 1.0, job->pieces, (uint64_t)job->count,
+                           bvx_fill_piece, job);
 }
 
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)

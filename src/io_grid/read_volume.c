@@ -297,7 +297,6 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     bvxi_dense dense;
     bvx_volume made;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (volume == NULL || bytes == NULL)
         return bvxi_fail_null(context, name, volume == NULL ? "volume" : "bytes");
     if (size > SIZE_MAX / 2)

@@ -179,10 +179,9 @@ static int32_t look_into_level(const tree_reading *job, int32_t number, tree_lev
     return TREE_LEVEL_GOOD;
 }
 
-static void look_into_levels(void *user, int32_t number, int32_t worker)
+static void look_into_levels(void *user, int32_t number)
 {
     tree_reading *const job = user;
-    (void)worker;
     job->level[number].wrong = look_into_level(job, number, &job->level[number]);
 }
 
@@ -233,14 +232,12 @@ static void load_tree_words(const uint8_t *p, uint64_t count, uint64_t *words)
     for (uint64_t i = 0; i < count; i++) words[i] = bvxi_load_u64(p + 8 * i, 0);
 }
 
-static void load_tree_level(void *user, int32_t number, int32_t worker)
+static void load_tree_level(void *user, int32_t number)
 {
     const tree_reading *const job = user;
     const tree_level *const level = &job->level[number];
     const uint8_t *const p = level->begin + BVXI_TREE_LEVEL_HEAD;
     bvxi_octets *const o = number == 0 ? &job->tree->root : &job->tree->octets[number - 1];
-
-    (void)worker;
 
     /* Words are turned to this machine's order one by one: the file is little-endian, at any address. */
     load_tree_words(p, level->words, o->touched);
@@ -264,7 +261,7 @@ static bvx_status make_read_tree(tree_reading *job)
                                   (int)job->level[l].kind,
                                   l == 0 ? &job->tree->root : &job->tree->octets[l - 1]);
     if (status == BVX_OK)
-        status = bvxi_parallel(job->ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
+        status = bvxi_each(job->ctx, "read", 0.6, 1.0, job->levels + 1, load_tree_level, job);
     if (status != BVX_OK) bvx_octree_free(job->ctx, job->tree);
     return status;
 }
@@ -273,7 +270,6 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
 {
     tree_reading job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
     if (bytes == NULL) return bvxi_fail_null(context, read_tree_name, "bytes");
     if (size > SIZE_MAX / 2)
@@ -288,7 +284,7 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
     job.end = job.begin + (size_t)size;
     BVXI_TRY(take_tree_head(&job));
     BVXI_TRY(take_level_heads(&job));
-    BVXI_TRY(bvxi_parallel(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
+    BVXI_TRY(bvxi_each(context, "read", 0.0, 0.6, job.levels + 1, look_into_levels, &job));
     BVXI_TRY(join_levels(&job));
     BVXI_TRY(make_read_tree(&job));
     /* The old tree is freed only when the new one is complete. */
@@ -344,14 +340,13 @@ static const bvxi_octets *octets_of_level(const bvx_octree *tree, int32_t level)
     return level == 0 ? &tree->root : &tree->octets[level - 1];
 }
 
-static void put_tree_level(void *user, int32_t level, int32_t worker)
+static void put_tree_level(void *user, int32_t level)
 {
     const tree_writing *const job = user;
     const bvxi_octets *const o = octets_of_level(job->tree, level);
     uint8_t *const begin = job->bytes + job->place[level];
     uint8_t *p = begin + BVXI_TREE_LEVEL_HEAD;
 
-    (void)worker;
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
 
@@ -382,7 +377,7 @@ bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer 
     /* The frame is part of every level's checksum: levels of two files cannot be mixed. */
     put_tree_head(tree, job.bytes);
     job.frame = bvxi_tree_frame(job.bytes);
-    status = bvxi_parallel(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);
+    status = bvxi_each(ctx, "write", 0.0, 1.0, tree->levels + 1, put_tree_level, &job);
     if (status != BVX_OK) bvx_buffer_free(ctx, file);
     return status;
 }

@@ -201,7 +201,6 @@ static bvx_status run_write_head(bvx_context *context, const bvx_lattice *lattic
     /* The head alone names the window: its slices may be written by other calls, or other machines. */
     bvx_window whole;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &whole));
@@ -223,7 +222,6 @@ bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, cons
 static bvx_status run_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_slices";
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, part));
     return bvx_pack_grid(context, part, 0, file);

@@ -249,7 +249,6 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
                             vti = {"the VTI file", field_put_vti, "\n  </AppendedData>\n</VTKFile>\n", 0};
 
     /* All arguments are checked before memory is made. */
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));

@@ -205,7 +205,6 @@ static bvx_status run_write_octree(bvx_context *context, const bvx_octree *tree,
 {
     bvx_buffer made = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_renew_buffer(context, vtu_name, file));
     BVXI_TRY(bvxi_octree_check(context, vtu_name, tree));
     if (format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)

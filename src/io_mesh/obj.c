@@ -24,12 +24,11 @@ static const char *obj_count_corners(const obj_file *f, const char *p, uint64_t 
     return p;
 }
 
-static void obj_count_piece(void *user, int32_t index, int32_t worker)
+static void obj_count_piece(void *user, int32_t index)
 {
     const obj_file *const f = user;
     obj_piece *const piece = &f->pieces[index];
 
-    (void)worker;
     for (const char *p = piece->begin; p < piece->end;) {
         uint64_t corners;
         p = obj_skip_blank(f, p);
@@ -359,10 +358,9 @@ static bvx_status obj_read_piece(const obj_file *f, int32_t index, bvx_context *
     return BVX_OK;
 }
 
-static void obj_fill_piece(void *user, int32_t index, int32_t worker)
+static void obj_fill_piece(void *user, int32_t index)
 {
     const obj_file *const f = user;
-    (void)worker;
     f->pieces[index].status = obj_read_piece(f, index, NULL);
 }
 

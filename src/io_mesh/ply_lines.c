@@ -43,12 +43,11 @@ static uint64_t count_newlines(const char *p, const char *end)
     return n;
 }
 
-static void count_ply_piece(void *user, int32_t index, int32_t worker)
+static void count_ply_piece(void *user, int32_t index)
 {
     const ply_file *const f = user;
     ply_piece *const piece = &f->pieces[index];
 
-    (void)worker;
     piece->line = count_newlines(piece->begin, piece->end);
     /* The last line of a file may lack its end. */
     if (piece->end == f->source->end && piece->end > piece->begin && piece->end[-1] != '\n') piece->line++;
@@ -103,7 +102,7 @@ static int take_rows_of_lines(ply_file *own, const ply_element *e, uint64_t row,
     return 1;
 }
 
-static void take_ply_piece(void *user, int32_t index, int32_t worker)
+static void take_ply_piece(void *user, int32_t index)
 {
     const ply_lines_job *const job = user;
     const ply_file *const f = job->file;
@@ -116,7 +115,6 @@ static void take_ply_piece(void *user, int32_t index, int32_t worker)
     ply_file own = *f;
 
     /* No context: a failure is a status only. Nor is progress reported, as no row begins at the end. */
-    (void)worker;
     source.ctx = NULL;
     source.end = source.ask = piece->end;
     own.source = &source;

@@ -76,7 +76,6 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
     bvx_read_options options;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_take_options(context, function, given, &options, sizeof options));
     BVXI_TRY(check_read(context, function, bytes, size, format, &options, mesh));
 

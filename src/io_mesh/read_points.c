@@ -120,7 +120,6 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     bvx_mesh made = {0};
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
     if (bytes == NULL) return bvxi_fail_null(context, read_points_name, "bytes");
     if (size > SIZE_MAX / 2)

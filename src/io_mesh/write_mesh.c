@@ -204,7 +204,6 @@ static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_m
 {
     bvx_write_options o;
 
-    if (ctx == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(take_write_options(ctx, function, options, &o));
     if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
     BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
@@ -339,7 +338,6 @@ static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels
     bvxi_file_frame frame;
     bvx_mesh *turned;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(take_write_options(context, function, options, &o));
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     if (reports == NULL) return bvxi_fail_null(context, function, "reports");
@@ -373,7 +371,6 @@ static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels,
     static const char *const function = "bvx_write_levels";
     bvx_write_options o;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(take_write_options(context, function, options, &o));
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     BVXI_TRY(bvxi_renew_buffer(context, function, file));

@@ -60,12 +60,9 @@ static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices,
     *triangles = rings + 4 * heights + SLAB_SPARE;
 }
 
-static void count_slab_piece(void *user, int32_t index, int32_t worker)
+static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
 {
     slabs_job *const job = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(job->count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         count_slab(job->s, &job->slab[i], &job->room[2 * i], &job->room[2 * i + 1]);
 }
@@ -169,7 +166,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
     uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
 
     job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
-    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.0, 0.02, job->pieces, count_slab_piece, job));
+    BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
     /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);

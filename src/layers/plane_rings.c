@@ -113,13 +113,10 @@ typedef struct ring_job {
     int32_t pieces;
 } ring_job;
 
-static void ring_count_piece(void *user, int32_t index, int32_t worker)
+static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 {
     const ring_job *const job = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         /* Pieces take whole planes, and arrays are shared: no worker writes where another does. */
         bvxi_plane *const p = &job->s->plane[i];
@@ -131,12 +128,9 @@ static void ring_count_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-static void ring_place_piece(void *user, int32_t index, int32_t worker)
+static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     const ring_job *const job = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(job->s->plane_count, job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) place_ring(job->s, &job->s->plane[i]);
 }
 
@@ -145,7 +139,8 @@ static bvx_status make_in_job(ring_job *job)
     bvxi_stack *const s = job->s;
     uint64_t vertices = 0;
 
-    BVXI_TRY(bvxi_parallel(s->ctx, "rings", 0.0, 0.5, job->pieces, ring_count_piece, job));
+    BVXI_TRY(
+        bvxi_for_ranges(s->ctx, "rings", 0.0, 0.5, job->pieces, job->s->plane_count, ring_count_piece, job));
 
     /* Rings lie one after the other, so a vertex is a plane's first and its place in the ring. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -162,7 +157,8 @@ static bvx_status make_in_job(ring_job *job)
         bvxi_nesting_refresh(&s->nesting.plane[i]);
         bvxi_plane_ring_arcs(&s->nesting.plane[i]);
     }
-    return bvxi_parallel(s->ctx, "rings", 0.5, 1.0, job->pieces, ring_place_piece, job);
+    return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job->pieces, job->s->plane_count, ring_place_piece,
+                           job);
 }
 
 bvx_status bvxi_rings_make(bvxi_stack *s)

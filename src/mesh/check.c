@@ -160,19 +160,6 @@ static int check_same_bounds(const bvx_certificate *r, const double low[3], cons
            r->high[1] == high[1] && r->high[2] == high[2];
 }
 
-static bvx_status weld_vertices(bvx_context *ctx, checker *c, int weld)
-{
-    if (!weld) return BVX_OK;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
-    return weld_and_renumber(ctx, c);
-}
-
-static void free_renumber(bvx_context *ctx, checker *c)
-{
-    bvxi_drop(ctx, c->renumber);
-    c->renumber = NULL;
-}
-
 /* low and high are the bounds of all triangles, also those that do not count. */
 static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const double low[3],
                                    const double high[3])
@@ -183,7 +170,11 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->view->triangle_count * 12, "the check's corners", &c->corners));
 
     /* Welding changes which triangles count, so it comes before all sums. */
-    BVXI_TRY(weld_vertices(ctx, c, weld));
+    if (weld) {
+        BVXI_TRY(
+            bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
+        BVXI_TRY(weld_and_renumber(ctx, c));
+    }
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     /* once more about the right centre */
     if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) {
@@ -192,7 +183,7 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
         BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
     }
     /* Its memory is freed before the topology needs its own. */
-    free_renumber(ctx, c);
+    bvxi_drop(ctx, c->renumber);
     if (c->triangle_count != 0)
         return bvxi_topology(ctx, c->corners, c->triangle_count, c->vertex_count, c->edges_alone, &c->result);
     c->result.unused_vertices = c->vertex_count;
@@ -210,11 +201,9 @@ static bvx_status check_count(bvx_context *ctx, const char *function, const bvx_
 static bvx_status check_within(bvx_context *ctx, checker *c, int weld, const double low[3],
                                const double high[3], bvx_certificate *certificate)
 {
-    bvx_status const status = check_whole_mesh(ctx, c, weld, low, high);
-    free_renumber(ctx, c);
-    bvxi_drop(ctx, c->corners);
-    if (status == BVX_OK) *certificate = c->result;
-    return status;
+    BVXI_TRY(BVXI_SCOPE(ctx, check_whole_mesh(ctx, c, weld, low, high)));
+    *certificate = c->result;
+    return BVX_OK;
 }
 
 bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_welded *mesh, int edges_alone,
@@ -238,7 +227,6 @@ static bvx_status run_mesh_check(bvx_context *context, const bvx_mesh_view *mesh
     double low[3], high[3];
     checker c;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (certificate == NULL) return bvxi_fail_null(context, function, "certificate");
     memset(certificate, 0, sizeof *certificate);
     memset(&c, 0, sizeof c);

@@ -17,7 +17,6 @@
 /* A coordinate axis along which the triangle has an area when seen from there, or -1. */
 static int cross_axis(const double *const t[3])
 {
-    /* An area shows along one of the axes at least, or there is none. */
     for (int axis = 0; axis < 3; axis++)
         if (bvxi_orient_flat(t[0], t[1], t[2], axis) != 0) return axis;
     return -1;
@@ -58,7 +57,6 @@ static int cross_view_axis(const double *const t[3])
     double size[3];
 
     bvxi_orient_plane_of(t, &plane);
-    /* The largest component belongs to the axis along which the triangle looks widest. */
     for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane.normal[k]);
 
     if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
@@ -182,7 +180,6 @@ static int cross_opposite(const cross_triangle *a, const double *common, const c
 {
     int own[2] = {0, 0}, count = 0;
 
-    /* What is not common: the edge opposite to it, or less where a corner is there twice. */
     for (int k = 0; k < 3; k++)
         if (a->corner[k] != common) own[count++] = k;
 
@@ -230,7 +227,6 @@ static void cross_compare(const double *const p[3], const double *const q[3], cr
     c->own_p = c->own_q = NULL;
 
     for (int i = 0; i < 3; i++) {
-        /* A corner that is there twice is compared as one, since pointers stand for places. */
         int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
 
         if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c->own_p = p[i];

@@ -52,7 +52,6 @@ static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const 
 {
     bvxi_orient_plane other;
 
-    /* Most pairs are separated by one of the two planes. */
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
 
     bvxi_orient_plane_of(q, &other);

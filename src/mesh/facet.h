@@ -19,7 +19,6 @@ static inline void bvxi_facet_cross(const double t[3][3], double n[3])
         v[a] = t[2][a] - t[0][a];
     }
 
-    /* By components, not by size: the normal keeps its sign for any orientation. */
     n[0] = u[1] * v[2] - u[2] * v[1];
     n[1] = u[2] * v[0] - u[0] * v[2];
     n[2] = u[0] * v[1] - u[1] * v[0];
@@ -46,7 +45,6 @@ static inline void bvxi_order_corners(double t[3][3])
 {
     static const int pair[3][2] = {{0, 1}, {1, 2}, {0, 1}};
 
-    /* Three comparisons sort three corners; swapping whole corners keeps each one together. */
     for (int i = 0; i < 3; i++) {
         double *const a = t[pair[i][0]], *const b = t[pair[i][1]];
 

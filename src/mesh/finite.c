@@ -58,7 +58,6 @@ static void finite_pack_triangles(bvx_mesh *mesh, const uint32_t *number)
     for (uint64_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *const corner = mesh->triangles + (size_t)t * 3;
 
-        /* A triangle goes when one of its corners is gone. */
         uint32_t const now[3] = {number[corner[0]], number[corner[1]], number[corner[2]]};
         if (now[0] == FINITE_GONE || now[1] == FINITE_GONE || now[2] == FINITE_GONE) continue;
         memcpy(mesh->triangles + (size_t)kept * 3, now, sizeof now);
@@ -94,7 +93,6 @@ bvx_status bvxi_mesh_drop_nonfinite(bvx_context *ctx, const char *function, bvx_
             return bvxi_view_fail_index(ctx, function, &view, t);
     }
 
-    /* Vertices first: their new numbers are what triangles are packed by. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * sizeof *number, "the numbers of vertices", &number));
     finite_pack_vertices(mesh, number);
     finite_pack_triangles(mesh, number);
@@ -107,7 +105,6 @@ static bvx_status run_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint6
 {
     static const char *const function = "bvx_mesh_drop_nonfinite";
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (dropped == NULL) return bvxi_fail_null(context, function, "dropped");
     BVXI_TRY(bvxi_mesh_check_reserved(context, function, mesh));

@@ -103,7 +103,6 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
     int32_t per_axis, by_spacing, longest = 0, dims[3];
     double low[3], high[3], extent[3], spacing[3], origin[3];
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
@@ -115,7 +114,6 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
         if (extent[a] > extent[longest]) longest = a;
     }
 
-    /* A spacing needs no extent; a resolution divides one. */
     if (!by_spacing && !(extent[longest] > 0))
         return bvxi_fail(context, BVX_ERR_EMPTY,
                          target->mesh == NULL && target->points == NULL
@@ -127,7 +125,6 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
                              "%s: the extent is too large for a double", name);
     for (int32_t a = 0; a < 3; a++) {
         double n;
-        /* Along a flat axis the longest side's extent gives the spacing. */
         if (per_axis) {
             spacing[a] = (extent[a] > 0 ? extent[a] : extent[longest]) / o.axis_resolution[a];
             n = o.axis_resolution[a];
@@ -161,7 +158,7 @@ static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx
 {
     fit_target const target = {.mesh = mesh};
 
-    if (context != NULL && mesh == NULL) return bvxi_fail_null(context, name, "mesh");
+    if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     return fit_lattice(context, name, &target, options, lattice);
 }
 
@@ -191,7 +188,7 @@ static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *poin
     static const char name[] = "bvx_lattice_fit_points";
     fit_target const target = {.points = points};
 
-    if (context != NULL && points == NULL) return bvxi_fail_null(context, name, "points");
+    if (points == NULL) return bvxi_fail_null(context, name, "points");
     return fit_lattice(context, name, &target, options, lattice);
 }
 
@@ -206,7 +203,7 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
 {
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution};
 
-    if (context != NULL && resolution < 1)
+    if (resolution < 1)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
                              (int64_t)BVXI_MAX_SIDE);

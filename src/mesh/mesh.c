@@ -34,7 +34,6 @@ int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
 static int suits(const bvx_mesh *mesh, int32_t position_type, int32_t keys, uint64_t vertex_count,
                  uint64_t triangle_count)
 {
-    /* Arrays with anything more would keep values of another surface. */
     if (mesh->positions == NULL || mesh->triangles == NULL || mesh->position_type != position_type) return 0;
     if ((mesh->vertex_keys != NULL) != keys || (mesh->triangle_keys != NULL) != keys) return 0;
     if (bvxi_mesh_has_attributes(mesh)) return 0;
@@ -86,7 +85,7 @@ static bvx_status make_arrays(bvx_context *ctx, int32_t keys, bvx_mesh *mesh)
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
-    bvx_mesh made = {0};
+    bvx_mesh made = {.owned = 1, .position_type = position_type};
     bvx_status status;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
@@ -101,8 +100,6 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     }
 
     /* New arrays go to a mesh of their own: after a failure the caller's is as it was. */
-    made.owned = 1;
-    made.position_type = position_type;
     made.vertex_count = made.vertex_capacity = vertex_count;
     made.triangle_count = made.triangle_capacity = triangle_count;
     status = make_arrays(ctx, keys, &made);
@@ -114,12 +111,19 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     return BVX_OK;
 }
 
+bvx_status bvxi_mesh_made(bvx_context *ctx, bvx_status status, int mine, bvx_mesh *mesh)
+{
+    if (status == BVX_OK) return BVX_OK;
+    if (mine) bvx_mesh_free(ctx, mesh);
+    else mesh->vertex_count = mesh->triangle_count = 0;
+    return status;
+}
+
 void bvxi_mesh_release(bvx_context *ctx, bvx_mesh *mesh, uint32_t arrays)
 {
     uint64_t const vertices = mesh->vertex_capacity, triangles = mesh->triangle_capacity;
     uint64_t const position = mesh_position_bytes(mesh->position_type);
 
-    /* In the reverse order of their making, which an arena likes. */
     struct {
         uint32_t array;
         void *block;
@@ -220,7 +224,6 @@ static bvx_status run_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint
     static const char *const function = "bvx_mesh_hash";
     bvxi_hash h;
     int32_t type[2] = {0, 0};
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, function, "mesh");
     if (hash == NULL) return bvxi_fail_null(context, function, "hash");
     BVXI_TRY(check_mesh_struct(context, function, mesh));
@@ -255,10 +258,8 @@ double bvxi_view_area(const bvx_mesh_view *view)
 
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3], n[3];
-        uint32_t c[3];
 
-        bvxi_view_triangle(view, t, c);
-        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        bvxi_view_corners(view, t, p);
         /* The cross product is as long as twice the area. */
         sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
     }

@@ -12,6 +12,10 @@
 bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t position_type, int32_t keys,
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh);
 
+/* How a mesh was filled after bvxi_mesh_open; mine: its arrays were made there, so after a failure they are freed,
+ * while those of the caller are only emptied. */
+bvx_status bvxi_mesh_made(bvx_context *ctx, bvx_status status, int mine, bvx_mesh *mesh);
+
 /* Frees arrays of a mesh that owns them, and sets them to NULL; the counts stay. */
 enum {
     BVXI_MESH_POSITIONS = 1,

@@ -5,11 +5,6 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
-/* ---- Smooth normals of vertices ---- */
-
-/* Source: Gouraud. Continuous Shading of Curved Surfaces. 1971; each facet counts by its area, which the
- * cross product of its edges gives without a division, so facets without area need no care. */
-
 void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3], double normal[3])
 {
     double p[3][3];
@@ -64,10 +59,8 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
 
 /* ---- Normals of a mesh's vertices and facets as arrays ---- */
 
-/* Vertices: the directions of their facets' normals, each counted by its area (normals.c). Facets: their own,
- * or, as the paper on surface modelling in section data fields shades them, the mean of the normals of their
- * three vertices. */
-
+/* Facets have their own normals or, as the paper on surface modelling in section data fields shades them, the
+ * mean of those of their three vertices. */
 static const char normals_name[] = "bvx_mesh_normals";
 
 static void give_facet(const bvx_mesh_view *view, double scale, const double *sum, uint64_t t,
@@ -95,7 +88,6 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
 {
     double low[3], high[3], scale, *sum = NULL;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, normals_name, "mesh");
     if (vertex_normals == NULL && facet_normals == NULL)
         return bvxi_fail_null(context, normals_name, "vertex_normals and facet_normals");
@@ -116,7 +108,6 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
         bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);
     for (size_t t = 0; facet_normals != NULL && t < (size_t)mesh->triangle_count; t++)
         give_facet(mesh, scale, sum, t, averaged, facet_normals + 3 * t);
-    bvxi_drop(context, sum);
     return BVX_OK;
 }
 

@@ -210,7 +210,6 @@ static void orient_sums_add(orient_sums *s, int32_t sign, const orient_number *a
     uint32_t two[2 * ORIENT_LIMBS];
     int32_t const count = a->count + b->count;
 
-    /* The product of two first; the third factor goes into the sum at once. */
     memset(two, 0, (size_t)count * sizeof *two);
     orient_add_product(two, a->limb, a->count, b->limb, b->count);
 
@@ -227,12 +226,10 @@ static int orient_large(const orient_axis axis[3])
     orient_number d[3][3]; /* of each axis, of each point */
     orient_sums sums;
 
-    /* Differences to the last point: three vectors, whose determinant is the answer. */
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) orient_large_difference(&axis[k], i, 3, &d[k][i]);
 
     orient_sums_open(&sums, d[0][0].count + d[1][0].count + d[2][0].count + 1);
-    /* The six products of the determinant, added and subtracted in two sums without a sign. */
     for (int i = 0; i < 3; i++) {
         int const k = (i + 1) % 3, l = (i + 2) % 3;
         orient_sums_add(&sums, 1, &d[0][i], &d[1][k], &d[2][l]);

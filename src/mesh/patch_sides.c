@@ -323,7 +323,6 @@ static bvx_status judge_rays(bvx_context *ctx, const bvxi_patch_sides *in, patch
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * RAYS * sizeof *r.begin, "the patches' rays", &r.begin));
     r.used = r.begin + RAYS;
     for (int axis = 0; axis < 3; axis++) BVXI_TRY(judge_axis(ctx, &r, axis));
-    bvxi_drop(ctx, r.begin);
     return BVX_OK;
 }
 
@@ -353,6 +352,5 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     if (find_inward_sides(sides, in->patches) != 0 || in->chance) BVXI_TRY(judge_rays(ctx, in, sides));
     for (uint64_t t = 0; t < in->triangles; t++)
         if (is_side_turned(&sides[in->patch[t]], in->chance)) in->turn[t] ^= 1;
-    bvxi_drop(ctx, sides);
     return BVX_OK;
 }

@@ -247,8 +247,7 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
     in.border = w->border;
     in.border_count = w->border_count;
     in.chance = w->chance;
-    BVXI_TRY(bvxi_patch_sides_turn(ctx, &in));
-    return BVX_OK;
+    return bvxi_patch_sides_turn(ctx, &in);
 }
 
 /* ---- The whole ---- */
@@ -290,10 +289,9 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
                              const double centre[3], int chance, bvxi_patches *patches)
 {
-    patch_work w;
+    patch_work w = {.view = view, .representative = representative, .centre = centre, .chance = chance};
     uint64_t mark;
 
-    memset(&w, 0, sizeof w);
     memset(patches, 0, sizeof *patches);
     /* Half-edges have three numbers a triangle, which 32 bits must hold. */
     if (view->triangle_count > UINT32_MAX / 3)
@@ -302,10 +300,6 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
                              view->triangle_count, (uint64_t)(UINT32_MAX / 3));
 
     patches->triangles = view->triangle_count;
-    w.view = view;
-    w.representative = representative;
-    w.centre = centre;
-    w.chance = chance;
     w.out = patches;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, view->triangle_count * 4, "the triangles' parts", &patches->part));

@@ -143,18 +143,13 @@ static void polygon_normal(const double (*corner)[3], uint64_t count, const doub
     }
 }
 
-static double polygon_size_of(double v)
-{
-    return v < 0.0 ? -v : v;
-}
-
 /* Axes by their components, the greatest first; z before y before x where they are equal. */
 static void polygon_rank_axes(const double normal[3], size_t axes[3])
 {
     double size[3];
     size_t next = 0;
 
-    for (size_t a = 0; a < 3; a++) size[a] = polygon_size_of(normal[a]);
+    for (size_t a = 0; a < 3; a++) size[a] = bvxi_absolute(normal[a]);
 
     /* The axis of the greatest component loses least of the area when it is left out. */
     axes[0] = size[1] > size[2] ? 1 : 2;
@@ -178,10 +173,9 @@ static int polygon_is_certainly_convex(const double (*corner)[3], uint64_t count
     size_t axes[3];
     uint64_t turns = 0;
 
-    /* Unscaled: coordinates of any usual size pass the test below. */
     polygon_normal(corner, count, as_they_are, normal);
     polygon_rank_axes(normal, axes);
-    double const size = polygon_size_of(normal[axes[0]]);
+    double const size = bvxi_absolute(normal[axes[0]]);
     if (!(size > 0x1p-900 && size < 0x1p900)) return 0; /* sums that may have lost much, or are no numbers */
     size_t const x = (axes[0] + 1) % 3, y = (axes[0] + 2) % 3;
     double const *a = corner[count - 2], *b = corner[count - 1];
@@ -231,10 +225,9 @@ static void polygon_scale(const double (*corner)[3], uint64_t count, double fact
     uint64_t bits;
     int32_t exponent;
 
-    /* The exponent of the greatest coordinate, read from its bits. */
     for (uint64_t i = 0; i < count; i++)
         for (size_t a = 0; a < 3; a++)
-            if (polygon_size_of(corner[i][a]) > greatest) greatest = polygon_size_of(corner[i][a]);
+            if (bvxi_absolute(corner[i][a]) > greatest) greatest = bvxi_absolute(corner[i][a]);
     memcpy(&bits, &greatest, sizeof bits);
     exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
     /* In two factors, since one alone might leave the range of doubles. */
@@ -252,7 +245,7 @@ static double polygon_place(double v, const double factors[2])
 
     /* Far above the last digit nothing is rounded; below, adding
      * and subtracting the constant rounds to its last bit. */
-    if (polygon_size_of(scaled) >= 0x1p-448) return scaled;
+    if (bvxi_absolute(scaled) >= 0x1p-448) return scaled;
     return (scaled + round) - round;
 }
 
@@ -283,7 +276,6 @@ static int polygon_lay_flat(bvxi_ring *ring, const double (*corner)[3], uint32_t
         t[2] = i + 1 == count ? 0 : i + 1;
     }
 
-    /* The ring is closed, so the last corners may repeat the first. */
     for (; n > 3 && bvxi_place_order(ring->xy[0], ring->xy[n - 1]) == 0; n--) /* the first follows the last */
         bvxi_ring_triangle(ring, n - 2, n - 1, 0);
     ring->triangles += (size_t)ring->made * 3;
@@ -504,7 +496,6 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 static void ear_cut(polygon_ears *e, uint32_t v)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
-    /* Only the two neighbours turn differently now. */
     bvxi_ring_triangle(e->ring, p, v, q);
     e->next[p] = q;
     e->previous[q] = p;

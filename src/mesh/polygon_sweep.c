@@ -156,7 +156,6 @@ static void sweep_insert(polygon_sweep *s, uint32_t found, uint32_t interval)
     v[interval].left = found;
     v[interval].right = found == SWEEP_NONE ? s->root : v[found].right;
     if (found != SWEEP_NONE) v[found].right = SWEEP_NONE;
-    /* Below it hang all up to the one found, above it all others: the new root keeps the order. */
     s->root = interval;
 }
 
@@ -393,10 +392,8 @@ uint64_t bvxi_polygon_sweep_size(uint32_t count)
 bvx_status bvxi_polygon_sweep(bvxi_ring *ring, const uint32_t *order, void *scratch, int *good)
 {
     uint32_t const n = ring->count;
-    polygon_sweep s = {0};
+    polygon_sweep s = {.ring = ring, .rank = scratch};
 
-    s.ring = ring;
-    s.rank = scratch;
     s.interval_of = s.rank + n;
     s.links = (chain_link *)(void *)(s.interval_of + n);
     s.intervals = (sweep_interval *)(void *)(s.links + (size_t)n * 2 + 2);

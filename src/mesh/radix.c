@@ -83,15 +83,13 @@ static void sort_radix_alone(radix_arrays *a)
     }
 }
 
-/* ---- several threads ---- */
-
 typedef struct radix_pass {
     radix_arrays all;
     int32_t pieces, shift; /* of the digit in a key */
     uint32_t place[RADIX_PIECES][RADIX_VALUES];
 } radix_pass;
 
-static void count_radix_piece(void *user, int32_t index, int32_t worker)
+static void count_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     const uint64_t *const keys = p->all.key_from;
@@ -99,18 +97,16 @@ static void count_radix_piece(void *user, int32_t index, int32_t worker)
     int32_t const shift = p->shift;
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
     for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
 }
 
-static void move_radix_piece(void *user, int32_t index, int32_t worker)
+static void move_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
@@ -155,14 +151,8 @@ bvx_status bvxi_radix_sort(bvx_context *ctx, uint64_t *keys, uint32_t *numbers, 
     radix_arrays a = {.key_from = keys, .number_from = numbers, .count = count};
     uint64_t *spare_keys;
     uint32_t *spare_numbers;
-    bvx_status status;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *keys, "the sort's keys", &spare_keys));
-    status = bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers);
-    if (status != BVX_OK) {
-        bvxi_drop(ctx, spare_keys);
-        return status;
-    }
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *numbers, "the sort's numbers", &spare_numbers));
     a.key_to = spare_keys;
     a.number_to = spare_numbers;
     if (bvxi_threads(ctx) > 1 && count >= 2 * RADIX_GRAIN) sort_radix_pieces(ctx, &a);

@@ -74,12 +74,12 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
 
     for (uint64_t i = 0; i < n; i++) {
         uint32_t v[3];
+        uint64_t a, b;
 
         welded_triangle(mesh, representative, i / 3, v);
-        {
-            uint64_t const a = v[i % 3], b = v[(i + 1) % 3];
-            keys[i] = a < b ? a << 32 | b : b << 32 | a;
-        }
+        a = v[i % 3];
+        b = v[(i + 1) % 3];
+        keys[i] = a < b ? a << 32 | b : b << 32 | a;
         side[i] = (uint32_t)i;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, side, n));
@@ -98,16 +98,15 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
     uint64_t const bytes = view->triangle_count * 36;
     edge_lengths sum = {0, 0, 0};
     unsigned char *block;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the edges' lengths", &block));
-    status = measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
-                           (uint32_t *)(void *)(block + view->triangle_count * 24), &sum);
+    BVXI_TRY(measure_edges(ctx, view, representative, (uint64_t *)(void *)block,
+                           (uint32_t *)(void *)(block + view->triangle_count * 24), &sum));
     bvxi_drop(ctx, block);
 
     *share = sum.all > 0 ? sum.sharp / sum.all : 0;
     *sharp = *share > SHARP_SHARE_ANYHOW || (*share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,

@@ -81,7 +81,6 @@ static void entries_sift(uint64_t *e, size_t at, size_t n)
 {
     uint64_t const value = e[at];
 
-    /* A hole moves down the heap; the value is stored once, where it stops. */
     for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
         if (child + 1 < n && e[child + 1] > e[child]) child++;
         if (e[child] <= value) break;
@@ -120,13 +119,12 @@ typedef struct bucket_ranges {
     int32_t count;
 } bucket_ranges;
 
-static void count_buckets(void *user, int32_t range, int32_t worker)
+static void count_buckets(void *user, int32_t range)
 {
     const bucket_ranges *const r = user;
     const topology *const c = r->topology;
     uint64_t from, to;
 
-    (void)worker;
     bvxi_piece(c->vertex_count, r->count, range, &from, &to);
     memset(c->bucket_end + from, 0, (size_t)(to - from) * sizeof *c->bucket_end);
     if (!c->edges_alone) memset(c->corner_of + from, 255, (size_t)(to - from) * 4); /* TOPOLOGY_NONE */
@@ -142,14 +140,13 @@ static void count_buckets(void *user, int32_t range, int32_t worker)
     }
 }
 
-static void fill_buckets(void *user, int32_t range, int32_t worker)
+static void fill_buckets(void *user, int32_t range)
 {
     const bucket_ranges *const r = user;
     const topology *const c = r->topology;
     const uint32_t *t = c->corners;
     uint64_t from, to;
 
-    (void)worker;
     bvxi_piece(c->vertex_count, r->count, range, &from, &to);
     uint64_t const size = to - from;
     for (uint64_t h = 0; h < 3 * c->triangle_count; h += 3, t += 3)
@@ -168,7 +165,6 @@ static void fill_edge_buckets(topology *c)
 
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
-    /* Counted by the lower vertex first, so that every bucket has its place. */
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
     /* ends as they are before anything is filled in: the starts */
     bvxi_place_counts32(c->bucket_end, c->vertex_count);
@@ -255,7 +251,6 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];
-        /* In a bucket the lower vertex is the same, so sorting brings each edge's half-edges together. */
         entries_sort(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint32_t const first = (uint32_t)c->entries[begin];
@@ -349,13 +344,12 @@ static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 
 /* One fan of each vertex, where edges have at most two triangles. These have all corners of the mesh only if
  * no vertex has a second one. corner_of becomes how many it has. */
-static void walk_range_of_fans(void *user, int32_t range, int32_t worker)
+static void walk_range_of_fans(void *user, int32_t range)
 {
     topology *const c = user;
     topology_counts *const counts = &c->counts[range];
     uint64_t from, to;
 
-    (void)worker;
     /* One more task than there are ranges: beside the fans, what waited for all edges. */
     if (range == c->ranges) {
         join_ranges(c);
@@ -439,7 +433,7 @@ static bvx_status check_vertices(topology *c)
         for (uint64_t v = 0; v < c->vertex_count; v++) r->vertices += c->corner_of[v] != TOPOLOGY_NONE;
         return BVXI_SCOPE(c->ctx, search_broken_fans(c));
     }
-    BVXI_TRY(bvxi_parallel(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
+    BVXI_TRY(bvxi_each(c->ctx, "check", 0.7, 0.8, c->ranges + 1, walk_range_of_fans, c));
     for (int32_t i = 0; i < c->ranges; i++) {
         r->vertices += c->counts[i].vertices;
         corners += c->counts[i].corners;
@@ -475,15 +469,13 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
-    topology c;
+    topology c = {.ctx = ctx,
+                  .corners = corners,
+                  .triangle_count = triangle_count,
+                  .vertex_count = vertex_count,
+                  .result = certificate,
+                  .edges_alone = edges_alone};
 
-    memset(&c, 0, sizeof c);
-    c.ctx = ctx;
-    c.corners = corners;
-    c.triangle_count = triangle_count;
-    c.vertex_count = vertex_count;
-    c.result = certificate;
-    c.edges_alone = edges_alone;
     BVXI_TRY(allocate_topology(ctx, &c));
     /* Edges first: what they break decides which vertices have fans at all. */
     fill_edge_buckets(&c);

@@ -133,7 +133,7 @@ static bvx_status check_every_position(bvx_context *ctx, const char *function, c
     return BVX_OK;
 }
 
-static void bounds_of_used(const bvx_mesh_view *v, double low[3], double high[3])
+void bvxi_view_used_bounds(const bvx_mesh_view *v, double low[3], double high[3])
 {
     uint32_t c[3];
     double p[3];
@@ -251,44 +251,40 @@ static uint32_t vertex_at_extreme(const bvx_mesh_view *v, uint64_t first, int ax
     }
 }
 
-/* Is value among n packed numbers? A whole block has a loop of its own, which compilers turn into vectors. */
-static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
+/* Whether one of n packed numbers is value, and whether one is above last. */
+BVXI_VECTOR_INLINE uint32_t block_mentions(const unsigned char *at, size_t n, uint32_t value)
 {
     uint32_t hit = 0, c;
 
-    /* A count that is known when compiling makes the first loop one without a remainder. */
-    if (n == VIEW_INDEX_BLOCK) {
-        for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
-            memcpy(&c, at + 4 * i, sizeof c);
-            hit |= c == value;
-        }
-    } else {
-        for (size_t i = 0; i < n; i++) {
-            memcpy(&c, at + 4 * i, sizeof c);
-            hit |= c == value;
-        }
+    for (size_t i = 0; i < n; i++) {
+        memcpy(&c, at + 4 * i, sizeof c);
+        hit |= c == value;
     }
-    return hit != 0;
+    return hit;
 }
 
-/* Are n packed numbers all at most last? */
-static int indices_within(const unsigned char *at, size_t n, uint32_t last)
+BVXI_VECTOR_INLINE uint32_t block_passes(const unsigned char *at, size_t n, uint32_t last)
 {
     uint32_t beyond = 0, c;
 
-    /* As above: the whole block has a loop of its own. */
-    if (n == VIEW_INDEX_BLOCK) {
-        for (size_t i = 0; i < VIEW_INDEX_BLOCK; i++) {
-            memcpy(&c, at + 4 * i, sizeof c);
-            beyond |= c > last;
-        }
-    } else {
-        for (size_t i = 0; i < n; i++) {
-            memcpy(&c, at + 4 * i, sizeof c);
-            beyond |= c > last;
-        }
+    for (size_t i = 0; i < n; i++) {
+        memcpy(&c, at + 4 * i, sizeof c);
+        beyond |= c > last;
     }
-    return beyond == 0;
+    return beyond;
+}
+
+/* A count that is known when compiling makes the loop of a whole block one of vectors without a remainder. */
+static int indices_mention(const unsigned char *at, size_t n, uint32_t value)
+{
+    return n == VIEW_INDEX_BLOCK ? block_mentions(at, VIEW_INDEX_BLOCK, value) != 0
+                                 : block_mentions(at, n, value) != 0;
+}
+
+static int indices_within(const unsigned char *at, size_t n, uint32_t last)
+{
+    return n == VIEW_INDEX_BLOCK ? block_passes(at, VIEW_INDEX_BLOCK, last) == 0
+                                 : block_passes(at, n, last) == 0;
 }
 
 /* Look through all triangles: *within says whether every number is a
@@ -343,7 +339,7 @@ bvx_status bvxi_view_bounds(bvx_context *ctx, const char *function, const bvx_me
     if (!bounds_packed(view, lo, hi)) {
         BVXI_TRY(check_every_index(ctx, function, view));
         BVXI_TRY(check_every_position(ctx, function, view));
-        bounds_of_used(view, lo, hi);
+        bvxi_view_used_bounds(view, lo, hi);
     }
     for (int a = 0; a < 3; a++) {
         low[a] = lo[a] + 0.0; /* turns -0 into 0, so that the order of vertices does not show */
@@ -411,7 +407,6 @@ bvx_status bvxi_view_apart(bvx_context *ctx, const char *function, const bvx_mes
     const void *const to[2] = {result->positions, result->triangles};
     const void *const from[2] = {view->positions, view->indices};
 
-    /* Each array that is written against each that is read. */
     for (int32_t i = 0; i < 2; i++)
         for (int32_t k = 0; k < 2; k++)
             if (bvxi_overlap(to[i], to_bytes[i], from[k], from_bytes[k]))

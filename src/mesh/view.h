@@ -5,11 +5,6 @@
 
 #include "core/core.h"
 
-/* ---- Reading a caller's mesh: any position and index type, any stride, any alignment ---- */
-
-/* bvxi_view_check comes first: the getters below trust types, strides and counts. Indices are checked one by
- * one as they are read, or all at once by bvxi_view_bounds. */
-
 /* The shape of the struct, not what the arrays hold: NULL, type numbers, strides, counts, reserved fields.
  * BVX_ERR_ARGUMENT or BVX_ERR_RANGE with the field's name. A mesh without triangles passes. */
 bvx_status bvxi_view_check(bvx_context *ctx, const char *function, const bvx_mesh_view *view);
@@ -29,6 +24,8 @@ uint64_t bvxi_view_corners_hash(const bvx_mesh_view *view, const uint32_t corner
 
 /* mesh.c: of all triangles. Trusts the indices. */
 double bvxi_view_area(const bvx_mesh_view *view);
+/* Bounds of the vertices that triangles use, of a view with triangles. Trusts the indices. */
+void bvxi_view_used_bounds(const bvx_mesh_view *view, double low[3], double high[3]);
 
 /* Refuse a result whose positions or triangles lie in the arrays of a
  * checked view: the view is read after the result is begun. */
@@ -134,6 +131,15 @@ static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, d
     }
 }
 
+/* Corners of triangle t, whose indices have been checked. */
+static inline void bvxi_view_corners(const bvx_mesh_view *v, uint64_t t, double p[3][3])
+{
+    uint32_t c[3];
+
+    bvxi_view_triangle(v, t, c);
+    for (int k = 0; k < 3; k++) bvxi_view_position(v, c[k], p[k]);
+}
+
 /* 1 when none of the three is an infinity or not a number. */
 static inline int bvxi_view_finite(const double p[3])
 {
@@ -157,7 +163,6 @@ static inline double bvxi_unit_scale(const double low[3], const double high[3])
 {
     double largest = 0.0, s = 1.0;
 
-    /* The larger of both ends counts, whatever its sign. */
     for (int a = 0; a < 3; a++) {
         largest = high[a] > largest ? high[a] : largest;
         largest = -low[a] > largest ? -low[a] : largest;

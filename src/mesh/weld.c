@@ -7,13 +7,6 @@
 #include "mesh/view.h"
 #include "core/key_tree.h"
 
-/* ---- Which vertices stand at the same position ---- */
-
-/* Vertices enter an open table in the order of their numbers, so the one found there is always the least of
- * its position, whatever the table looks like. Positions are compared, never their hashes only. Where the
- * table searches too long, as for input that was made against the hash, a tree begins anew (core/key_tree.h).
- * Cost: O(vertices). */
-
 enum {
     WELD_ASKS = 1 << 20, /* vertices between asking progress */
     WELD_BATCH = 64      /* vertices whose places are asked from memory before the first is looked at */
@@ -146,10 +139,7 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 
 /* ---- Triangles that are there once ---- */
 
-/* Triangles enter an open table by their three places in rising order; one that is there already is left out.
- * Places are compared, never hashes only, and triangles come in their own order, so the first of several
- * stays. Where the table searches too long, as for input that was made against the hash, a tree begins anew
- * (core/key_tree.h). */
+/* The first of several triangles at three places stays, as they come in their own order. */
 
 /* The places of a triangle, least first. */
 static void places_of_triangle(const uint32_t *representative, const uint32_t corner[3], uint32_t place[3])
@@ -171,7 +161,6 @@ uint64_t bvxi_drop_collapsed(const bvx_mesh_view *view, const uint32_t *represen
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t *const to = corner + 3 * kept;
 
-        /* Written to where the next kept triangle goes: one that is dropped is overwritten. */
         bvxi_view_triangle(view, t, to);
         kept += representative[to[0]] != representative[to[1]] &&
                 representative[to[1]] != representative[to[2]] &&

@@ -26,8 +26,6 @@ typedef struct distance_job {
     double factor; /* of a root */
 } distance_job;
 
-/* ---- what takes the squares ---- */
-
 BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *squares,
                                      double *BVXI_RESTRICT lengths)
 {
@@ -49,7 +47,6 @@ static void store_lengths(const distance_job *job, size_t at, int32_t count, uin
                           const double *lengths)
 {
     for (int32_t i = 0; i < count; i++) {
-        /* Signed: the other side's transform has written, or will write, the rest. */
         if ((wanted >> i & 1) == 0) continue;
         if (job->value_type == BVX_F32) ((float *)job->values)[at + (size_t)i] = (float)lengths[i];
         else ((double *)job->values)[at + (size_t)i] = lengths[i];
@@ -88,14 +85,12 @@ static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t co
     size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)y, at = row * (size_t)g->size[0] + (size_t)x;
     uint32_t wanted = 0xffffu;
 
-    /* A second transform changes only the set voxels, and leaves what the first one wrote. */
     if (job->inside && job->o.side == BVX_DISTANCE_SIGNED)
         wanted = (uint32_t)(g->words[row * (size_t)g->words_per_row + (size_t)(x >> 6)] >> (x & 63)) &
                  0xffffu;
     if (wanted == 0) return;
     for (int32_t i = 0; i < count && nearest != NULL; i++)
         if (wanted >> i & 1) job->o.nearest[at + (size_t)i] = nearest[i];
-    /* Squares are the result themselves, without a sign. */
     if (job->squares != NULL) {
         memcpy(job->squares + at, squares, (size_t)count * sizeof *job->squares);
         return;
@@ -109,22 +104,17 @@ static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t co
     take_lengths(job, at, count, wanted, squares);
 }
 
-/* ---- one side, or both ---- */
-
 static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t inside, double from, double to)
 {
     const bvx_grid *const g = job->grid;
     const double *const s = g->lattice.spacing;
     int const cubic = s[0] == s[1] && s[0] == s[2];
-    bvxi_transform t = {0};
+    bvxi_transform t = {.ctx = ctx, .from = from, .to = to};
 
     /* Cubic voxels are measured in steps; the spacing comes in with the root, by one product. */
     job->inside = inside;
     job->factor = cubic ? s[0] : 1.0;
-    t.ctx = ctx;
     t.stage = "distance";
-    t.from = from;
-    t.to = to;
     t.box.words = g->words;
     memcpy(t.box.size, g->size, sizeof t.box.size);
     t.box.row_words = g->words_per_row;
@@ -151,12 +141,9 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
     job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
     job->cpu = bvxi_cpu(ctx);
     if (side != BVX_DISTANCE_SIGNED) return measure_side(ctx, job, side == BVX_DISTANCE_INSIDE, 0.0, 1.0);
-    /* Outside first: it writes all voxels, of which the second changes the set ones. */
     BVXI_TRY(measure_side(ctx, job, 0, 0.0, 0.5));
     return measure_side(ctx, job, 1, 0.5, 1.0);
 }
-
-/* ---- what is requested ---- */
 
 static const bvxi_option distance_rows[] = {
     BVXI_CHOICE(bvx_distance_options, side, BVX_DISTANCE_OUTSIDE, BVX_DISTANCE_SIGNED),
@@ -196,7 +183,6 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
     static const char *const function = "bvx_grid_distance";
     distance_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     if (value_type != BVX_F32 && value_type != BVX_F64)
@@ -229,7 +215,6 @@ static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid
     const double *s;
     distance_job job;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (squares == NULL) return bvxi_fail_null(context, function, "squares");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
     s = grid->lattice.spacing;

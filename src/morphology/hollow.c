@@ -22,8 +22,6 @@ static double centre_along(const bvx_grid *grid, int32_t axis, int32_t i)
            ((double)grid->low[axis] + (double)i + 0.5) * grid->lattice.spacing[axis];
 }
 
-/* ---- where the hole goes ---- */
-
 /* The layer of the hollow nearest to the side: its number, how many voxels,
  * and the sums of their indices across. */
 static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uint64_t *count, uint64_t sum[2])
@@ -43,7 +41,6 @@ static int32_t nearest_layer(const bvx_grid *hollow, const drain_hole *hole, uin
                 for (uint64_t w = row[k]; w != 0; w &= w - 1) {
                     v[0] = k * BVXI_WORD_BITS + bvxi_lowest(w);
                     int32_t const layer = v[hole->axis];
-                    /* Nearer to the side that the hole comes from. */
                     if (best < 0 || (hole->high ? layer > best : layer < best)) {
                         best = layer;
                         *count = sum[0] = sum[1] = 0;
@@ -73,7 +70,6 @@ static void place_hole(const bvx_grid *hollow, drain_hole *hole, int32_t layer, 
             double const db = ((double)b - middle[1]) * s[hole->across[1]];
             v[hole->across[0]] = a;
             v[hole->across[1]] = b;
-            /* Less than the best, so the first of equal ones stays. */
             if (da * da + db * db >= best || !bvx_grid_get(hollow, v[0], v[1], v[2])) continue;
             best = da * da + db * db;
             memcpy(hole->voxel, v, sizeof v);
@@ -89,7 +85,6 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
     int32_t const n = hollow->size[hole->axis];
     int32_t v[3];
 
-    /* The voxel column that the hole's axis runs in. */
     for (int i = 0; i < 2; i++) {
         int32_t const a = hole->across[i];
         double const p = floor((hole->at[i] - hollow->lattice.origin[a]) / hollow->lattice.spacing[a]) -
@@ -100,7 +95,6 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
                                  hole->at[1]);
         v[a] = (int32_t)p;
     }
-    /* From the hole's side inwards. */
     for (int32_t i = 0; i < n; i++) {
         v[hole->axis] = hole->high ? n - 1 - i : i;
         if (!bvx_grid_get(hollow, v[0], v[1], v[2])) continue;
@@ -111,12 +105,9 @@ static bvx_status meet_hollow(bvx_context *ctx, const char *function, const bvx_
                      function, hole->at[0], hole->at[1]);
 }
 
-/* ---- the hole ---- */
-
 /* Empty the set voxels of shell whose centres lie in the hole; returns how many. */
 static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
 {
-    /* From the window's side to the voxel before the hollow's first one. */
     int32_t const depth = hole->voxel[hole->axis], n = shell->size[hole->axis];
     int32_t const begin = hole->high ? depth + 1 : 0, end = hole->high ? n : depth;
     double const most = radius * radius * HOLLOW_SPARE;
@@ -134,7 +125,6 @@ static uint64_t drill(const drain_hole *hole, double radius, bvx_grid *shell)
             v[hole->across[1]] = b;
             for (int32_t i = begin; i < end; i++) {
                 v[hole->axis] = i;
-                /* Only what is set counts as drained. */
                 if (!bvx_grid_get(shell, v[0], v[1], v[2])) continue;
                 bvx_grid_set(shell, v[0], v[1], v[2], 0);
                 drained++;
@@ -159,7 +149,6 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
     hole.across[0] = hole.axis == 0 ? 1 : 0;
     hole.across[1] = hole.axis == 2 ? 1 : 2;
     memcpy(hole.at, o->drain_at, sizeof hole.at);
-    /* Without a hollow there is nothing to let out. */
     layer = nearest_layer(hollow, &hole, &count, sum);
     if (layer < 0) return BVX_OK;
     if (o->drain_placed) BVXI_TRY(meet_hollow(ctx, function, hollow, &hole));
@@ -168,8 +157,6 @@ static bvx_status make_hole(bvx_context *ctx, const char *function, const bvx_ho
     for (int32_t a = 0; a < 3; a++) report->drain[a] = centre_along(hollow, a, hole.voxel[a]);
     return BVX_OK;
 }
-
-/* ---- what is requested ---- */
 
 static const bvxi_option hollow_rows[] = {
     BVXI_ABOVE(bvx_hollow_options, thickness, 0.0, BVXI_FINITE),
@@ -183,7 +170,6 @@ static const bvxi_option hollow_rows[] = {
 static bvx_status check_hollow(bvx_context *ctx, const char *function, bvx_hollow_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(hollow_rows)));
-    /* More than one bit: more than one side. */
     if ((o->drain_side & (o->drain_side - 1)) != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: drain_side %d is more than one side", function, (int64_t)o->drain_side);
@@ -237,7 +223,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_grid made, hollow;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&report, 0, sizeof report);
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
@@ -252,16 +237,8 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
     hollow = made;
     status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
-    if (status == BVX_OK) {
-        status = make_shell(context, function, grid, &o, &hollow, &made, &report);
-        bvxi_drop(context, hollow.words);
-    }
-    if (status != BVX_OK) {
-        /* The caller's own array stays the caller's. */
-        if (result->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *result = made;
+    if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
+    BVXI_TRY(bvxi_grid_put(context, status, &made, result));
     if (o.report != NULL) *o.report = report;
     return BVX_OK;
 }

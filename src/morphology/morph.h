@@ -6,8 +6,6 @@
 #include "grid/grid.h"
 #include "morphology/transform.h"
 
-/* ---- Growing and shrinking boxes of bits ---- */
-
 enum { BVXI_DILATE = 0, BVXI_ERODE = 1 };
 
 /* How a set is changed: steps times by the first operation, then, unless
@@ -36,16 +34,12 @@ static inline uint64_t bvxi_box_words(const bvxi_bit_box *box)
     return (uint64_t)box->row_words * (uint64_t)box->size[1] * (uint64_t)box->size[2];
 }
 
-/* ---- morph_steps.c: neighbourhoods, a word at a time ---- */
-
 /* Sweeps that this takes; each reads one box and writes another one. */
 int32_t bvxi_step_sweeps(const bvxi_morph *morph, const bvxi_bit_box *box);
 /* source -> first -> second -> first ... until all sweeps are done. The boxes are of one size; second is
  * looked at from two sweeps on and may be source. Memory (scratch): a few slices for each worker. */
 bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
                             const bvxi_bit_box *first, const bvxi_bit_box *second);
-
-/* ---- morph_ball.c: balls, large ones by distances ---- */
 
 /* What the ball of a radius is in squares of the transform (weight and limit of morph). */
 bvx_status bvxi_ball_set(bvx_context *ctx, const char *function, const bvx_lattice *lattice, double radius,
@@ -56,19 +50,13 @@ int32_t bvxi_ball_reach(const bvxi_morph *morph, int axis);
 bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target);
 
-/* ---- morph_runs.c: small balls, a word at a time ---- */
-
 int bvxi_ball_is_small(const bvxi_morph *morph);
 /* As bvxi_morph_ball, for those only. */
 bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t operation, double from,
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target);
 
-/* ---- morphology.c ---- */
-
 /* Change a grid as morph says into words that may not be its own. */
 bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_grid *grid, bvx_grid *result);
-
-/* ---- A word and its neighbours along x, in slices whose rows lie one after the other ---- */
 
 #define BVXI_TOP_BIT (UINT64_C(1) << 63)
 

@@ -62,7 +62,6 @@ static void take_ball_squares(void *user, int32_t x, int32_t y, int32_t z, int32
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(whole[i] <= job->whole_limit) << i;
     else
         for (int32_t i = 0; i < BVXI_LANES; i++) bits |= (uint32_t)(real[i] <= job->limit) << i;
-    /* Eroded is what lies far from all empty voxels. */
     if (job->erode) bits = ~bits;
     bits &= 0xffffu >> (BVXI_LANES - count);
     job->to.words[row * (size_t)job->to.row_words + (size_t)(x >> 6)] |= (uint64_t)bits << (x & 63);
@@ -72,29 +71,24 @@ bvx_status bvxi_morph_ball(bvx_context *ctx, const bvxi_morph *morph, int32_t op
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target)
 {
     int const erode = operation == BVXI_ERODE;
-    bvxi_transform t = {0};
+    bvxi_transform t = {.ctx = ctx, .from = from, .to = to, .groups = 1};
     ball_job job;
 
     if (bvxi_ball_is_small(morph))
         return BVXI_SCOPE(ctx, bvxi_morph_runs(ctx, morph, operation, from, to, source, target));
 
-    /* A limit below what stands for no target, so that voxels without any stay out. */
     job.to = *target;
     job.limit = morph->limit < 1e300 ? morph->limit : 1e300; /* no target is infinite */
     job.whole_limit = morph->limit < 4294967294.0 ? (uint32_t)morph->limit : UINT32_MAX - 1;
     job.erode = erode;
     job.whole = morph->weight[0] == 1.0 && morph->weight[1] == 1.0 && morph->weight[2] == 1.0 &&
                 bvxi_transform_fits_whole(source->size);
-    t.ctx = ctx;
     t.stage = morph->stage;
-    t.from = from;
-    t.to = to;
     t.box = *source;
     /* Erosion measures from empty voxels, and what lies beyond is turned with them. */
     t.flip = erode;
     t.beyond = erode ? !morph->beyond : morph->beyond;
     t.whole = job.whole;
-    t.groups = 1;
     memcpy(t.weight, morph->weight, sizeof t.weight);
     t.limit = morph->limit;
     t.sink = take_ball_squares;

@@ -32,8 +32,6 @@ typedef struct runs_job {
     int32_t steps, step; /* a piece's slices are spread in so many steps, between which the caller is asked */
 } runs_job;
 
-/* ---- the ball ---- */
-
 /* k voxels along x from (dy, dz) are in the ball. */
 static int in_ball(const bvxi_morph *m, int32_t k, int32_t dy, int32_t dz)
 {
@@ -72,8 +70,6 @@ static void measure_runs(const bvxi_morph *m, runs_job *job)
         }
     }
 }
-
-/* ---- words ---- */
 
 BVXI_VECTOR_INLINE void grow_slice_loop(const uint64_t *BVXI_RESTRICT from, const bvxi_row_ends *ends,
                                         uint64_t around, uint64_t *BVXI_RESTRICT out, size_t words)
@@ -124,8 +120,6 @@ static void join_two(const runs_job *job, uint64_t *out, const uint64_t *a, cons
     join_words_loop(out, a, b, words);
 }
 
-/* ---- a slice ---- */
-
 /* The slice grown by w voxels, row 0; there are rows before and behind it. */
 static uint64_t *grown_slice(const runs_job *job, uint64_t *scratch, int32_t w)
 {
@@ -156,13 +150,11 @@ static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int3
         grow_slice_along_x(job, grown_slice(job, scratch, w - 1), grown_slice(job, scratch, w));
     for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
         const int32_t *const half = job->half + dz * (job->reach[1] + 1);
-        /* Both slices at this height of the ball, if this piece writes them. */
         uint64_t *const low = z - dz >= begin && z - dz < end ? job->to.words + (size_t)(z - dz) * job->slice
                                                               : NULL;
         uint64_t *const high = dz > 0 && z + dz >= begin && z + dz < end
                                    ? job->to.words + (size_t)(z + dz) * job->slice
                                    : NULL;
-        /* Neither is this piece's, or the ball ends here. */
         if ((low == NULL && high == NULL) || half[0] < 0) continue;
         /* By chunks, so that what is joined stays near between one row and the next. */
         for (size_t at = 0; at < job->slice; at += RUNS_CHUNK) {
@@ -170,7 +162,6 @@ static void spread_slice(const runs_job *job, uint64_t *scratch, int32_t z, int3
             memcpy(joined, grown_slice(job, scratch, half[0]) + at, n * 8);
             for (int32_t dy = 1; dy <= job->reach[1] && half[dy] >= 0; dy++) {
                 const uint64_t *const rows = grown_slice(job, scratch, half[dy]) + at;
-                /* Rows dy before and after take this row's voxels. */
                 join_two(job, joined, rows - (size_t)dy * words, rows + (size_t)dy * words, n);
             }
             if (low != NULL) join_two(job, low + at, joined, joined, n);

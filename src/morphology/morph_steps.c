@@ -51,8 +51,6 @@ typedef struct sweep_job {
     int32_t steps, neighbourhood, pieces, cpu;
 } sweep_job;
 
-/* ---- one slice ---- */
-
 /* Words of nine rows, or stretches of rows, around one. */
 typedef struct step_rows {
     const uint64_t *row[3][3]; /* by z and y */
@@ -69,7 +67,6 @@ BVXI_VECTOR_INLINE void step_cross(const step_rows *r, const bvxi_row_ends *ends
     const uint64_t *const d = r->row[0][1];
     const uint64_t *const e = r->row[2][1];
     uint64_t const around = r->around, flip = r->flip;
-    /* Rows beside and slices below and above, each at the same place. */
     for (size_t k = 0; k < words; k++)
         out[k] = (bvxi_with_sides(c + k, ends, k, around) | a[k] | b[k] | d[k] | e[k]) ^ flip;
 }
@@ -158,8 +155,6 @@ static void step_rows_from(const sweep_job *job, const step_slice *s, int32_t y,
     take_step(job, &r, out + (size_t)y * words, (size_t)count * words);
 }
 
-/* ---- a piece of slices ---- */
-
 static void set_row_tails(const sweep_job *job, uint64_t *slice, uint64_t around)
 {
     size_t const words = (size_t)job->from.row_words;
@@ -193,7 +188,6 @@ static void read_slice(const sweep_job *job, uint64_t *ring, int32_t z)
     const uint64_t *const from = job->from.words + (size_t)z * job->slice;
     uint64_t *BVXI_RESTRICT const slice = kept_slice(job, ring, 0, z);
     uint64_t const flip = job->flip[0];
-    /* Nothing to turn and nothing past the ends: no copy. */
     if (reads_in_place(job)) return;
     for (size_t k = 0; k < job->slice; k++) slice[k] = from[k] ^ flip;
     set_row_tails(job, slice, job->around[0]);
@@ -214,7 +208,6 @@ static void make_slice(const sweep_job *job, uint64_t *ring, int32_t step, int32
     uint64_t *const out = last ? job->to.words + (size_t)z * job->slice : kept_slice(job, ring, step, z);
 
     for (int32_t i = 0; i < 3; i++) from.slice[i] = slice_of_step(job, ring, step - 1, z + i - 1);
-    /* The first and the last row by themselves, as they have a neighbour beyond the window. */
     step_rows_from(job, &from, 0, 1, out);
     if (ny > 2) step_rows_from(job, &from, 1, ny - 2, out);
     if (ny > 1) step_rows_from(job, &from, ny - 1, 1, out);
@@ -241,8 +234,6 @@ static void sweep_piece(void *user, int32_t index, int32_t worker)
         }
     }
 }
-
-/* ---- sweeps ---- */
 
 static int32_t all_steps(const bvxi_morph *morph)
 {
@@ -304,7 +295,6 @@ static bvx_status run_sweeps(bvx_context *ctx, const bvxi_morph *morph, const bv
     memset(job->outside, 0, job->slice * 8);
     memset(job->outside + job->slice, 0xff, job->slice * 8);
     for (int32_t done = 0, sweep = 0; done < total; done += each, sweep++) {
-        /* From one box to the other, by turns. */
         job->to = sweep % 2 == 0 ? *first : *second;
         plan_sweep(morph, done, each < total - done ? each : total - done, job);
         count_pieces(source, job);

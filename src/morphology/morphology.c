@@ -11,8 +11,6 @@
 
 enum { MORPH_MOST_STEPS = 65536, MORPH_MOST_SIDE = 1 << 26 };
 
-/* ---- boxes ---- */
-
 static int32_t reach_of(const bvxi_morph *morph, int axis)
 {
     return morph->neighbourhood != 0 ? morph->steps : bvxi_ball_reach(morph, axis);
@@ -89,12 +87,9 @@ static void cut_from_wide(const bvxi_bit_box *wide, const int32_t room[3], bvx_g
             size_t const at = (z + (size_t)room[2]) * (size_t)wide->size[1] + y + (size_t)room[1];
             uint64_t *const row = result->words + (z * (size_t)result->size[1] + y) * words;
             memcpy(row, wide->words + at * (size_t)wide->row_words + (size_t)room[0], words * 8);
-            /* No bit past the row's end leaves. */
             row[words - 1] &= tail;
         }
 }
-
-/* ---- runs ---- */
 
 /* source -> first -> second, as many times as it takes; *last becomes the box that holds the result. */
 static bvx_status run_between(bvx_context *ctx, const bvxi_morph *morph, const bvxi_bit_box *source,
@@ -138,7 +133,6 @@ static bvx_status run_in_wide_box(bvx_context *ctx, const bvxi_morph *morph, con
     bvxi_bit_box wide = {NULL, {0, 0, 0}, 0}, other;
 
     BVXI_TRY(widen_box(ctx, morph, grid, room, &wide));
-    /* Two wide boxes; each is read while the other is written. */
     other = wide;
     BVXI_TRY(alloc_box(ctx, morph->stage, &other));
     copy_into_wide(grid, room, morph->beyond, &wide);
@@ -157,8 +151,6 @@ bvx_status bvxi_morph_run(bvx_context *ctx, const bvxi_morph *morph, const bvx_g
     return leaves_window ? run_in_wide_box(ctx, morph, grid, result)
                          : run_in_window(ctx, morph, grid, result);
 }
-
-/* ---- what is requested ---- */
 
 static const bvxi_option morph_rows[] = {
     BVXI_OR(bvx_morph_options, neighbourhood, AMONG, 6, 1 << BVX_BALL | 1 << 6 | 1 << 18 | 1 << 26, 0),
@@ -198,19 +190,15 @@ static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_
     bvx_grid made;
     bvx_status status;
 
-    if (ctx == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
-    /* The caller's array is written only when all has been checked. */
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
     made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
     status = bvxi_morph_run(ctx, morph, grid, &made);
-    if (status == BVX_OK) *result = made;
-    else if (result->words == NULL) bvx_grid_free(ctx, &made);
-    return status;
+    return bvxi_grid_put(ctx, status, &made, result);
 }
 
 bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,

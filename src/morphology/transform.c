@@ -45,8 +45,6 @@ int bvxi_transform_fits_whole(const int32_t size[3])
     return sum < 4294900000.0;
 }
 
-/* ---- memory ---- */
-
 static uint64_t scratch_bytes_of(const transform_job *job)
 {
     uint64_t const n = (uint64_t)job->longest, lanes = n * BVXI_LANES, groups = (uint64_t)job->t->groups;
@@ -142,8 +140,6 @@ static void run_columns(const transform_job *job, const bvxi_columns *c)
     else bvxi_real_columns(c);
 }
 
-/* ---- along x and y: a slice of a tile ---- */
-
 static void square_steps(const transform_job *job, const int32_t steps[BVXI_LANES], void *line)
 {
     if (job->t->whole) {
@@ -173,7 +169,6 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
         int32_t steps[BVXI_LANES];
         if (x == 0) bvxi_row_carry_start(carry, &row);
         else bvxi_row_carry_next(carry, &row, x);
-        /* No target within reach: the row is left out of its columns. */
         if (!bvxi_row_steps(&job->table, carry, &row, x, job->reach, steps,
                             s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
             continue;
@@ -218,8 +213,6 @@ static void run_slices(void *user, int32_t index, int32_t worker)
         for (int32_t g = 0; g < job->groups; g++) run_slice(job, &s, g, (int32_t)z);
 }
 
-/* ---- along z: a row of columns of a tile ---- */
-
 /* The nearest place beyond the box lies straight along an axis. */
 static int32_t steps_out(int32_t i, int32_t n)
 {
@@ -244,14 +237,12 @@ static void lessen_by_beyond(const transform_job *job, int32_t x, int32_t y, int
         if (!less) continue;
         if (t->whole) whole[i] = (uint32_t)cap;
         else real[i] = cap;
-        /* No voxel of the window is its nearest. */
         if (nearest != NULL) nearest[i] = UINT64_MAX;
     }
 }
 
 static void fill_far(const transform_job *job, void *out, uint64_t *nearest)
 {
-    /* No slice has a target: all is far. */
     size_t const count = (size_t)job->t->box.size[2] * BVXI_LANES;
     for (size_t i = 0; i < count; i++) {
         if (job->t->whole) ((uint32_t *)out)[i] = BVXI_FAR;
@@ -307,7 +298,6 @@ static void run_row(const transform_job *job, const transform_scratch *s, int32_
 {
     const bvxi_transform *const t = job->t;
 
-    /* All groups first, so that the sink gets each row of voxels side by side. */
     for (int32_t g = 0; g < job->groups; g++) run_group_of_row(job, s, g, y);
     for (int32_t z = 0; z < t->box.size[2]; z++)
         for (int32_t g = 0; g < job->groups; g++) {
@@ -328,8 +318,6 @@ static void run_rows(void *user, int32_t index, int32_t worker)
     bvxi_piece((uint64_t)job->t->box.size[1], job->pieces, index, &begin, &end);
     for (uint64_t y = begin; y < end; y++) run_row(job, &s, (int32_t)y);
 }
-
-/* ---- tile by tile ---- */
 
 static bvx_status run_tile(transform_job *job, double from, double to)
 {

@@ -49,8 +49,6 @@ int bvxi_transform_fits_whole(const int32_t size[3]);
  * needs for a slice and a row of such columns. */
 bvx_status bvxi_transform_run(const bvxi_transform *transform);
 
-/* ---- transform_lines.c: along x ---- */
-
 /* A row of bits; targets are the set ones, or with flip ~0 the others. */
 typedef struct bvxi_target_row {
     const uint64_t *words;
@@ -75,8 +73,6 @@ void bvxi_row_carry_next(bvxi_row_carry *carry, const bvxi_target_row *row, int3
  * NULL) where that stands. 0: there is none within reach. */
 int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry, const bvxi_target_row *row,
                    int32_t x, int32_t reach, int32_t steps[BVXI_LANES], int32_t *places);
-
-/* ---- transform_lines.c, transform_lines.c: along y or z ---- */
 
 /* 16 columns of n squares: square (place, lane) is in[place * 16 + lane] for the places that are listed,
  * ascending; the others have no target. out: for each place the least of in at another place plus the step

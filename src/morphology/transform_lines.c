@@ -71,7 +71,6 @@ BVXI_VECTOR_INLINE void byte_steps(const uint8_t *BVXI_RESTRICT near, int32_t le
                                    int32_t *BVXI_RESTRICT steps)
 {
     for (int32_t i = 0; i < 8; i++) {
-        /* No target in the byte: farther than all. */
         int32_t const a = left + i, b = right - i, c = near[i] == BYTE_NONE ? ROW_NONE : near[i];
         int32_t const d = a < b ? a : b;
         steps[i] = c < d ? c : d;
@@ -102,7 +101,6 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
     int32_t const left = carry->left < 0 ? ROW_NONE : x - carry->left;
     int32_t const right = carry->right < 0 ? ROW_NONE : carry->right - x;
 
-    /* Too far for all 16: the row is left out. */
     if (bits == 0 && left > reach && right - (BVXI_LANES - 1) > reach) return 0;
     /* Each byte sees the other one's nearest target, or the one beyond it. */
     byte_steps(table->near[low], left, high != 0 ? 8 + bvxi_lowest(high) : right, steps);
@@ -127,8 +125,6 @@ int bvxi_row_steps(const bvxi_row_distances *table, const bvxi_row_carry *carry,
  * the same numbers. */
 
 enum { SEARCH_STEPS = 8 };
-
-/* ---- the search ---- */
 
 BVXI_VECTOR_INLINE uint32_t most_of_lanes(const uint32_t *BVXI_RESTRICT lanes)
 {
@@ -186,8 +182,6 @@ static int try_search(const bvxi_columns *c)
     return search_columns(c);
 }
 
-/* ---- the envelope ---- */
-
 /* The parabolas of one column that are least somewhere: site[i] from
  * start[i] on. Returns the last one's number. */
 static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
@@ -211,7 +205,6 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
             }
             top--;
         }
-        /* Least only beyond the column's end. */
         if (first > end) continue;
         top++;
         height[top] = h;
@@ -224,7 +217,6 @@ static inline int32_t build_envelope(const bvxi_columns *c, const uint32_t *in)
 static inline void read_envelope(const bvxi_columns *c, const uint32_t *in, int32_t top, uint32_t *out,
                                  int32_t *from)
 {
-    /* Each parabola from its start to the next one's. */
     for (int32_t i = 0; i <= top; i++) {
         int32_t const u = c->site[i], end = i < top ? (int32_t)c->start[i + 1] : c->n;
         uint32_t const g = in[(size_t)u * BVXI_LANES];
@@ -314,7 +306,6 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
     int32_t top = -1;
 
     for (int32_t j = 0; j < c->place_count; j++) {
-        /* As with whole numbers, but a start near a crossing is decided exactly. */
         int32_t const u = c->places[j];
         double const b = in[(size_t)u * BVXI_LANES];
         int32_t first = 0;
@@ -333,7 +324,6 @@ static int32_t build_real_envelope(const bvxi_columns *c, const double *in)
             }
             top--;
         }
-        /* Least only beyond the column's end. */
         if (first >= c->n) continue;
         top++;
         height[top] = b;

@@ -221,7 +221,6 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
     carry_work w;
     bvx_status status;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
     if (source == target)

@@ -154,13 +154,12 @@ static void hash_run(const closest_builder *b, uint64_t first, uint64_t end)
 }
 
 /* Runs that begin in a piece and are short; it begins with the first place of a run. */
-static void order_short_runs(void *user, int32_t index, int32_t worker)
+static void order_short_runs(void *user, int32_t index)
 {
     const closest_builder *const b = user;
     uint64_t const stop = b->run[index + 1];
     uint64_t end;
 
-    (void)worker;
     /* Few share a key, so a look at the neighbours is all that most of them cost; those of the next piece are
      * not looked at, as they change meanwhile. */
     for (uint64_t first = b->run[index]; first < stop; first = end) {
@@ -259,7 +258,7 @@ typedef struct box_level {
 } box_level;
 
 /* Boxes around the nodes of the level below. */
-static void fill_box_level(void *user, int32_t index, int32_t worker)
+static void fill_box_level(void *user, int32_t index)
 {
     const box_level *const l = user;
     bvxi_closest_tree *const tree = l->tree;
@@ -268,7 +267,6 @@ static void fill_box_level(void *user, int32_t index, int32_t worker)
     uint64_t const below = tree->level_nodes[l->level - 1];
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(tree->level_nodes[l->level], l->pieces, index, &begin, &end);
     memset(to + begin, 0, (size_t)(end - begin) * sizeof *to);
 

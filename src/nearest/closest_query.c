@@ -164,7 +164,6 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
     bvx_closest *made = NULL;
     uint64_t mark;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
     /* What has been taken since the mark is given to the object when all went well. */
@@ -292,7 +291,6 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
     static const char *const function = "bvx_closest_find";
     closest_query q = {.closest = closest, .points = points, .found = found, .count = count};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (found == NULL && count != 0) return bvxi_fail_null(context, function, "found");

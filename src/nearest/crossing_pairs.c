@@ -354,7 +354,6 @@ static bvx_status run_mesh_crossings(bvx_context *context, const bvx_mesh_view *
     uint32_t *representative = NULL;
     bvxi_welded welded = {.view = mesh};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     *count = 0;
     BVXI_TRY(bvxi_view_check(context, function, mesh));

@@ -49,13 +49,12 @@ typedef struct area_work {
     int32_t pieces;
 } area_work;
 
-static void compute_curve_areas(void *user, int32_t index, int32_t worker)
+static void compute_curve_areas(void *user, int32_t index)
 {
     const area_work *const w = user;
     double t[3][3], n[3];
     uint64_t begin, end;
 
-    (void)worker;
     bvxi_piece(w->tree->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_closest_corners(w->tree, i, t);
@@ -279,7 +278,6 @@ bvx_status bvxi_mesh_distance(bvx_context *context, const bvx_mesh_view *a, bvxi
     static const char *const function_b = "bvx_mesh_distance, mesh b";
     distance_pair pair = {.a = {.view = a}, .b = {.view = b}};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (report == NULL) return bvxi_fail_null(context, "bvx_mesh_distance", "report");
     memset(report, 0, sizeof *report);
     BVXI_TRY(bvxi_view_check(context, function_a, a));

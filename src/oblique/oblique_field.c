@@ -47,13 +47,12 @@ static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t
     }
 }
 
-static void rest_piece(void *user, int32_t index, int32_t worker)
+static void rest_piece(void *user, int32_t index)
 {
     const bvxi_oblique *const o = user;
     int32_t row = index;
     const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
 
-    (void)worker;
     rest_row(o, p, row);
 }
 
@@ -70,7 +69,7 @@ bvx_status bvxi_oblique_rest(bvxi_oblique *o)
                             "the distances on planes", &p->rest));
         rows += (uint64_t)p->raster_size[1];
     }
-    return bvxi_parallel(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rest_piece, o);
+    return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rest_piece, o);
 }
 
 /* ---- the number ---- */

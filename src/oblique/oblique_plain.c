@@ -177,13 +177,10 @@ uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known)
     return mixed;
 }
 
-static void signs_of_known(void *user, int32_t index, int32_t worker)
+static void signs_of_known(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(o->known_count, bvxi_piece_count(o->known_count, PLAIN_GRAIN), index, &begin, &end);
     for (uint64_t i = begin; i < end; i++)
         for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
             uint64_t word = 0;
@@ -197,8 +194,8 @@ static void signs_of_known(void *user, int32_t index, int32_t worker)
 
 bvx_status bvxi_oblique_take_signs(bvxi_oblique *o)
 {
-    return bvxi_parallel(o->ctx, "surface", 0.0, 1.0, bvxi_piece_count(o->known_count, PLAIN_GRAIN),
-                         signs_of_known, o);
+    return bvxi_for_ranges(o->ctx, "surface", 0.0, 1.0, bvxi_piece_count(o->known_count, PLAIN_GRAIN),
+                           o->known_count, signs_of_known, o);
 }
 
 /* ---- crossed edges ---- */

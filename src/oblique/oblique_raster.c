@@ -134,13 +134,12 @@ const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32
     return p;
 }
 
-static void raster_piece(void *user, int32_t index, int32_t worker)
+static void raster_piece(void *user, int32_t index)
 {
     const bvxi_oblique *const o = user;
     int32_t row = index;
     const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
 
-    (void)worker;
     raster_row(o, p, row);
 }
 
@@ -180,7 +179,7 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
     if (rows > INT32_MAX)
         return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: too many planes and cells",
                              o->function);
-    return bvxi_parallel(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, raster_piece, o);
+    return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, raster_piece, o);
 }
 
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3])

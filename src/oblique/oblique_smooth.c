@@ -223,11 +223,10 @@ static void pull_row(const smooth_work *w, int64_t first, const double *x, doubl
         }
 }
 
-static void image_slice(void *user, int32_t index, int32_t worker)
+static void image_slice(void *user, int32_t index)
 {
     const smooth_work *const w = user;
 
-    (void)worker;
     for (int32_t j = 0; j < w->grid.size[1]; j++) {
         int64_t const first = j * w->step[1] + index * w->step[2];
         const double *const x = w->way + w->padding + first;
@@ -240,10 +239,10 @@ static void image_slice(void *user, int32_t index, int32_t worker)
 static bvx_status make_image(smooth_work *w)
 {
     if (w->nodes <= SMOOTH_SMALL) {
-        for (int32_t k = 0; k < w->grid.size[2]; k++) image_slice(w, k, 0);
+        for (int32_t k = 0; k < w->grid.size[2]; k++) image_slice(w, k);
         return bvxi_progress(w->o->ctx, "field", 1.0);
     }
-    return bvxi_parallel(w->o->ctx, "field", 0.0, 1.0, w->grid.size[2], image_slice, w);
+    return bvxi_each(w->o->ctx, "field", 0.0, 1.0, w->grid.size[2], image_slice, w);
 }
 
 /* ---- conjugate gradients ---- */

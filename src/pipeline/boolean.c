@@ -65,6 +65,16 @@ static void give_way(const bvxi_body_box box[2], bvx_lattice *l)
         l->fraction_bits--;
 }
 
+bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit)
+{
+    if (fit->lattice != NULL) return bvxi_lattice_check(ctx, function, fit->lattice);
+    if (fit->resolution == 0) fit->resolution = 256;
+    if (fit->resolution >= 1 && fit->resolution <= 1 << 24) return BVX_OK;
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                         "%s: fit.resolution is %d; 1 to 2^24 are possible", function,
+                         (int64_t)fit->resolution);
+}
+
 bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t resolution,
                                 const bvxi_body_box box[2], bvx_lattice *lattice)
 {
@@ -145,14 +155,11 @@ typedef struct boolean_job {
 
 static const bvxi_option boolean_rows[] = {
     BVXI_AMONG(bvx_boolean_options, fill, BVX_FILLS_OF_BOOLEAN),
-    BVXI_CHOICE(bvx_boolean_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
-    BVXI_CHOICE(bvx_boolean_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
-    BVXI_CHOICE(bvx_boolean_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_CHOICE(bvx_boolean_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
-    BVXI_SWITCH(bvx_boolean_options, local_frame),
-    BVXI_SWITCH(bvx_boolean_options, keep_crumbs),
+    BVXI_RESERVED(bvx_boolean_options, fit.reserved),
+    BVXI_PLACING(bvx_boolean_options),
+    BVXI_PARTS(bvx_boolean_options),
+    BVXI_COUNT(bvx_boolean_options, parts.least_cavity, 0, 0),
     BVXI_CHOICE(bvx_boolean_options, thin, BVX_THIN_KEEP, BVX_THIN_DROP),
-    BVXI_RESERVED(bvx_boolean_options, reserved1),
 };
 
 static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, bvx_boolean_options *o)
@@ -163,14 +170,7 @@ static bvx_status check_boolean_options(bvx_context *ctx, int32_t operation, bvx
 
     /* What the rows cannot say follows them. */
     BVXI_TRY(bvxi_check_options(ctx, boolean_name, o, BVXI_OPTIONS(boolean_rows)));
-    /* A lattice that is given needs no resolution. */
-    if (o->lattice != NULL) return bvxi_lattice_check(ctx, boolean_name, o->lattice);
-    if (o->resolution == 0) o->resolution = BVXI_RESOLUTION;
-    if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: resolution is %d; 1 to %d are possible", boolean_name,
-                             (int64_t)o->resolution, (int64_t)1 << 24);
-    return BVX_OK;
+    return bvxi_check_fit(ctx, boolean_name, &o->fit);
 }
 
 /* ---- Lattice and solids ---- */
@@ -187,10 +187,10 @@ static bvx_status choose_boolean_lattice(boolean_job *job, const bvx_mesh *resul
                                   job->box[i].high));
         BVXI_TRY(bvxi_view_apart(job->ctx, boolean_mesh[i], job->body[i].mesh, result));
     }
-    if (job->options->lattice == NULL)
-        return bvxi_boolean_lattice(job->ctx, job->operation, job->options->resolution, job->box,
+    if (job->options->fit.lattice == NULL)
+        return bvxi_boolean_lattice(job->ctx, job->operation, job->options->fit.resolution, job->box,
                                     &job->lattice);
-    job->lattice = *job->options->lattice;
+    job->lattice = *job->options->fit.lattice;
     return BVX_OK;
 }
 
@@ -400,13 +400,15 @@ static bvx_status drop_boolean_parts(boolean_job *job)
 {
     const bvx_boolean_options *const o = job->options;
     bvx_keep_report report;
-    bvx_keep_options const keep = {
-        .struct_size = sizeof keep, .at_least = o->least_part, .largest = o->keep_largest, .report = &report};
+    bvx_keep_options const keep = {.struct_size = sizeof keep,
+                                   .at_least = o->parts.least_part,
+                                   .largest = o->parts.keep_largest,
+                                   .report = &report};
 
     if (job->report.voxels == 0) return BVX_OK;
     /* Crumbs first: they are sorted out by shape, parts by size alone. */
-    if (!o->keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
-    if (o->least_part > 1 || o->keep_largest != 0) {
+    if (!o->parts.keep_crumbs) BVXI_TRY(drop_boolean_crumbs(job));
+    if (o->parts.least_part > 1 || o->parts.keep_largest != 0) {
         BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
         job->report.parts_dropped = report.dropped;
     }
@@ -446,15 +448,11 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
-    bvx_field_surface_options const o = {.interpolation = job->options->interpolation,
-                                         .face_rule = job->options->face_rule,
-                                         .sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER,
-                                         .sharp_angle = BVXI_SHARP_ANGLE,
-                                         .position_type = job->options->position_type,
-                                         .local_frame = job->options->local_frame,
-                                         .report = &job->report.surface};
+    bvx_field_surface_options o = {
+        .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &job->report.surface};
     bvxi_cut_rule rule[2] = {{.values = NULL}};
 
+    o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     for (int32_t i = 0; i < 2; i++) {
         rule[i].values = &job->body[i].values;
         rule[i].mesh = job->body[i].mesh;
@@ -478,8 +476,8 @@ static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
 /* Sharp edges: as requested, or where one of the meshes has them. */
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
-    job->report.sharp = job->options->sharp == BVX_SHARP_ALWAYS;
-    for (int32_t i = 0; i < 2 && job->options->sharp == BVX_SHARP_AUTO && !job->report.sharp; i++) {
+    job->report.sharp = job->options->placing.sharp == BVX_SHARP_ALWAYS;
+    for (int32_t i = 0; i < 2 && job->options->placing.sharp == BVX_SHARP_AUTO && !job->report.sharp; i++) {
         /* The first mesh with sharp edges decides. */
         double share;
         BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp, &share));
@@ -606,7 +604,6 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (result == NULL) return bvxi_fail_null(context, boolean_name, "result");
     BVXI_TRY(bvxi_take_options(context, boolean_name, options, &o, sizeof o));
     BVXI_TRY(check_boolean_options(context, operation, &o));

@@ -38,13 +38,12 @@ typedef struct levels_job {
 #define LEVELS_WEIGHT 1.0
 
 static const bvxi_option levels_rows[] = {
-    BVXI_CHOICE(bvx_levels_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
+    BVXI_TARGETS(bvx_levels_options),
+    BVXI_WHOLE(bvx_levels_options, fit.resolution, 0, 1 << 24),
+    BVXI_RESERVED(bvx_levels_options, fit.reserved),
+    BVXI_PARTS(bvx_levels_options),
     BVXI_CHOICE(bvx_levels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_OR(bvx_levels_options, even, REAL, BVXI_EVEN, 0.0, 1.0),
-    BVXI_COUNT(bvx_levels_options, measure_samples, 0, INT32_MAX),
-    BVXI_SWITCH(bvx_levels_options, strict),
     BVXI_SWITCH(bvx_levels_options, solid),
-    BVXI_WHOLE(bvx_levels_options, resolution, 0, 1 << 24),
     BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
     BVXI_CHOICE(bvx_levels_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
     BVXI_SWITCH(bvx_levels_options, outer),
@@ -53,22 +52,20 @@ static const bvxi_option levels_rows[] = {
     BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
     BVXI_OR(bvx_levels_options, attribute_weight, REAL, LEVELS_WEIGHT, 0.0, 1000.0),
     BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
-    BVXI_RESERVED(bvx_levels_options, reserved0),
-    BVXI_RESERVED(bvx_levels_options, reserved),
 };
 
 /* Requested, or implied by an option that only a measured surface can follow. */
 static int wants_solid(const bvx_levels_options *o)
 {
-    return o->solid || o->lattice != NULL || o->resolution != 0 || o->sign != BVX_SIGN_AUTO ||
-           o->sharp != BVX_SHARP_AUTO || o->shell != LEVELS_SHELL || o->least_part != 0 ||
-           o->keep_largest != 0 || o->least_cavity != 0 || o->outer;
+    return o->solid || o->fit.lattice != NULL || o->fit.resolution != 0 || o->sign != BVX_SIGN_AUTO ||
+           o->sharp != BVX_SHARP_AUTO || o->shell != LEVELS_SHELL || o->parts.least_part != 0 ||
+           o->parts.keep_largest != 0 || o->parts.least_cavity != 0 || o->parts.keep_crumbs || o->outer;
 }
 
 static bvx_status check_levels_options(bvx_context *ctx, const char *function, bvx_levels_options *o)
 {
     BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(levels_rows)));
-    if (o->outer && o->least_cavity != 0)
+    if (o->outer && o->parts.least_cavity != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: outer fills every cavity; least_cavity is not used with it", function);
     if (wants_solid(o) && (o->lock_border || o->locked != NULL || o->vertices != BVX_VERTICES_PLACED))
@@ -94,10 +91,10 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
     uint64_t finest = 1;
 
     /* By error any triangle may be needed; without targets each level has half of the one before. */
-    if (o->target_errors != NULL) return triangles;
-    if (o->target_triangles == NULL) return triangles / 2;
+    if (o->targets.errors != NULL) return triangles;
+    if (o->targets.triangles == NULL) return triangles / 2;
     for (uint64_t i = 0; i < level_count; i++)
-        if (o->target_triangles[i] > finest) finest = o->target_triangles[i];
+        if (o->targets.triangles[i] > finest) finest = o->targets.triangles[i];
     return finest;
 }
 
@@ -109,7 +106,6 @@ static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mes
     bvx_levels_options o;
     double low[3], high[3], area, longest = 0, wanted;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (resolution == NULL) return bvxi_fail_null(context, plan_name, "resolution");
     BVXI_TRY(bvxi_take_options(context, plan_name, options, &o, sizeof o));
     BVXI_TRY(check_levels_options(context, plan_name, &o));
@@ -240,21 +236,19 @@ static bvx_status drop_crumbs(levels_job *job, bvx_mesh *surface)
 static bvx_repair_options repair_options(levels_job *job, int32_t resolution, int32_t thin)
 {
     const bvx_levels_options *const o = job->options;
-
     /* Positions of the surface are those of the levels. */
-    return (bvx_repair_options){.struct_size = sizeof(bvx_repair_options),
-                                .lattice = o->lattice,
-                                .resolution = resolution,
-                                .sharp = o->sharp,
-                                .sign = o->sign,
-                                .shell = o->shell > 0.0 ? o->shell : BVX_NONE,
-                                .least_part = o->least_part,
-                                .keep_crumbs = o->least_part != 0,
-                                .keep_largest = o->keep_largest,
-                                .least_cavity = o->outer ? UINT64_MAX : o->least_cavity,
-                                .position_type = o->position_type,
-                                .thin = thin,
-                                .report = &job->report.repair};
+    bvx_repair_options r = {.struct_size = sizeof r,
+                            .fit = {.lattice = o->fit.lattice, .resolution = resolution},
+                            .placing = {.sharp = o->sharp, .position_type = o->position_type},
+                            .sign = o->sign,
+                            .shell = o->shell > 0.0 ? o->shell : BVX_NONE,
+                            .parts = o->parts,
+                            .thin = thin,
+                            .report = &job->report.repair};
+
+    r.parts.keep_crumbs |= o->parts.least_part != 0;
+    if (o->outer) r.parts.least_cavity = UINT64_MAX;
+    return r;
 }
 
 static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t thin, bvx_mesh *surface)
@@ -349,8 +343,8 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
 static bvx_status simplify_measured(levels_job *job)
 {
     const bvx_levels_options *const o = job->options;
-    int32_t resolution = o->resolution;
-    int const is_given = o->lattice != NULL || o->resolution != 0;
+    int32_t resolution = o->fit.resolution;
+    int const is_given = o->fit.lattice != NULL || o->fit.resolution != 0;
     uint64_t mark;
     bvx_status status;
 
@@ -408,8 +402,8 @@ static uint64_t bytes_as_it_is(const levels_job *job)
     uint64_t const n = job->mesh->triangle_count, finest = finest_of(job->options, job->chain.count, n);
     uint64_t bytes = (180 + 60) * n + 36 * job->report.before.boundary_edges + 400000;
 
-    if ((job->options->measure_samples != 0 && job->options->reports != NULL) ||
-        job->options->target_errors != NULL) /* bvx_mesh_distance */
+    if ((job->options->targets.samples != 0 && job->options->reports != NULL) ||
+        job->options->targets.errors != NULL) /* bvx_mesh_distance */
         bytes += 116 * (n + (finest < n ? finest : n));
     return bytes;
 }
@@ -433,15 +427,11 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
 
     c->function = levels_name;
     c->original = job->mesh;
-    c->target_triangles = o->target_triangles;
-    c->target_errors = o->target_errors;
+    c->targets = o->targets;
     c->halve_from = job->mesh->triangle_count;
-    c->error_kind = o->error_kind;
-    c->strict = o->strict;
-    c->measure_samples = o->measure_samples;
     c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type
                                                                       : (int32_t)job->mesh->position_type;
-    c->collapse.even = o->even;
+    c->collapse.even = o->targets.even;
     c->collapse.attribute_weight = o->attribute_weight;
     c->collapse.lock_border = o->lock_border;
     c->collapse.locked = o->locked;
@@ -476,7 +466,6 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     uint64_t used;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
     used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));

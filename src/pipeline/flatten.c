@@ -144,13 +144,12 @@ static uint64_t list_moved(flatten_job *f)
     return count;
 }
 
-static void aim_piece(void *user, int32_t piece, int32_t worker)
+static void aim_piece(void *user, int32_t piece)
 {
     flatten_job *const f = user;
     bvx_mesh_view view;
     uint32_t hint = 0;
     uint64_t begin, end;
-    (void)worker;
 
     bvx_mesh_view_of(f->mesh, &view);
     bvxi_piece(view.vertex_count, f->pieces, piece, &begin, &end);
@@ -456,10 +455,8 @@ static void mark_flat(flatten_job *f, const bvx_mesh_view *view)
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3];
         const double *const corner[3] = {p[0], p[1], p[2]};
-        uint32_t c[3];
 
-        bvxi_view_triangle(view, t, c);
-        for (int k = 0; k < 3; k++) bvxi_view_position(view, c[k], p[k]);
+        bvxi_view_corners(view, t, p);
         if (!bvxi_has_area(corner)) mark_triangle(f, f->part[t]);
     }
 }
@@ -527,7 +524,7 @@ static bvx_status aim_at_body(flatten_job *f, int32_t body)
     /* Searched anew: a tree kept since the walls were found would be there when memory is scarcest. */
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(f->ctx, f->function, "thin", from, from + (to - from) / 3),
                                &f->bodies[body].thin->mesh, &f->closest));
-    status = bvxi_parallel(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
+    status = bvxi_each(f->ctx, "thin", from + (to - from) / 3, to, f->pieces, aim_piece, f);
     bvxi_closest_shut(f->ctx, &f->closest);
     return status;
 }

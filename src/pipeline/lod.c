@@ -178,7 +178,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
     bvxi_level_chain chain = {
         .function = lod_name,
         .original = &view,
-        .target_triangles = &target,
+        .targets.triangles = &target,
         .halve_from = fine->triangle_count,
         .collapse = {.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
         .count = 1,
@@ -326,7 +326,6 @@ static bvx_status run_build_lods(bvx_context *context, const bvx_grid *solid, co
     lod_job job = {0};
     bvx_status status = BVX_OK;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, lod_name, "levels");
     BVXI_TRY(bvxi_take_options(context, lod_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, lod_name, solid));

@@ -174,7 +174,6 @@ static bvx_status run_extract_octree(bvx_context *context, const bvx_octree *tre
 {
     octree_mesh_job job = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, octree_mesh_name, "mesh");
     if (mesh->owned != 1 && (mesh->positions != NULL || mesh->triangles != NULL))
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,

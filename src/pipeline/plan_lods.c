@@ -132,7 +132,6 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
     lods_plan p = {mesh, &o, level_count, padding, {0}, {0}};
     int32_t planned, by_memory;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
     if (resolution == NULL) return bvxi_fail_null(context, plan_lods_name, "resolution");
     BVXI_TRY(bvxi_take_options(context, plan_lods_name, options, &o, sizeof o));

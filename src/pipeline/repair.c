@@ -16,17 +16,13 @@ enum { REPAIR_SAMPLES = 100000 };
 
 static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, sign, 0, BVX_SIGN_COUNT - 1),
-    BVXI_CHOICE(bvx_repair_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
-    BVXI_CHOICE(bvx_repair_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
-    BVXI_CHOICE(bvx_repair_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
-    BVXI_CHOICE(bvx_repair_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_SWITCH(bvx_repair_options, local_frame),
+    BVXI_RESERVED(bvx_repair_options, fit.reserved),
+    BVXI_PLACING(bvx_repair_options),
+    BVXI_PARTS(bvx_repair_options),
     BVXI_SWITCH(bvx_repair_options, measure),
     BVXI_OR(bvx_repair_options, shell, ZERO_OR, 2.0, 1.5, 1e6),
-    BVXI_SWITCH(bvx_repair_options, keep_crumbs),
     BVXI_SWITCH(bvx_repair_options, if_needed),
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
-    BVXI_RESERVED(bvx_repair_options, reserved0),
 };
 
 static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
@@ -48,20 +44,12 @@ static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
 static bvx_status check_repair_lattice(bvx_context *ctx, bvx_repair_options *o)
 {
     /* A lattice has its resolution: nothing is left to look for. */
-    if (o->lattice != NULL) {
-        if (o->target_triangles != 0)
-            return bvxi_fail_for(
-                ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
-                bvxi_repair_name);
-        return bvxi_lattice_check(ctx, bvxi_repair_name, o->lattice);
-    }
-    if (o->resolution == 0) o->resolution = BVXI_RESOLUTION;
-    if (o->resolution < 1 || o->resolution > 1 << 24)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: resolution is %d; 1 to 2^24 are possible", bvxi_repair_name,
-                             (int64_t)o->resolution);
-    return BVX_OK;
+    if (o->fit.lattice != NULL && o->target_triangles != 0)
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: target_triangles looks for a resolution, lattice gives one; take one of the two",
+            bvxi_repair_name);
+    return bvxi_check_fit(ctx, bvxi_repair_name, &o->fit);
 }
 
 /* ---- The resolution for a triangle count ---- */
@@ -70,7 +58,7 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 {
     /* Doubles, so that counting never fails for coordinates that only the final type would refuse. */
     bvx_extract_options const o = {
-        .struct_size = sizeof o, .face_rule = job->options->face_rule, .position_type = BVX_F64};
+        .struct_size = sizeof o, .face_rule = job->options->placing.face_rule, .position_type = BVX_F64};
     uint64_t vertices;
 
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
@@ -94,7 +82,7 @@ static int32_t next_guess(int32_t low, int32_t high, uint64_t high_count, uint64
 static bvx_status search_repair(bvxi_repair_job *job, int32_t *resolution)
 {
     uint64_t const target = job->options->target_triangles;
-    int32_t low = 0, high = job->options->resolution;
+    int32_t low = 0, high = job->options->fit.resolution;
     uint64_t high_count, low_count = 0;
     double at = 0.3; /* of the bar; each try takes half of what is left */
 
@@ -146,7 +134,7 @@ static bvx_status flatten_repaired(const bvxi_repair_job *job, bvx_mesh *repaire
 
 static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
 {
-    int32_t resolution = job->options->resolution;
+    int32_t resolution = job->options->fit.resolution;
     uint64_t voxels;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, bvxi_repair_take(job)));
@@ -192,7 +180,7 @@ static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
 
     BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, repaired));
     BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
-    if (o.report != NULL) bvxi_repair_warn(ctx, o.report, o.lattice == NULL ? o.resolution : 0);
+    if (o.report != NULL) bvxi_repair_warn(ctx, o.report, o.fit.lattice == NULL ? o.fit.resolution : 0);
     return BVX_OK;
 }
 
@@ -210,7 +198,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     bvx_status status;
     int mine;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (repaired == NULL) return bvxi_fail_null(context, bvxi_repair_name, "repaired");
     BVXI_TRY(bvxi_take_options(context, bvxi_repair_name, options, &o, sizeof o));
     /* The result is not the mesh that it is made of. */

@@ -18,8 +18,8 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
                                    .padding = 2 + (int32_t)(job->options->shell * 0.5 + 0.5)};
 
     job->resolution = resolution;
-    if (job->options->lattice != NULL) {
-        job->lattice = *job->options->lattice;
+    if (job->options->fit.lattice != NULL) {
+        job->lattice = *job->options->fit.lattice;
         return BVX_OK;
     }
     return bvx_lattice_fit_with(job->ctx, &job->mesh, &o, &job->lattice);
@@ -137,7 +137,7 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
 /* Sharp edges: as requested, or as the mesh has them. */
 static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
 {
-    int32_t const asked = job->options->sharp;
+    int32_t const asked = job->options->placing.sharp;
     bvx_repair_report *const r = &job->report;
 
     /* The report says how sharp the mesh is, even where the choice was given. */

@@ -35,7 +35,7 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
 /* Do parity and nonzero fill the same voxels? */
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
-    BVXI_TRY(bvxi_repair_lattice(job, job->options->resolution));
+    BVXI_TRY(bvxi_repair_lattice(job, job->options->fit.resolution));
     return BVXI_SCOPE(job->ctx, bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right));
 }
 

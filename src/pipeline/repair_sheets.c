@@ -52,10 +52,8 @@ static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
 {
     double const off = 0.5 * bvxi_largest_spacing(&job->lattice);
     double p[3][3], middle[3], n[3], length = 0;
-    uint32_t c[3];
 
-    bvxi_view_triangle(&job->mesh, t, c);
-    for (int k = 0; k < 3; k++) bvxi_view_position(&job->mesh, c[k], p[k]);
+    bvxi_view_corners(&job->mesh, t, p);
 
     /* The middle and the normal; half a voxel off on both sides. */
     for (int a = 0; a < 3; a++) {
@@ -70,11 +68,10 @@ static int is_enclosed(const bvxi_repair_job *job, uint64_t t)
     return is_whole_off(job, middle, n, -off) && is_whole_off(job, middle, n, off);
 }
 
-static void ask_triangles(void *user, int32_t piece, int32_t worker)
+static void ask_triangles(void *user, int32_t piece)
 {
     const enclosed_job *const e = user;
     uint64_t begin, end;
-    (void)worker;
     bvxi_piece(e->job->mesh.triangle_count, e->pieces, piece, &begin, &end);
     /* Only triangles that are asked about. */
     for (uint64_t t = begin; t < end; t++)
@@ -99,8 +96,7 @@ bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
     e.answer = answer;
     e.pieces = pieces < ENCLOSED_PIECES ? (int32_t)pieces : ENCLOSED_PIECES;
     /* No winding number where there is no body. */
-    if (job->winding != NULL)
-        BVXI_TRY(bvxi_parallel(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e));
+    if (job->winding != NULL) BVXI_TRY(bvxi_each(job->ctx, "sheets", 0.0, 1.0, e.pieces, ask_triangles, &e));
     bvxi_winding_close(job->ctx, job->winding);
     job->winding = NULL;
     if (parted) bvxi_holes_close(job->ctx, &of_body);

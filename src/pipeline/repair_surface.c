@@ -115,17 +115,12 @@ static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge 
 
 static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, bvx_mesh *repaired)
 {
-    const bvx_repair_options *const from = job->options;
     bvx_field_surface_report report = {0};
-    bvx_field_surface_options const o = {.interpolation = from->interpolation,
-                                         .face_rule = from->face_rule,
-                                         .position_type = from->position_type,
-                                         .local_frame = from->local_frame,
-                                         .sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER,
-                                         .sharp_angle = BVXI_SHARP_ANGLE,
-                                         .report = &report};
+    bvx_field_surface_options o = {
+        .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &report};
     bvxi_cut_rule rule;
 
+    o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     memset(&rule, 0, sizeof rule);
     rule.values = v;
     rule.mesh = &job->body;

@@ -205,28 +205,22 @@ static void way_to_mesh(const bar_job *b, const double at[3], uint32_t *hint, do
     for (int a = 0; a < 3; a++) off[a] = (found.position[a] - l->origin[a]) / l->spacing[a] - at[a];
 }
 
-static void look_from_vertices(void *user, int32_t piece, int32_t worker)
+static void look_from_vertices(void *user, uint64_t begin, uint64_t end)
 {
     const bar_job *const b = user;
-    uint64_t begin, end;
     uint32_t hint = 0;
 
-    (void)worker;
-    bvxi_piece(b->count, b->pieces, piece, &begin, &end);
     for (uint64_t n = begin; n < end; n++)
         way_to_mesh(b, b->place + 3 * (uint64_t)b->bar[n].vertex, &hint, b->bar[n].off);
 }
 
 /* The mesh over a triangle is taken as a surface of second order: for its volume the middle counts three
  * quarters, each corner a twelfth. */
-static void look_from_triangles(void *user, int32_t piece, int32_t worker)
+static void look_from_triangles(void *user, uint64_t begin, uint64_t end)
 {
     const bar_job *const b = user;
-    uint64_t begin, end;
     uint32_t hint = 0;
 
-    (void)worker;
-    bvxi_piece(b->triangles, b->pieces, piece, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         const uint32_t *const c = bar_corners(b, b->triangle[i]);
         double p[3][3], n[3], middle[3], off[3];
@@ -286,11 +280,12 @@ static bvx_status aim_bars(bvx_context *ctx, const char *function, const bvx_mes
     for (int round = 0; status == BVX_OK && round < BAR_ROUNDS; round++) {
         double const at = 0.3 + 0.35 * round;
 
-        status = bvxi_parallel(ctx, "thin", at, at + 0.1, b->pieces, look_from_vertices, b);
+        status = bvxi_for_ranges(ctx, "thin", at, at + 0.1, b->pieces, b->count, look_from_vertices, b);
         for (uint64_t n = 0; round == 0 && n < b->count; n++)
             b->bar[n].still = !(bvxi_vec_dot(b->bar[n].off, b->bar[n].off) < BAR_ON * BAR_ON);
         if (status == BVX_OK)
-            status = bvxi_parallel(ctx, "thin", at + 0.1, at + 0.35, b->pieces, look_from_triangles, b);
+            status = bvxi_for_ranges(ctx, "thin", at + 0.1, at + 0.35, b->pieces, b->triangles,
+                                     look_from_triangles, b);
         if (status == BVX_OK) move_bars(b);
     }
     bvxi_closest_shut(ctx, &b->closest);

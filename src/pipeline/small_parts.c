@@ -21,8 +21,10 @@ static bvx_status keep_large_parts(bvxi_repair_job *job)
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
     bvx_keep_report report;
-    bvx_keep_options const keep = {
-        .struct_size = sizeof keep, .at_least = o->least_part, .largest = o->keep_largest, .report = &report};
+    bvx_keep_options const keep = {.struct_size = sizeof keep,
+                                   .at_least = o->parts.least_part,
+                                   .largest = o->parts.keep_largest,
+                                   .report = &report};
 
     BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
     r->parts_kept = report.kept;
@@ -57,7 +59,8 @@ static bvx_status fill_small_cavities(bvxi_repair_job *job)
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of cavities", &voxels));
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of cavities", &marks));
     bvxi_spaces_measure(&spaces, voxels, marks);
-    judge_cavities(voxels, marks, count, job->options->least_cavity, &r->cavities_kept, &r->cavities_dropped);
+    judge_cavities(voxels, marks, count, job->options->parts.least_cavity, &r->cavities_kept,
+                   &r->cavities_dropped);
     if (r->cavities_dropped != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
     bvxi_drop(job->ctx, marks);
     bvxi_drop(job->ctx, voxels);
@@ -72,14 +75,15 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
     bvxi_crumb_source const source = {&job->mesh, job->piece};
     uint64_t crumbs[2] = {0, 0};
 
-    for (int32_t empty = 0; empty < 2 && !o->keep_crumbs; empty++)
+    for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
         BVXI_TRY(
             bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty, &source, 1, &crumbs[empty]));
     r->crumbs = crumbs[0] + crumbs[1];
 
     /* Parts before cavities: one that goes may have had cavities of its own. */
-    if (o->least_part > 1 || o->keep_largest != 0 || o->report != NULL) BVXI_TRY(keep_large_parts(job));
-    if (o->least_cavity > 1 || o->report != NULL) BVXI_TRY(fill_small_cavities(job));
+    if (o->parts.least_part > 1 || o->parts.keep_largest != 0 || o->report != NULL)
+        BVXI_TRY(keep_large_parts(job));
+    if (o->parts.least_cavity > 1 || o->report != NULL) BVXI_TRY(fill_small_cavities(job));
     r->parts_dropped += crumbs[0];
     r->cavities_dropped += crumbs[1];
     return BVX_OK;

@@ -6,7 +6,8 @@
 #include "core/core.h"
 #include "grid/grid.h"
 
-enum { BVXI_RESOLUTION = 256 }; /* by default */
+/* Checks the lattice, or the resolution, which becomes 256 where it is 0. */
+bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit);
 
 /* ---- The ends of lattice edges that a surface crosses: the only centres that need a distance ---- */
 

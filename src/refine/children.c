@@ -33,7 +33,6 @@ static inline uint32_t children_of_box(const int32_t (*p)[3], int32_t half, int 
     for (int a = 0; a < 3; a++) {
         int32_t const u = p[0][a], v = p[1][a], w = p[2][a];
 
-        /* Least and most without branches: this runs once for each triangle of each voxel. */
         int32_t const uv = u < v ? u : v, UV = u < v ? v : u;
         int32_t const least = uv < w ? uv : w, most = UV > w ? UV : w;
         int64_t const far = (int64_t)most > -(int64_t)least ? (int64_t)most : -(int64_t)least;
@@ -94,7 +93,6 @@ static inline uint32_t child_plane_misses(int64_t at, const int64_t step[3], uin
     int64_t sum[8];
     uint32_t missed = 0;
 
-    /* What each set of growing axes adds to the value at the centre. */
     sum[0] = 0;
     for (uint32_t k = 1; k < 8; k++)
         sum[k] = (k & 1 ? step[0] : 0) + (k & 2 ? step[1] : 0) + (k & 4 ? step[2] : 0);
@@ -112,7 +110,6 @@ static uint32_t child_plane_misses_wide(const int64_t n[3], const int32_t p[3], 
     bvxi_wide at = bvxi_wide_mul(-n[0], p[0]);
     uint32_t missed = 0;
 
-    /* 128 bits, since products of a far corner with the normal of a large triangle do not fit 64. */
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[1], p[1]));
     at = bvxi_wide_add(at, bvxi_wide_mul(-n[2], p[2]));
     for (uint32_t o = 0; o < 8; o++) {
@@ -181,8 +178,6 @@ uint32_t bvxi_children_touched(const int32_t (*p)[3], int32_t half)
 #define SIDE_EXACT 32768.0                   /* 2^15 */
 #define SIDE_SLACK (1.0 / 17592186044416.0)  /* 2^-44 */
 
-/* ---- boxes ---- */
-
 /* As children_of_box in children.c, from the batch's arrays; *decided: no more than the box is needed. */
 static inline uint32_t batch_box_children(const bvxi_children_batch *b, uint32_t i, int32_t half,
                                           int *decided)
@@ -202,9 +197,7 @@ static inline uint32_t batch_box_children(const bvxi_children_batch *b, uint32_t
     return mask;
 }
 
-/* ---- in vectors ---- */
-
-/* Octants that an edge leaves outside, by its values at three places of a projection; near: 1 when one may be
+/* Octants that an edge leaves outside, by its values at three positions of a projection; near: 1 when one may be
  * 0. The fourth, the best corner, is not outside, as in children.c. */
 BVXI_VECTOR_INLINE int64_t batch_edge_misses(double au, double av, double bu, double bv, double turn,
                                              double half, double slack, int64_t u1, int64_t v1, int64_t *near)
@@ -312,8 +305,6 @@ BVXI_VECTOR_INLINE void judge_batch_plane(bvxi_children_batch *b, uint32_t n, do
         unsure[i] |= near;
     }
 }
-
-/* ---- the batch ---- */
 
 BVXI_VECTOR_INLINE void touch_batch_children(bvxi_children_batch *b, uint32_t count, int32_t half)
 {

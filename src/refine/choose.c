@@ -49,11 +49,9 @@ typedef struct choose_job {
 
 static double projected_area(const choose_job *job, uint64_t t)
 {
-    uint32_t corner[3];
     double p[3][3], u[3], v[3], area = 0;
 
-    bvxi_view_triangle(job->view, t, corner);
-    for (int c = 0; c < 3; c++) bvxi_view_position(job->view, corner[c], p[c]);
+    bvxi_view_corners(job->view, t, p);
     for (int a = 0; a < 3; a++) {
         u[a] = (p[1][a] - p[0][a]) * job->scale;
         v[a] = (p[2][a] - p[0][a]) * job->scale;
@@ -87,7 +85,6 @@ static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
     BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
     for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
 
-    /* What was looked at stands for all. */
     job->projected *= (double)all / (double)job->looked_at;
     return BVX_OK;
 }
@@ -234,7 +231,6 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     bvx_lattice made;
     int32_t levels;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
     BVXI_TRY(check_choose_arguments(context, options, &o));
     BVXI_TRY(measure_choice(context, mesh, resolution, &job));

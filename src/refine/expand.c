@@ -39,7 +39,6 @@ static void set_expanded_box(const expand_job *job, const int32_t v[3], int32_t 
         high[a] = end < job->high[a] ? end : job->high[a];
     }
 
-    /* Runs of a row, not voxels: a leaf far above the level is a large box. */
     for (int32_t z = low[2]; z < high[2]; z++)
         for (int32_t y = low[1]; y < high[1]; y++)
             bvxi_set_run(expand_row(job, y, z), low[0] - job->low[0], high[0] - job->low[0]);
@@ -76,11 +75,6 @@ static inline int expand_meets(const expand_job *job, const int32_t v[3], int32_
     return 1;
 }
 
-static inline void child_of_voxel(const int32_t v[3], uint32_t p, int32_t child[3])
-{
-    for (uint32_t a = 0; a < 3; a++) child[a] = 2 * v[a] + (int32_t)(p >> a & 1);
-}
-
 /* Arrive at an octet: set what its children are, and note which to enter. */
 static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, const int32_t v[3],
                          expand_step *step)
@@ -100,11 +94,10 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
     for (uint32_t p = 0; p < 8; p++) {
         int32_t child[3];
         if ((leaves >> p & 1) == 0) continue;
-        child_of_voxel(v, p, child);
+        bvxi_child_voxel(v, p, child);
         if (expand_meets(job, child, level + 1)) set_expanded_box(job, child, level + 1);
     }
 
-    /* The rank of the first split child is looked up once, the others follow it. */
     step->enter = bvxi_octet_split(o, octet);
     step->below = step->enter != 0 ? bvxi_octets_rank(o, 8 * octet) : 0;
     memcpy(step->v, v, sizeof step->v);
@@ -123,7 +116,7 @@ static void expand_tree(const expand_job *job, uint64_t octet, const int32_t v[3
             depth--;
             continue;
         }
-        child_of_voxel(s->v, (uint32_t)bvxi_lowest(s->enter), child);
+        bvxi_child_voxel(s->v, (uint32_t)bvxi_lowest(s->enter), child);
         s->enter &= s->enter - 1;
         uint64_t const below = s->below++;
         if (!expand_meets(job, child, depth + 1)) continue;
@@ -172,14 +165,13 @@ static bvx_status check_expand_arguments(bvx_context *ctx, const bvx_octree *tre
 static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
                                     int32_t states, const bvx_window *window, bvx_grid *grid)
 {
-    expand_job job = {0};
+    expand_job job = {.tree = tree, .level = level};
     bvx_lattice lattice;
     bvx_window w;
     uint64_t rows;
     bvx_grid made;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
 
@@ -188,12 +180,9 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     made = *grid;
     BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
     memset(made.words, 0, (size_t)bvxi_grid_words(&made) * 8);
-    job.tree = tree;
     job.grid = &made;
-    job.level = level;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
 
-    /* Base voxels that the window meets: no others are entered. */
     for (int a = 0; a < 3; a++) {
         job.low[a] = w.low[a];
         job.high[a] = w.low[a] + w.size[a];
@@ -202,11 +191,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     }
     rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
     status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
-
-    /* The caller's grid stays as it was when the work was cancelled. */
-    if (status == BVX_OK) *grid = made;
-    else if (grid->words == NULL) bvx_grid_free(context, &made);
-    return status;
+    return bvxi_grid_put(context, status, &made, grid);
 }
 
 bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,

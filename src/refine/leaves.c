@@ -27,13 +27,7 @@ static inline void give_leaf(const leaves_job *job, uint64_t *place, const int32
                              int32_t state)
 {
     if ((job->states & state) == 0) return;
-    if (job->leaves != NULL) {
-        bvx_octree_leaf *const leaf = &job->leaves[*place];
-        memset(leaf, 0, sizeof *leaf);
-        memcpy(leaf->ijk, v, sizeof leaf->ijk);
-        leaf->level = (uint8_t)level;
-        leaf->state = (uint8_t)state;
-    }
+    if (job->leaves != NULL) job->leaves[*place] = bvxi_octree_leaf_at(v, level, state);
     ++*place;
 }
 
@@ -68,8 +62,9 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
         uint32_t const p = s->next_child++;
         uint64_t const bit = 8 * s->octet + p;
         int32_t const state = bvxi_octets_state(&job->tree->octets[level], bit);
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(s->v, p, child);
         if (!bvxi_octets_is_split(&job->tree->octets[level], bit)) {
             give_leaf(job, place, child, level + 1, state);
             continue;
@@ -80,17 +75,15 @@ static void leaves_of_tree(const leaves_job *job, uint64_t octet, const int32_t 
     }
 }
 
-static void leaves_of_piece(void *user, int32_t index, int32_t worker)
+static void leaves_of_piece(void *user, int32_t index)
 {
     leaves_job *const job = user;
     const bvx_octree *const tree = job->tree;
     uint64_t const nx = (uint64_t)tree->base[0], ny = (uint64_t)tree->base[1];
     uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
 
-    (void)worker;
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
 
-    /* In the order of the base, so that places follow from the counts of the pieces before. */
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);
@@ -100,7 +93,6 @@ static void leaves_of_piece(void *user, int32_t index, int32_t worker)
         else give_leaf(job, &place, v, 0, state);
     }
 
-    /* In the first walk the place has counted from 0. */
     if (job->leaves == NULL) job->place[index] = place;
 }
 
@@ -118,7 +110,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
-    BVXI_TRY(bvxi_parallel(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
+    BVXI_TRY(bvxi_each(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
     total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
     *count = total;
 
@@ -128,7 +120,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
             return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u leaves, there are %u",
                              step.function, capacity, total);
         job.leaves = leaves;
-        BVXI_TRY(bvxi_parallel(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
+        BVXI_TRY(bvxi_each(ctx, step.stage, middle, step.to, job.pieces, leaves_of_piece, &job));
     }
     return BVX_OK;
 }
@@ -136,7 +128,6 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
 static bvx_status run_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                     bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count)
 {
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, "bvx_octree_leaves", "count");
     return bvxi_octree_leaves(bvxi_call_of(context, "bvx_octree_leaves", "octree", 0.0, 1.0), tree, states,
                               leaves, capacity, count);

@@ -11,13 +11,7 @@ typedef struct neighbour_list {
 
 static void give_neighbour(neighbour_list *list, const int32_t v[3], int32_t level, int32_t state)
 {
-    if (list->count < list->capacity) {
-        bvx_octree_leaf *const leaf = &list->leaves[list->count];
-        memset(leaf, 0, sizeof *leaf);
-        memcpy(leaf->ijk, v, sizeof leaf->ijk);
-        leaf->level = (uint8_t)level;
-        leaf->state = (uint8_t)state;
-    }
+    if (list->count < list->capacity) list->leaves[list->count] = bvxi_octree_leaf_at(v, level, state);
     list->count++;
 }
 
@@ -41,15 +35,15 @@ static void leaves_on_side(const bvx_octree *tree, int32_t top, uint64_t octet, 
         neighbour_step *const s = &stack[level];
         const bvxi_octets *const o = &tree->octets[level];
 
-        /* All children on this side are done: up again. */
         if (s->left == 0) {
             level--;
             continue;
         }
         uint32_t const p = (uint32_t)bvxi_lowest(s->left);
         uint64_t const bit = 8 * s->octet + p;
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(s->v, p, child);
 
         /* Off the list before going down, as the walk comes back to this step. */
         s->left &= s->left - 1;
@@ -75,7 +69,6 @@ static int hold_voxel(const bvx_octree *tree, int32_t level, const int32_t v[3],
     for (*at = 0; bvxi_octets_is_split(o, bit); ++*at) {
         int32_t const down = level - *at - 1;
 
-        /* The bits of v below this level choose the way down. */
         *octet = bvxi_octets_rank(o, bit);
         if (*at == level) return 1;
         o = &tree->octets[*at];
@@ -113,7 +106,6 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
                                  (int64_t)leaf->ijk[1], (int64_t)leaf->ijk[2], (int64_t)leaf->level);
     memcpy(v, leaf->ijk, sizeof v);
 
-    /* Directions 0 to 2 are towards -x, -y, -z, 3 to 5 towards +. */
     v[direction % 3] += direction >= 3 ? 1 : -1;
     list.leaves = leaves;
     list.capacity = leaves != NULL ? capacity : 0;

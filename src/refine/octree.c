@@ -10,26 +10,16 @@
 
 bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, int split, bvxi_octets *octets)
 {
-    bvxi_octets made = {0};
-    bvx_status status;
-
-    made.count = count;
-    made.words = words;
-    status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &made.touched);
-    if (status == BVX_OK)
-        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &made.outside);
+    *octets = (bvxi_octets){.count = count, .words = words};
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's touched voxels", &octets->touched));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's outside voxels", &octets->outside));
 
     /* Without a window or a tolerance all touched voxels are split: one mask serves both. */
-    if (status == BVX_OK && split == BVXI_SPLIT_SOME)
-        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's split voxels", &made.split);
-    if (status == BVX_OK && split != BVXI_SPLIT_NONE)
-        status = bvxi_alloc_zero(ctx, BVXI_RESULT, words * 4, "the octree's ranks", &made.before);
-    if (split == BVXI_SPLIT_ALL) made.split = made.touched;
-
-    /* What was got before the failure goes back. */
-    if (status != BVX_OK) bvxi_octets_close(ctx, &made);
-    *octets = made;
-    return status;
+    if (split == BVXI_SPLIT_ALL) octets->split = octets->touched;
+    if (split == BVXI_SPLIT_SOME)
+        BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_RESULT, words * 8, "the octree's split voxels", &octets->split));
+    if (split == BVXI_SPLIT_NONE) return BVX_OK;
+    return bvxi_alloc_zero(ctx, BVXI_RESULT, words * 4, "the octree's ranks", &octets->before);
 }
 
 void bvxi_octets_close(bvx_context *ctx, bvxi_octets *octets)
@@ -58,7 +48,6 @@ void bvx_octree_free(bvx_context *context, bvx_octree *tree)
 {
     if (context == NULL || tree == NULL) return;
 
-    /* In the opposite order of making, as an arena gives back from its end. */
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) bvxi_octets_close(context, &tree->octets[l]);
     bvxi_octets_close(context, &tree->root);
     bvxi_free(context, tree, sizeof *tree);
@@ -137,7 +126,6 @@ static void count_octree_level(const bvx_octree *tree, int32_t level, bvx_octree
                            : 8 * o->count;
     c->outside = count_mask_bits(o->outside, o->words);
 
-    /* Three states fill the level, so the third is what is left. */
     c->inside = c->voxels - touched - c->outside;
     c->split = o->split != NULL ? count_mask_bits(o->split, o->words) : 0;
     c->surface = touched - c->split;
@@ -150,7 +138,6 @@ static bvx_status run_octree_count(bvx_context *context, const bvx_octree *tree,
 {
     static const char *const function = "bvx_octree_count";
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (counts == NULL) return bvxi_fail_null(context, function, "counts");
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     if (capacity < tree->levels + 1)
@@ -174,19 +161,16 @@ static void find_octree_leaf(const bvx_octree *tree, const int32_t v[3], bvx_oct
     int32_t const levels = tree->levels;
     const bvxi_octets *o = &tree->root;
     uint64_t bit = bvxi_root_bit(tree, v[0] >> levels, v[1] >> levels, v[2] >> levels);
-    int32_t level = 0;
+    int32_t up[3], level = 0;
 
-    /* One bit of each index a level, from the highest down. */
     while (bvxi_octets_is_split(o, bit)) {
         uint64_t const octet = bvxi_octets_rank(o, bit);
         int32_t const down = levels - level - 1;
         o = &tree->octets[level++];
         bit = 8 * octet + (uint64_t)((v[0] >> down & 1) + 2 * (v[1] >> down & 1) + 4 * (v[2] >> down & 1));
     }
-    memset(leaf, 0, sizeof *leaf);
-    for (int a = 0; a < 3; a++) leaf->ijk[a] = v[a] >> (levels - level);
-    leaf->level = (uint8_t)level;
-    leaf->state = (uint8_t)bvxi_octets_state(o, bit);
+    for (int a = 0; a < 3; a++) up[a] = v[a] >> (levels - level);
+    *leaf = bvxi_octree_leaf_at(up, level, bvxi_octets_state(o, bit));
 }
 
 typedef struct octree_places {
@@ -242,15 +226,9 @@ static void find_octree_range(void *user, int32_t index, uint64_t begin, uint64_
             job->bad[index] = i;
             return;
         }
-        if (found) {
-            find_octree_leaf(job->tree, voxel, &job->leaves[i]);
-
-            /* Outside of the lattice is outside of the body; level 255 says that no leaf holds the point. */
-        } else {
-            memset(&job->leaves[i], 0, sizeof job->leaves[i]);
-            job->leaves[i].level = 255;
-            job->leaves[i].state = BVX_STATE_OUTSIDE;
-        }
+        if (found) find_octree_leaf(job->tree, voxel, &job->leaves[i]);
+        else /* outside of the lattice is outside of the body; level 255 says that no leaf holds the point */
+            job->leaves[i] = (bvx_octree_leaf){.level = 255, .state = BVX_STATE_OUTSIDE};
     }
 }
 
@@ -281,7 +259,6 @@ static bvx_status run_octree_at(bvx_context *context, const bvx_octree *tree, co
     octree_places job = {.tree = tree, .voxels = voxels, .leaves = leaves, .count = count};
     uint64_t bad;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(find_octree_places(context, function, voxels, "voxels", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -304,7 +281,6 @@ static bvx_status run_octree_find(bvx_context *context, const bvx_octree *tree, 
     octree_places job = {.tree = tree, .points = points, .leaves = leaves, .count = count};
     uint64_t bad;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(find_octree_places(context, function, points, "points", &job, &bad));
     if (bad == count) return BVX_OK;
     return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE, "%s: point %i is not finite",

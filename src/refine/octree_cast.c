@@ -37,7 +37,6 @@ static int ray_meets_box(const octree_ray *r, const int32_t v[3], int32_t level,
             continue;
         }
 
-        /* The plane that is met first depends on the way. */
         double const first = ((r->way[a] > 0 ? low : high) - r->u[a]) * r->per[a];
         double const last = ((r->way[a] > 0 ? high : low) - r->u[a]) * r->per[a];
         if (first > enter) {
@@ -68,10 +67,7 @@ static void try_octree_leaf(octree_ray *r, const int32_t v[3], int32_t level, in
     r->low[0] = x;
     r->low[1] = y;
     r->low[2] = z;
-    memset(&r->leaf, 0, sizeof r->leaf);
-    memcpy(r->leaf.ijk, v, sizeof r->leaf.ijk);
-    r->leaf.level = (uint8_t)level;
-    r->leaf.state = (uint8_t)state;
+    r->leaf = bvxi_octree_leaf_at(v, level, state);
 }
 
 typedef struct cast_octet {
@@ -103,8 +99,9 @@ static void cast_into_octets(octree_ray *r, uint64_t octet, const int32_t v[3])
         /* Numbers of children have a bit an axis, so the turned axes flip them into the ray's order. */
         uint32_t const p = s->n++ ^ turn; /* nearer ones first */
         uint64_t const bit = 8 * s->octet + p;
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(s->v, p, child);
 
         /* A leaf in a state that was not requested is passed over before its box is computed. */
         int const split = bvxi_octets_is_split(o, bit) != 0;
@@ -149,7 +146,6 @@ static void cast_octree_ray(octree_ray *r)
         for (int32_t j = 0; j < tree->base[1]; j++) {
             int32_t const y = in_ray_order(r, 1, j), z = in_ray_order(r, 2, k);
 
-            /* Whole rows of the base are passed over, which are most of it. */
             if (!ray_meets_row(r, y, z)) continue;
             for (int32_t i = 0; i < tree->base[0]; i++) {
                 int32_t const v[3] = {in_ray_order(r, 0, i), y, z};
@@ -185,7 +181,6 @@ static void cast_octree_piece(void *user, uint64_t begin, uint64_t end)
         int usable = 1;
         r.tree = job->tree;
 
-        /* Later hits only count when they are nearer than the one found. */
         r.end = job->t_max;
         r.states = job->states;
         for (int a = 0; a < 3; a++) {
@@ -199,7 +194,6 @@ static void cast_octree_piece(void *user, uint64_t begin, uint64_t end)
         }
         if (usable) cast_octree_ray(&r);
 
-        /* A miss is all zero. */
         memset(&job->hits[i], 0, sizeof job->hits[i]);
         if (!r.found) continue;
         job->hits[i].t = r.t;
@@ -231,9 +225,8 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
                                   const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits)
 {
     static const char *const function = "bvx_octree_cast";
-    octree_cast job = {0};
+    octree_cast job = {.tree = tree, .t_max = t_max};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
     if (!(t_max >= 0))
@@ -243,10 +236,8 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
     if (rays == NULL) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL) return bvxi_fail_null(context, function, "hits");
     BVXI_TRY(check_octree_rays(context, rays, count));
-    job.tree = tree;
     job.rays = rays;
     job.hits = hits;
-    job.t_max = t_max;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;
     return bvxi_for(context, "octree", count, 64, cast_octree_piece, &job);
 }

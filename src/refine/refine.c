@@ -142,19 +142,8 @@ static int32_t choose_start(const bvxi_refine_job *job)
 
 /* ---- the work ---- */
 
-static void drop_refinement(bvxi_refine_job *job)
-{
-    bvxi_refine_free_front(job, &job->front);
-    for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= 0; l--) {
-        bvxi_drop(job->ctx, job->up[l]);
-        job->up[l] = NULL;
-    }
-    bvxi_refine_free_grids(job);
-}
-
 static void drop_octets(bvxi_refine_job *job, int32_t from)
 {
-    /* Deepest first, as they were made last. */
     for (int32_t l = BVXI_OCTREE_LEVELS - 1; l >= from; l--) {
         bvxi_octets_close(job->ctx, &job->tree->octets[l]);
         bvxi_drop(job->ctx, job->up[l]);
@@ -245,42 +234,40 @@ static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 
     /* From the base on less memory is needed: lists in place of one large grid. */
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
-        drop_refinement(job);
         drop_octets(job, 0);
         bvxi_octets_close(job->ctx, &job->tree->root);
         (void)bvxi_scratch_end(job->ctx, mark, status);
+        memset(&job->front, 0, sizeof job->front);
+        memset(&job->grids, 0, sizeof job->grids);
         job->start = 0;
         status = run_refinement(job);
     }
-    drop_refinement(job);
     return status;
+}
+
+static bvx_status refine_mesh(bvxi_refine_job *job, const bvx_lattice *base, bvx_refine_options *o)
+{
+    BVXI_TRY(last_lattice(job->ctx, base, o->levels, &job->tree->lattice));
+    BVXI_TRY(bvxi_snap(job->ctx, bvx_refine_name, job->view, &job->tree->lattice, &job->snapped));
+    BVXI_TRY(take_refine_window(job, o));
+    return refine_from_start(job, o->start_level);
 }
 
 static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                              const bvx_refine_options *options, bvx_octree **tree)
 {
     bvx_refine_options o;
-    bvxi_refine_job job;
+    bvxi_refine_job job = {.ctx = context, .view = mesh};
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
 
-    /* Zeroed, so that all can be let go after any failure. */
-    memset(&job, 0, sizeof job);
-    job.ctx = context;
-    job.view = mesh;
     BVXI_TRY(bvxi_alloc_zero(context, BVXI_RESULT, sizeof *job.tree, "the octree", &job.tree));
     memcpy(job.tree->base, base->dims, sizeof job.tree->base);
     job.tree->levels = o.levels;
     job.tree->row_words = bvxi_row_words(base->dims[0]);
-    status = last_lattice(context, base, o.levels, &job.tree->lattice);
-    if (status == BVX_OK)
-        status = bvxi_snap(context, bvx_refine_name, mesh, &job.tree->lattice, &job.snapped);
-    if (status == BVX_OK) status = take_refine_window(&job, &o);
-    if (status == BVX_OK) status = refine_from_start(&job, o.start_level);
-    bvxi_snap_free(context, &job.snapped);
+    status = refine_mesh(&job, base, &o);
     if (status != BVX_OK) {
         bvx_octree_free(context, job.tree);
         return status;

@@ -29,7 +29,6 @@ static void octets_of_piece(const level_job *job, int32_t index, uint64_t *begin
 {
     bvxi_piece(bvxi_octet_words(job->front->count), job->pieces, index, begin, end);
 
-    /* Eight octets are one word of a mask. */
     *begin *= 8;
     *end = *end * 8 < job->front->count ? *end * 8 : job->front->count;
 }
@@ -68,7 +67,6 @@ static void end_level_batch(const level_job *job, level_batch *batch)
 {
     bvxi_children_of_batch(&batch->children, batch->count, job->half, bvxi_cpu(job->refine->ctx));
 
-    /* Hits are kept for the lists of the next level; the last level has none. */
     for (uint32_t i = 0; i < batch->count; i++) {
         uint64_t const n = batch->octet[i];
         job->octets->touched[n >> 3] |= (uint64_t)batch->children.touched[i] << (8 * (n & 7));
@@ -125,8 +123,9 @@ static uint32_t children_to_split(const level_job *job, uint64_t n, uint32_t tou
     if (job->octets->split == NULL || job->octets->split == job->octets->touched)
         return job->last ? 0 : touched;
     for (uint32_t p = 0; p < 8; p++) {
-        int32_t const child[3] = {2 * v[0] + (int32_t)(p & 1), 2 * v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(v, p, child);
 
         /* Outside of the window a touched child stays a leaf. */
         if ((touched >> p & 1) == 0 || !bvxi_refine_wants(refine, job->level + 1, child)) continue;
@@ -153,13 +152,12 @@ static uint64_t pairs_of_octet(const level_job *job, uint64_t n, uint32_t split)
     return pairs;
 }
 
-static void mark_octets(void *user, int32_t index, int32_t worker)
+static void mark_octets(void *user, int32_t index)
 {
     level_job *const job = user;
     int const from_grid = job->level < job->refine->start;
     uint64_t begin, end, children = 0, pairs = 0;
 
-    (void)worker;
     octets_of_piece(job, index, &begin, &end);
 
     /* From lists all octets of the piece go through batches first; from a grid each is read by itself. */
@@ -191,19 +189,17 @@ static void place_lists(level_job *job, uint64_t n, uint32_t split, uint64_t chi
     }
 }
 
-static void place_children(void *user, int32_t index, int32_t worker)
+static void place_children(void *user, int32_t index)
 {
     level_job *const job = user;
     int const lists = job->level >= job->refine->start;
     uint64_t begin, end, child = job->children[index], place = job->pairs[index];
 
-    (void)worker;
     octets_of_piece(job, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
         const int32_t *const v = job->front->ijk + 3 * n;
         uint32_t const split = bvxi_octet_split(job->octets, n);
 
-        /* Numbers of children and places of their lists advance together. */
         if (lists) place_lists(job, n, split, child, &place);
         for (uint32_t p = 0; p < 8; p++) {
             if ((split >> p & 1) == 0) continue;
@@ -233,7 +229,6 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
             bvxi_alloc(ctx, BVXI_SCRATCH, (next->slots + 1) * 8, "a level's list places", &next->offset));
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, next->pairs * 4, "a level's triangle lists", &next->list));
 
-        /* The end of the last list. */
         next->offset[next->slots] = next->pairs;
     }
     job->refine->up_count[job->level + 1] = next->count;
@@ -268,14 +263,13 @@ static bvx_status split_front(level_job *job, double from, double to)
 
     BVXI_TRY(bvxi_octets_open(ctx, refine->front.count, bvxi_octet_words(refine->front.count),
                               bvxi_refine_split_kind(refine, job->level + 1), job->octets));
-    BVXI_TRY(bvxi_parallel(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
+    BVXI_TRY(bvxi_each(ctx, "refine", from, (from + to) / 2, job->pieces, mark_octets, job));
 
-    /* Ranks are needed as soon as the level below is looked at. */
     bvxi_octets_count(job->octets);
     if (job->last) return BVX_OK;
     BVXI_TRY(open_next_front(ctx, job));
     job->up = refine->up[job->level + 1];
-    return bvxi_parallel(ctx, "refine", (from + to) / 2, to, job->pieces, place_children, job);
+    return bvxi_each(ctx, "refine", (from + to) / 2, to, job->pieces, place_children, job);
 }
 
 bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)

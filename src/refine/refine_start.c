@@ -121,7 +121,7 @@ typedef struct start_job {
     const bvxi_refine_job *refine;
 } start_job;
 
-static void touch_start_tile(void *user, int32_t number, int32_t worker)
+static void touch_start_tile(void *user, int32_t number)
 {
     start_job *const start = user;
     bvxi_surface_job *const job = &start->surface;
@@ -129,7 +129,6 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
     const uint32_t *const id = job->bins.id != NULL ? job->bins.id + begin : NULL;
     bvxi_surface_tile tile;
 
-    (void)worker;
     memset(&tile, 0, sizeof tile);
     tile.job = job;
     tile.rows = bvxi_tiles_rows(&job->tiles, number);
@@ -150,7 +149,7 @@ static void touch_start_tile(void *user, int32_t number, int32_t worker)
 static bvx_status touch_start(bvx_context *ctx, start_job *start, int32_t task, double from, double to)
 {
     start->surface.task = task;
-    return bvxi_parallel(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
+    return bvxi_each(ctx, "refine", from, to, start->surface.tiles.count, touch_start_tile, start);
 }
 
 /* offset, list and slots of the front; last is scratch for touching. */
@@ -198,7 +197,6 @@ static bvx_status make_start_lists(bvxi_refine_job *job, start_job *start)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the start's last triangles", &surface->last));
     BVXI_TRY(list_triangles(ctx, start, &job->front));
     bvxi_drop(ctx, surface->last);
-    bvxi_drop(ctx, prefix);
     return BVX_OK;
 }
 
@@ -236,8 +234,7 @@ static bvx_status touch_start_grid(bvxi_refine_job *job)
 
     /* Where the start is the last level the bits are the answer, and no lists are needed. */
     if (job->start < tree->levels) BVXI_TRY(make_start_lists(job, start));
-    bvxi_bins_close(job->ctx, &start->surface);
-    bvxi_drop(job->ctx, start);
+    bvxi_drop(job->ctx, start->surface.bins.id);
     return BVX_OK;
 }
 
@@ -269,7 +266,6 @@ static void coarsen_rows(void *user, uint64_t begin, uint64_t end)
     size_t const fine = (size_t)bvxi_refine_row_words(job->tree, job->level + 1);
 
     for (uint64_t row = begin; row < end; row++) {
-        /* Four rows of the finer level: two of one slice, two of the next. */
         const uint64_t *const a = job->fine + (size_t)(4 * ny * (row / ny) + 2 * (row % ny)) * fine;
         const uint64_t *const b = a + fine;
         const uint64_t *const c = a + (size_t)(2 * ny) * fine, *const d = c + fine;
@@ -340,7 +336,6 @@ static bvx_status make_first_front(bvxi_refine_job *job)
     if (bvxi_refine_split_kind(job, 0) == BVXI_SPLIT_SOME) split_root(job);
     job->front.count = bvxi_octets_count(&tree->root);
 
-    /* Without levels there is nothing to split. */
     if (tree->levels == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 12, "the base's voxels", &job->front.ijk));
     job->up_count[0] = job->front.count;
@@ -386,21 +381,20 @@ bvx_status bvxi_refine_lists(bvxi_refine_job *job)
     /* the front is in the grid's order */
     if (job->start == 0 && tree->root.split == tree->root.touched) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, words * 4, "the start's ranks", &ranked.before));
-    bvx_status const status = bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks",
-                                         &job->front.slot);
-    if (status == BVX_OK) {
-        /* The ranks of an octree's level serve for a grid too: both are bits in words. */
-        ranked.split = job->grids.words[job->start];
-        ranked.words = words;
-        bvxi_octets_count(&ranked);
-        for (uint64_t n = 0; n < job->front.count; n++) {
-            const int32_t *const v = job->front.ijk + 3 * n;
-            job->front.slot[n] = bvxi_octets_rank(&ranked, ((uint64_t)v[2] * ny + (uint64_t)v[1]) * row +
-                                                               (uint64_t)v[0]);
-        }
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the start's ranks", &job->front.slot));
+
+    /* The ranks of an octree's level serve for a grid too: both are bits in words. */
+    ranked.split = job->grids.words[job->start];
+    ranked.words = words;
+    bvxi_octets_count(&ranked);
+    for (uint64_t n = 0; n < job->front.count; n++) {
+        const int32_t *const v = job->front.ijk + 3 * n;
+
+        job->front.slot[n] = bvxi_octets_rank(&ranked,
+                                              ((uint64_t)v[2] * ny + (uint64_t)v[1]) * row + (uint64_t)v[0]);
     }
     bvxi_drop(job->ctx, ranked.before);
-    return status;
+    return BVX_OK;
 }
 
 void bvxi_refine_free_grids(bvxi_refine_job *job)

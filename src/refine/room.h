@@ -52,7 +52,6 @@ static inline uint32_t bvxi_octet_inherits(uint32_t p)
     return p << 3 | (~p & 7);
 }
 
-/* Words for n octets. */
 static inline uint64_t bvxi_octet_words(uint64_t n)
 {
     return (n + 7) / 8;
@@ -115,12 +114,23 @@ static inline uint32_t bvxi_octet_in_states(const bvxi_octets *o, uint64_t n, in
            ((states & BVX_STATE_INSIDE) != 0 ? ~(touched | outside) & 255 : 0);
 }
 
+/* Voxel v's child p, of the next level. */
+static inline void bvxi_child_voxel(const int32_t v[3], uint32_t p, int32_t child[3])
+{
+    for (uint32_t a = 0; a < 3; a++) child[a] = 2 * v[a] + (int32_t)(p >> a & 1);
+}
+
+static inline bvx_octree_leaf bvxi_octree_leaf_at(const int32_t v[3], int32_t level, int32_t state)
+{
+    return (bvx_octree_leaf){.ijk = {v[0], v[1], v[2]}, .level = (uint8_t)level, .state = (uint8_t)state};
+}
+
 /* ---- octree.c ---- */
 
 /* Which of the touched voxels of a level are split. */
 enum { BVXI_SPLIT_NONE = 0, BVXI_SPLIT_ALL = 1, BVXI_SPLIT_SOME = 2 };
 
-/* Masks and ranks of a level, or of the root, all zero. Refused sizes leave *octets empty. */
+/* Masks and ranks of a level, or of the root, all zero. After a failure *octets holds what was made. */
 bvx_status bvxi_octets_open(bvx_context *ctx, uint64_t count, uint64_t words, int split, bvxi_octets *octets);
 void bvxi_octets_close(bvx_context *ctx, bvxi_octets *octets);
 /* Fill `before`; returns the split bits, of which there must be fewer than 2^32. */
@@ -128,7 +138,6 @@ uint64_t bvxi_octets_count(bvxi_octets *octets);
 bvx_status bvxi_octree_check(bvx_context *ctx, const char *function, const bvx_octree *tree);
 /* Refuse what is no set of states. */
 bvx_status bvxi_octree_check_states(bvx_context *ctx, const char *function, int32_t states);
-/* The lattice of a level. */
 bvx_status bvxi_octree_lattice(bvx_context *ctx, const bvx_octree *tree, int32_t level, bvx_lattice *lattice);
 
 /* ---- leaves.c ---- */

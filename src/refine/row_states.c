@@ -40,7 +40,6 @@ static void decide_last(const row_states_job *job, uint64_t octet, const int32_t
     const uint64_t *const at = g->words + (uint64_t)z * slice + (uint64_t)y * row + (uint64_t)(x >> 6);
     unsigned const shift = (unsigned)x & 63;
 
-    /* Solids begin at even voxels, so both bits of a pair are in one word. */
     uint32_t const inside = (uint32_t)((at[0] >> shift & 3) | (at[row] >> shift & 3) << 2 |
                                        (at[slice] >> shift & 3) << 4 | (at[slice + row] >> shift & 3) << 6);
     bvxi_octet_put(o->outside, octet, 255 & ~(inside | bvxi_octet_mask(o->touched, octet)));
@@ -67,8 +66,9 @@ static void decide_tree(const row_states_job *job, uint64_t octet, const int32_t
         /* Counted up before the child is entered, as the walk comes back here. */
         uint32_t const p = s->p++;
         uint64_t const bit = 8 * s->octet + p;
-        int32_t const child[3] = {2 * s->v[0] + (int32_t)(p & 1), 2 * s->v[1] + (int32_t)(p >> 1 & 1),
-                                  2 * s->v[2] + (int32_t)(p >> 2)};
+        int32_t child[3];
+
+        bvxi_child_voxel(s->v, p, child);
 
         /* The last octets are the most by far: eight voxels with one look. */
         if (bvxi_octets_is_split(o, bit) && level + 2 == job->tree->levels) {
@@ -118,7 +118,6 @@ static int rows_meet_window(const bvxi_refine_job *job, const uint32_t corner[3]
             high = q > high ? q : high;
         }
 
-        /* A row that no triangle crosses near the window cannot change what is counted there. */
         if (bvxi_floor_shift(high, shift) < job->low[a] >> up ||
             bvxi_floor_shift(low - 1, shift) > job->last[a] >> up)
             return 0;
@@ -136,7 +135,6 @@ static uint64_t gather_near(const bvxi_refine_job *job, double *positions)
         bvxi_view_triangle(job->view, t, corner);
         if (!rows_meet_window(job, corner)) continue;
 
-        /* Positions, not indices: most vertices of the mesh are far away. */
         for (uint64_t c = 0; c < 3 && positions != NULL; c++)
             bvxi_view_position(job->view, corner[c], positions + 3 * (3 * n + c));
         n++;
@@ -192,9 +190,7 @@ static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *ne
     status = make_solids(job, nearby, rows);
     if (status == BVX_OK) decide_base(rows);
 
-    /* Also those that were never made: they are zero. */
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);
-    bvxi_drop(job->ctx, rows);
     return status;
 }
 
@@ -203,7 +199,6 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     uint64_t const count = gather_near(job, NULL);
     bvx_mesh_view nearby = {0};
     double *positions = NULL;
-    bvx_status status;
 
     /* A copy of most of the mesh would cost more than it saves. */
     if (count > job->view->triangle_count / 2) return decide_by_solids(job, job->view);
@@ -213,7 +208,5 @@ bvx_status bvxi_octree_row_states(bvxi_refine_job *job)
     nearby.position_type = BVX_F64;
     nearby.triangle_count = count;
     nearby.vertex_count = 3 * count;
-    status = decide_by_solids(job, &nearby);
-    bvxi_drop(job->ctx, positions);
-    return status;
+    return decide_by_solids(job, &nearby);
 }

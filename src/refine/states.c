@@ -107,7 +107,6 @@ void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
         uint64_t const news = job->tree->root.outside[first + i] & ~job->passed[first + i];
         if (news == 0) continue;
 
-        /* Each bit is passed on once. */
         job->passed[first + i] |= news;
         if (y > 0) pass_to_row(job, row - 1, i, news, 1);
         if (y + 1 < ny) pass_to_row(job, row + 1, i, news, 4);
@@ -350,7 +349,6 @@ static void work_on_cube(bvxi_states_job *job, uint64_t octet)
     for (int d = 0; d < BVXI_DIRECTIONS; d++)
         if ((c->state >> d & 1) != 0) news |= bvxi_cube_side(d);
 
-    /* 64 voxels in one word are flooded without a list. */
     news = bvxi_cube_flood(news & open, open);
     c->state = (uint8_t)(c->state & ~BVXI_IN_LIST);
     c->fresh = 0;
@@ -423,7 +421,6 @@ static void take_octets(const bvxi_states_job *job)
 {
     for (int32_t l = 0; l < job->bottom; l++)
 
-        /* Bytes side by side: the flood reads what is touched, split and outside of an octet together. */
         for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
             bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
                                            (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
@@ -448,13 +445,12 @@ static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t in
     *end = *end * 8 < count ? *end * 8 : count;
 }
 
-static void give_cubes(void *user, int32_t index, int32_t worker)
+static void give_cubes(void *user, int32_t index)
 {
     const bvxi_states_job *const job = user;
     const bvxi_octets *const o = &job->tree->octets[job->bottom];
     uint64_t begin, end;
 
-    (void)worker;
     words_of_piece(job, job->bottom, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) { /* a leaf has all or none of its voxels */
         uint32_t const leaves = 255 & ~bvxi_octet_mask(o->touched, n);
@@ -464,7 +460,6 @@ static void give_cubes(void *user, int32_t index, int32_t worker)
         bvxi_octet_put(o->outside, n, outside & leaves);
     }
 
-    /* A tree of one level has no octets below the cubes. */
     if (o->split == NULL) return;
     words_of_piece(job, job->bottom + 1, index, &begin, &end);
     for (uint64_t n = begin; n < end; n++) {
@@ -513,7 +508,7 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     bvxi_expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
     give_octets(job);
-    return bvxi_parallel(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
+    return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 
 bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *const *up)
@@ -521,7 +516,7 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     int32_t const bottom = bottom_of_levels(tree->levels);
     uint64_t const octets = octets_above(tree, bottom), cubes = bottom >= 0 ? tree->octets[bottom].count : 0;
     uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
-    bvxi_states_job job = {0};
+    bvxi_states_job job = {.tree = tree, .up = up};
     unsigned char *block;
     bvx_status status;
 
@@ -529,8 +524,6 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "bvx_refine: %u voxels are split; 2^32 - 2 are possible", octets + cubes);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the boundary states", &block));
-    job.tree = tree;
-    job.up = up;
     job.bottom = bottom;
     job.nx = tree->base[0];
     job.ny = tree->base[1];

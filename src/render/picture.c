@@ -126,12 +126,11 @@ static void picture_band(const bvxi_picture *p, int32_t index, int32_t *begin, i
     *end = *begin + BVXI_PICTURE_BAND < p->options.height ? *begin + BVXI_PICTURE_BAND : p->options.height;
 }
 
-static void draw_picture_band(void *user, int32_t index, int32_t worker)
+static void draw_picture_band(void *user, int32_t index)
 {
     const bvxi_picture *const p = ((const picture_work *)user)->picture;
     bvxi_raster_rows rows;
 
-    (void)worker;
     picture_band(p, index, &rows.begin, &rows.end);
     /* Bands are counted in pixels, the raster in samples. */
     rows.begin *= p->options.samples;
@@ -140,11 +139,10 @@ static void draw_picture_band(void *user, int32_t index, int32_t worker)
     p->draw(p->model, &p->raster, rows);
 }
 
-static void shade_picture_band(void *user, int32_t index, int32_t worker)
+static void shade_picture_band(void *user, int32_t index)
 {
     const picture_work *const w = user;
     int32_t begin, end;
-    (void)worker;
     picture_band(w->picture, index, &begin, &end);
     bvxi_shade_rows(w->shade, begin, end);
 }
@@ -159,12 +157,12 @@ static bvx_status draw_and_shade(bvx_context *ctx, bvxi_picture *p, uint64_t sam
      * comes from around each sample: so it is a second pass. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's depths", &p->raster.depth));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, samples * 4, "the picture's samples", &p->raster.id));
-    BVXI_TRY(bvxi_parallel_long(ctx, "render", 0.2, 0.5, bands, (double)samples / bands * NANOSECONDS_TO_DRAW,
-                                draw_picture_band, &work));
+    BVXI_TRY(bvxi_each_long(ctx, "render", 0.2, 0.5, bands, (double)samples / bands * NANOSECONDS_TO_DRAW,
+                            draw_picture_band, &work));
     BVXI_TRY(bvxi_shade_open(ctx, p, &shade));
     work.shade = shade;
-    BVXI_TRY(bvxi_parallel_long(ctx, "render", 0.5, 1.0, bands,
-                                (double)samples / bands * NANOSECONDS_TO_SHADE, shade_picture_band, &work));
+    BVXI_TRY(bvxi_each_long(ctx, "render", 0.5, 1.0, bands, (double)samples / bands * NANOSECONDS_TO_SHADE,
+                            shade_picture_band, &work));
     bvxi_shade_close(ctx, shade);
     return BVX_OK;
 }

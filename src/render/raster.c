@@ -168,15 +168,13 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     }
 }
 
-static void count_bins_piece(void *user, int32_t index, int32_t worker)
+static void count_bins_piece(void *user, int32_t index)
 {
-    (void)worker;
     walk_bins_piece(user, index, 0);
 }
 
-static void fill_bins_piece(void *user, int32_t index, int32_t worker)
+static void fill_bins_piece(void *user, int32_t index)
 {
-    (void)worker;
     walk_bins_piece(user, index, 1);
 }
 
@@ -209,11 +207,11 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
     bins->bands = bands;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
-    BVXI_TRY(bvxi_parallel(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w));
+    BVXI_TRY(bvxi_each(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w));
     /* Counts are places now, and their sum is the size of the list. */
     place_bins(&w);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle));
-    BVXI_TRY(bvxi_parallel(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w));
+    BVXI_TRY(bvxi_each(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w));
     bvxi_drop(ctx, w.place);
     return BVX_OK;
 }

@@ -135,7 +135,6 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
     static const char *const function = "bvx_render_grid";
     bvxi_grid_scene s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -170,7 +169,6 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
     static const char *const function = "bvx_render_difference";
     bvxi_grid_scene s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     if (before == NULL) return bvxi_fail_null(context, function, "before");

@@ -269,7 +269,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     bvxi_mesh_scene s;
     double low[3], high[3];
     bvx_status status;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     s.view = mesh;
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));

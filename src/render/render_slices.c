@@ -283,13 +283,12 @@ static int is_sheet_line(const sheet_side *side, int32_t at)
            cell_begin(side, (int32_t)cell) == at;
 }
 
-static void draw_sheet_band(void *user, int32_t index, int32_t worker)
+static void draw_sheet_band(void *user, int32_t index)
 {
     const slice_sheet *const s = user;
     int32_t const begin = index * BVXI_PICTURE_BAND, height = s->image.height;
     int32_t const end = begin + BVXI_PICTURE_BAND < height ? begin + BVXI_PICTURE_BAND : height;
 
-    (void)worker;
     /* Background and lines first, then slices over them. */
     for (int32_t y = begin; y < end; y++) {
         uint8_t *const row = s->image.pixels + (size_t)y * (size_t)s->image.width * 3;
@@ -311,7 +310,7 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;
-    status = bvxi_parallel(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
+    status = bvxi_each(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
     if (status != BVX_OK) bvx_image_free(ctx, &s->image);
     return status;
 }
@@ -322,7 +321,6 @@ static bvx_status run_render_slices(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_render_slices";
     slice_sheet s;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&s, 0, sizeof s);
     /* Options of the view are not looked at: slices have no direction. */
     BVXI_TRY(bvxi_picture_options(context, function, options, image, 0, &s.options));

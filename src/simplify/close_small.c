@@ -19,6 +19,9 @@ enum {
     LOOP_REACH = 1 << 16 /* triangles within which both sides of a loop meet or one ends, or it is kept */
 };
 
+/* Mean edges that what is closed may lie from its planes. */
+#define CLOSE_NEAR 0.67
+
 /* Three edges by their vertices; ghost: a triangle of the hole that they are around, or -1. */
 typedef struct small_loop {
     uint32_t v[3];
@@ -240,6 +243,21 @@ static int sides_meet(loop_work *w, const loop_side side[2])
     return 0;
 }
 
+/* 1: a position is no further from the planes of a vertex than those of levels that look like their source are. */
+static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
+{
+    const bvxi_corner_vertex *const at = &c->mesh.at[v];
+    double const trace = at->a[0] + at->a[3] + at->a[5];
+    bvxi_quadric q = {.c = at->c};
+    double d[3];
+
+    memcpy(q.a, at->a, sizeof q.a);
+    memcpy(q.b, at->b, sizeof q.b);
+    for (int k = 0; k < 3; k++) d[k] = (p[k] - at->p[k]) * c->scale;
+    return bvxi_quadric_at(&q, d) * (double)c->mesh.left <=
+           CLOSE_NEAR * CLOSE_NEAR * EDGE_SQUARE * c->area * trace;
+}
+
 /* ---- Handles ---- */
 
 /* 0: the vertices of the loop cannot be one on this side. */
@@ -285,6 +303,8 @@ static int place_side(const bvxi_collapse *c, loop_side *side)
         bvxi_area_normal(at[bvxi_corner_vertex_of(&c->mesh, star->corner[i])].p, a, b, before);
         if (!(bvxi_vec_dot(n, before) > 0)) return 0;
     }
+    for (int k = 0; k < 3; k++)
+        if (!lies_near(c, v[k], side->p)) return 0;
     return 1;
 }
 
@@ -356,19 +376,6 @@ static int cut_handle(loop_work *w, loop_side side[2])
 
 /* ---- Knobs ---- */
 
-/* What it costs to have the first vertex of a loop in place of another one. */
-static double cost_of(const bvxi_collapse *c, uint32_t v, uint32_t first)
-{
-    const bvxi_corner_vertex *const at = &c->mesh.at[v];
-    bvxi_quadric q = {.c = at->c};
-    double d[3];
-
-    memcpy(q.a, at->a, sizeof q.a);
-    memcpy(q.b, at->b, sizeof q.b);
-    for (int k = 0; k < 3; k++) d[k] = (c->mesh.at[first].p[k] - at->p[k]) * c->scale;
-    return bvxi_quadric_at(&q, d);
-}
-
 /* The side that ended becomes a triangle. */
 static int drop_knob(loop_work *w, const loop_side side[2])
 {
@@ -377,23 +384,21 @@ static int drop_knob(loop_work *w, const loop_side side[2])
     uint32_t const ended = w->open[0] == 0 ? 0 : 1, own = w->marks - ended;
     const loop_side *const s = &side[ended];
     uint32_t n = 0, within = 0;
-    double cost = 0;
     int32_t beside[3];
     int put;
 
     for (uint32_t i = 0; i < w->queued; i++)
         if (w->mark_triangle[w->queue[i]] == own) w->queue[n++] = w->queue[i];
     w->marks++;
-    for (uint32_t i = 0; i < 3 * n && cost <= (double)c->reached; i++) {
+    for (uint32_t i = 0; i < 3 * n; i++) {
         uint32_t const v = m->triangle[w->queue[i / 3]].vertex[i % 3];
 
         if (!may_loop(c, v)) return 0;
         if (w->mark[v] == w->marks || is_of(s->loop, v)) continue;
+        if (!lies_near(c, v, m->at[s->loop[0]].p)) return 0;
         w->mark[v] = w->marks;
-        cost += cost_of(c, v, s->loop[0]);
         within++;
     }
-    if (!(cost <= (double)c->reached)) return 0;
 
     for (uint32_t i = 0; i < n; i++) toggle(m, w->queue[i]);
     put = may_put(c, s->loop);

@@ -17,10 +17,6 @@
 #include "bits/bits.h"
 #include "core/vec3.h"
 
-/* A new triangle keeps its side when its normal turns by less than about 78 degrees. */
-#define SIDE_COSINE 0.2
-/* Twice the area over the sum of squared sides, of a triangle that is no needle (equal sides: 0.577). */
-#define NEEDLE_SHAPE 0.002
 /* Of all vertices, those whose edges a sweep takes. */
 #define SWEEP_SHARE 0.5
 /* Times the cost that edges had so far. */
@@ -75,49 +71,6 @@ static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, col
     return bvxi_star_close(star);
 }
 
-/* The sum of squared sides. */
-static double sides_of(const double *a, const double *b, const double *c)
-{
-    return bvxi_vec_distance2(a, b) + bvxi_vec_distance2(b, c) + bvxi_vec_distance2(c, a);
-}
-
-/* 1: the triangles of the star keep their sides, and their shapes, when their vertex moves to p. */
-static int judge_shapes(const bvxi_corners *m, const bvxi_edge_planned *plan, const collapse_star *star,
-                        const double *p, int needles)
-{
-    for (int32_t i = 0; i < star->count; i++) {
-        uint32_t const at_a = star->link[i], at_b = star->link[i + 1];
-        const double *const apex = bvxi_corner_position(m, i < star->of_v ? plan->v : plan->u);
-        const double *a, *b;
-        double n[3], before[3], cosine, n_square, before_square, sides, sides_before;
-
-        if (at_a == BVXI_VERTEX_GHOST || at_b == BVXI_VERTEX_GHOST) continue;
-        a = bvxi_corner_position(m, at_a);
-        b = bvxi_corner_position(m, at_b);
-        bvxi_area_normal(p, a, b, n);
-        bvxi_area_normal(apex, a, b, before);
-        n_square = bvxi_vec_dot(n, n);
-        before_square = bvxi_vec_dot(before, before);
-
-        /* No area, or NaN: nothing below could judge its side. */
-        if (!(n_square > 0)) return 0;
-
-        /* What had no area has no side to keep. */
-        cosine = bvxi_vec_dot(n, before);
-        if (!(cosine > 0 && cosine * cosine > SIDE_COSINE * SIDE_COSINE * n_square * before_square) &&
-            before_square > 0)
-            return 0;
-
-        /* A needle may stay one where the collapse makes it no thinner. */
-        if (needles) continue;
-        sides = sides_of(p, a, b);
-        if (BVXI_LIKELY(n_square >= NEEDLE_SHAPE * NEEDLE_SHAPE * sides * sides)) continue;
-        sides_before = sides_of(apex, a, b);
-        if (!(n_square * sides_before * sides_before > before_square * sides * sides)) return 0;
-    }
-    return 1;
-}
-
 /* ---- Collapsing ---- */
 
 typedef struct collapse_sweep {
@@ -150,13 +103,14 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
 {
     bvxi_corners *const m = &c->mesh;
     float least = COLLAPSE_NEVER;
-    int32_t best = -1;
+    int32_t best = -1, edges[2 * COLLAPSE_STAR];
 
+    for (int32_t i = 0; i < star->count; i++) edges[i] = bvxi_corner_previous(star->corner[i]);
+    bvxi_edges_evaluate(c, u, star->link, edges, star->count);
     for (int32_t i = 0; i < star->count; i++) {
-        int32_t const edge = bvxi_corner_previous(star->corner[i]);
-        float const cost = bvxi_edge_evaluate(c, edge);
+        int32_t const edge = edges[i];
+        float const cost = bvxi_edge_cost(m, edge);
 
-        bvxi_edge_put_cost(m, edge, cost);
         if (cost < least) {
             least = cost;
             best = edge;
@@ -165,19 +119,21 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
     c->least[u] = least;
     c->edge[u] = best;
 
+    /* Of the neighbours those whose cheapest edge is another one keep it; at the ends of the link two became one. */
     for (int32_t i = 0; i < star->count; i++) {
         uint32_t const w = star->link[i];
-        int32_t const edge = bvxi_corner_previous(star->corner[i]);
+        int32_t const edge = edges[i];
+        float const cost = bvxi_edge_cost(m, edge);
         int32_t old;
 
         if (w == BVXI_VERTEX_GHOST) continue;
         old = c->edge[w];
-        if (old < 0 || bvxi_corner_gone(m, old) || bvxi_corner_vertex_of(m, bvxi_corner_next(old)) == u ||
-            bvxi_corner_vertex_of(m, bvxi_corner_previous(old)) == u) {
-            bvxi_edge_find_least(c, w);
-        } else if (bvxi_edge_cost(m, edge) < c->least[w]) {
-            c->least[w] = bvxi_edge_cost(m, edge);
+        if (cost < c->least[w]) {
+            c->least[w] = cost;
             c->edge[w] = edge;
+        } else if ((old == edge) | (old == bvxi_corner_opposite(m, edge)) |
+                   ((i == 0 || i == star->of_v) && old >= 0 && bvxi_corner_gone(m, old))) {
+            bvxi_edge_find_least(c, w);
         }
     }
 }
@@ -249,7 +205,7 @@ static int judge_at(const collapse_sweep *s, const bvxi_edge_planned *plan, cons
 
     for (int k = 0; k < 3; k++) p[k] = bvxi_collapse_rounded(c, from[k] + d[k] / c->scale);
     if (d[0] == 0 && d[1] == 0 && d[2] == 0) memcpy(p, from, 3 * sizeof *p);
-    return judge_shapes(&c->mesh, plan, star, p, needles) &&
+    return bvxi_edge_judge_shapes(c, plan, star, p, needles) &&
            (c->tree.node[0] == NULL ||
             !bvxi_collapse_crosses(c, plan->u, plan->v, star->link, star->count, p));
 }
@@ -288,7 +244,7 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
 
 static int in_range(const collapse_sweep *s, uint64_t range, uint32_t v)
 {
-    return v == BVXI_VERTEX_GHOST || v / s->size == range;
+    return v == BVXI_VERTEX_GHOST || v - range * s->size < s->size;
 }
 
 /* 1: all that the collapse touches lies in the range. */
@@ -406,7 +362,7 @@ typedef struct range_job {
     collapse_range *ranges;
 } range_job;
 
-static void range_piece(void *user, int32_t index, int32_t worker)
+static void range_piece(void *user, int32_t index)
 {
     const range_job *const job = user;
     const collapse_sweep *const s = job->s;
@@ -415,7 +371,6 @@ static void range_piece(void *user, int32_t index, int32_t worker)
     uint64_t const begin = (uint64_t)index * s->size;
     uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
     uint64_t candidates = 0, quota;
-    (void)worker;
 
     /* Each range has its part of what is needed, so that all of them together take no more. */
     for (uint64_t v = begin; v < end; v++) candidates += c->least[v] <= s->threshold;

@@ -14,7 +14,8 @@ enum {
     COLLAPSE_CURVE_BITS = 21, /* of the order in space along each axis */
     COLLAPSE_BUCKET = 32,     /* triangles that are ordered by insertion */
     COLLAPSE_IDLE = 8,        /* sweeps without a collapse until all edges are looked at anew */
-    COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one */
+    COLLAPSE_JUDGED = 4,      /* crossings are looked for after so many triangles have become one, */
+    COLLAPSE_MANY = 1 << 16,  /* and in closed meshes of so many, where few cross, after twice as many */
 };
 
 /* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
@@ -62,27 +63,47 @@ static bvx_status collapse_within(bvxi_collapse *c, uint64_t target, double from
     return BVX_OK;
 }
 
-/* What lies further from the surface than in levels that look like their source goes only where the target is met by
- * it, little by little: a shape that cannot have so few triangles is not crumpled to come nearer. */
+/* 1: vertices may lie further from their planes than in levels that look like their source. Of a closed mesh no fewer
+ * triangles than its Euler characteristic and four vertices have are possible. A strong pull towards even triangles
+ * would be measured as a distance, too. */
+static int may_crumple(const bvxi_collapse *c, uint64_t target)
+{
+    return c->options.even <= EVEN_LITTLE &&
+           (c->mesh.ghosts != 0 || target + 2 * c->alive >= c->mesh.left + 8);
+}
+
+/* From so many mean edges on little by little to the most. A shape that cannot have so few triangles is not crumpled
+ * to come nearer: what was done is undone. */
+static bvx_status collapse_crumpling(bvxi_collapse *c, uint64_t target, double first, double from, double to)
+{
+    float const reached = c->reached;
+    uint32_t const order = c->order;
+
+    for (c->crumpled = first;; c->crumpled *= CRUMPLED_STEP) {
+        if (c->crumpled > CRUMPLED_MOST) c->crumpled = CRUMPLED_MOST;
+        BVXI_TRY(collapse_within(c, target, from, to));
+        if (c->mesh.left <= target) return BVX_OK;
+        if (c->crumpled == CRUMPLED_MOST) break;
+        BVXI_TRY(bvxi_collapse_evaluate(c));
+    }
+    bvxi_collapse_undo_since(c, order);
+    memset(c->stale, 1, (size_t)c->mesh.vertices);
+    c->reached = reached;
+    return bvxi_collapse_evaluate(c);
+}
+
 static bvx_status collapse_edges(bvxi_collapse *c, uint64_t target, int last, double from, double to)
 {
-    uint32_t order;
+    /* Strips between seams meet before they crumple: what looks like the source goes first there. */
+    int const seams = c->attributes.row != NULL;
 
-    /* A strong pull towards even triangles would be measured as a distance, too. */
+    if (last && !seams && may_crumple(c, target))
+        BVXI_TRY(collapse_crumpling(c, target, CRUMPLED_MOST, from, to));
     c->crumpled = c->options.even <= EVEN_LITTLE ? CRUMPLED_LITTLE : CRUMPLED_ANY;
     BVXI_TRY(collapse_within(c, target, from, to));
-    order = c->order;
-
-    /* A closed mesh keeps its Euler characteristic and has four vertices at least: fewer triangles are out of reach. */
-    if (c->mesh.ghosts == 0 && target + 2 * c->alive < c->mesh.left + 8) return BVX_OK;
-    while (last && c->mesh.left > target && c->crumpled < CRUMPLED_MOST) {
-        c->crumpled = c->crumpled * CRUMPLED_STEP < CRUMPLED_MOST ? c->crumpled * CRUMPLED_STEP
-                                                                  : CRUMPLED_MOST;
-        BVXI_TRY(bvxi_collapse_evaluate(c));
-        BVXI_TRY(collapse_within(c, target, to, to));
-    }
-    if (last && c->mesh.left > target) bvxi_collapse_undo_since(c, order);
-    return BVX_OK;
+    return last && seams && c->mesh.left > target && may_crumple(c, target)
+               ? collapse_crumpling(c, target, CRUMPLED_LITTLE * CRUMPLED_STEP, to, to)
+               : BVX_OK;
 }
 
 /* Cut and fill what is small beside the triangles of a level, and go on to it without. In the last one only where
@@ -108,16 +129,24 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     uint64_t undone;
     int met;
 
-    c->listed = 0;
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(bvxi_collapse_pack(c));
     BVXI_TRY(collapse_edges(c, target, last, from, middle));
     met = c->mesh.left <= target;
-    BVXI_TRY(bvxi_collapse_judge(c, last && c->options.counted, middle, to, &undone));
+    BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
     if (c->options.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
+}
+
+/* Where crossings are looked for next on the way to the last level. */
+static uint64_t judged_next(const bvxi_collapse *c, uint64_t triangles, uint64_t last)
+{
+    int const seldom = triangles >= COLLAPSE_MANY && c->mesh.ghosts == 0;
+    uint64_t const next = triangles / (seldom ? 2 * COLLAPSE_JUDGED : COLLAPSE_JUDGED);
+
+    return next > (seldom ? 2 * last : last) ? next : last;
 }
 
 bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, double to)
@@ -126,7 +155,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
     /* What is small is closed before the target, so that other triangles need not make up for those that go. */
     uint64_t const near = c->options.topology != BVX_TOPOLOGY_KEEP ? target + target / 4 : target;
     uint64_t const last = near < begun ? near : begun;
-    uint64_t next = begun / COLLAPSE_JUDGED > last ? begun / COLLAPSE_JUDGED : last;
+    uint64_t next = judged_next(c, begun, last);
 
     /* Judged on the way, what crosses has little built on it. */
     while (next > target) {
@@ -135,7 +164,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 
         BVXI_TRY(collapse_judged(c, next, 0, at, end > at ? end : at));
         if (next == last || c->mesh.left > next) break;
-        next = next / COLLAPSE_JUDGED > last ? next / COLLAPSE_JUDGED : last;
+        next = judged_next(c, next, last);
     }
     if (c->mesh.left <= target) return BVX_OK;
     return collapse_judged(
@@ -206,7 +235,7 @@ static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
     if (o->packed != NULL) memcpy(v, o->packed + 3 * t, sizeof v);
     else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
-    first = v[0] < v[1] ? v[0] < v[2] ? 0 : 2 : v[1] < v[2] ? 1 : 2;
+    first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
     for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
     return first;
 }
@@ -583,6 +612,7 @@ bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_
     c->view = &sheets->view;
     c->sheets = sheets;
     c->source = sheets->source;
+    c->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
     BVXI_TRY(open_steps(c, &sheets->view));
     *collapse = c;
     return BVX_OK;

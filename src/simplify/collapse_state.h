@@ -63,6 +63,7 @@ struct bvxi_collapse {
     const char *function;
     bvxi_collapse_options options;
     bvxi_corners mesh;
+    int fast; /* 1: with AVX2 */
 
     uint32_t
         *from; /* of each triangle: that of the sheets << 2 | the corner that became its first; or NULL */
@@ -74,7 +75,8 @@ struct bvxi_collapse {
     uint8_t *kind;  /* VERTEX_... */
     uint8_t *waits; /* 1: its edge reaches into another range */
     uint8_t *fresh; /* 1: it has changed since the level was judged */
-    uint8_t *stale; /* 1: an edge of it has another cost than bvxi_edge_evaluate finds, at both of its ends */
+    uint8_t
+        *stale; /* 1: an edge of it has another cost than bvxi_edges_evaluate finds, at both of its ends */
     collapse_undo *undo; /* of vertices that are gone */
     uint32_t *last;      /* the vertex that went into this one last, or BVXI_VERTEX_NONE */
 
@@ -90,7 +92,7 @@ struct bvxi_collapse {
     uint8_t *came;      /* of each vertex, 1: triangles of the mesh crossed there; or NULL */
     uint32_t *pairs;    /* that crossed when the level was judged, or NULL [Size: crossings * 2] */
     uint64_t crossings;
-    int listed; /* 1: all of the level's were looked for */
+    int judged; /* 1: they are those of the mesh as it is, unless something is fresh */
 
     float reached;   /* cost of the dearest edges that were tried */
     double crumpled; /* mean edges that a vertex may lie from the planes that it stands for */
@@ -189,13 +191,12 @@ uint32_t bvxi_collapse_now(const bvxi_collapse *c, uint32_t v);
 bvx_status bvxi_collapse_number(bvxi_collapse *c, uint32_t **index);
 
 /* judge.c: undo collapses until no two triangles cross but beside those of the mesh that do; *undone counts
- * them. all: look also at triangles that nothing has changed, so that crossings are counted. From then on
- * collapses are looked at one by one, until the end is called. */
-bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone);
+ * them. From then on collapses are looked at one by one, until the end is called. */
+bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone);
 void bvxi_collapse_end_careful(bvxi_collapse *c);
-/* careful.c: 1 where triangles of the mesh crossed that are part of this one. */
+/* 1 where triangles of the mesh crossed that are part of this one. */
 int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle);
-/* careful.c: 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
+/* 1 when triangles from p to the edges of a link [Size: count + 1] would cross others, or each other,
  * once u and v are gone. */
 int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
                           const double *p);

@@ -45,14 +45,15 @@ typedef struct bvxi_corners {
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 
+/* Two bits for each corner, 1 2 0 and 2 0 1: a branch would be predicted badly. */
 static inline int32_t bvxi_corner_next(int32_t c)
 {
-    return (c & 3) == 2 ? c - 2 : c + 1;
+    return (c & ~3) | (9 >> 2 * (c & 3) & 3);
 }
 
 static inline int32_t bvxi_corner_previous(int32_t c)
 {
-    return (c & 3) == 0 ? c + 2 : c - 1;
+    return (c & ~3) | (18 >> 2 * (c & 3) & 3);
 }
 
 static inline uint32_t bvxi_corner_vertex_of(const bvxi_corners *m, int32_t c)

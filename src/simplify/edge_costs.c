@@ -3,9 +3,10 @@
  *
  * Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997. */
 #include "simplify/edge_costs.h"
+#include "core/simd.h"
 #include "core/vec3.h"
 
-enum { COSTS_GRAIN = 4096 }; /* triangles or vertices of a task */
+enum { COSTS_GRAIN = 4096 }; /* vertices of a task */
 
 /* ---- Cost ---- */
 
@@ -26,33 +27,23 @@ BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_co
     }
 }
 
-/* Solve A d = -b by elimination with the largest remaining diagonal first, which keeps small eigenvalues
- * apart from rounding; 0: A is singular within it. A is symmetric and not negative, so each pivot bounds its
- * row, and the rows need no pivoting of their own. A pivot within rounding of the trace is a direction that no
- * plane fixes: then the caller takes an end of the edge, which lies on the surface. NaN fails the comparison
- * too. Pivots are chosen by indices, since no processor foresees which one is the largest. */
-BVXI_VECTOR_INLINE int solve_least(const double a[6], const double b[3], double d[3])
-{
-    /* Of the axis that comes first: where the rows of the upper half lie in another order of axes. */
-    static const uint8_t upper[3][8] = {{0, 1, 2, 3, 4, 5}, {3, 1, 4, 0, 2, 5}, {5, 4, 2, 3, 1, 0}};
-    static const uint8_t axes[3][4] = {{0, 1, 2}, {1, 0, 2}, {2, 1, 0}};
-    double const least = (a[0] + a[3] + a[5]) * 1e-13;
-    int const z_first = (a[5] > a[0]) & (a[5] > a[3]), y_first = !z_first & (a[3] > a[0]);
-    const uint8_t *const at = upper[2 * z_first + y_first], *const axis = axes[2 * z_first + y_first];
-    double const by_x = 1 / a[at[0]], to_y = a[at[1]] * by_x, to_z = a[at[2]] * by_x, x = -b[axis[0]];
-    double const rest[2] = {a[at[3]] - to_y * a[at[1]], a[at[5]] - to_z * a[at[2]]};
-    double const right[2] = {-b[axis[1]] - to_y * x, -b[axis[2]] - to_z * x};
-    double const between = a[at[4]] - to_y * a[at[2]];
-    int const first = !(rest[0] > rest[1]);
-    double const by = 1 / rest[first], share = between * by, last = rest[1 - first] - share * between;
-    double s[2];
+/* Of the trace: a pivot within rounding is a direction that no plane fixes. */
+#define SOLVE_LEAST 1e-13
 
-    if (!((a[at[0]] > least) & (rest[first] > least) & (last > least))) return 0;
-    s[1 - first] = (right[1 - first] - share * right[first]) / last;
-    s[first] = right[first] * by - share * s[1 - first];
-    d[axis[0]] = (x - a[at[1]] * s[0] - a[at[2]] * s[1]) * by_x;
-    d[axis[1]] = s[0];
-    d[axis[2]] = s[1];
+/* Solve A d = -b by elimination; 0: A is singular within rounding. A is symmetric and not negative, so each pivot
+ * bounds its row, and none need be chosen. Where no plane fixes a direction the caller takes an end of the edge,
+ * which lies on the surface. NaN fails the comparison too. */
+static int solve_least(const double a[6], const double b[3], double d[3])
+{
+    double const least = (a[0] + a[3] + a[5]) * SOLVE_LEAST;
+    double const by_x = 1 / a[0], to_y = a[1] * by_x, to_z = a[2] * by_x;
+    double const y = a[3] - to_y * a[1], yz = a[4] - to_y * a[2], by_y = 1 / y, y_to_z = yz * by_y;
+    double const z = (a[5] - to_z * a[2]) - y_to_z * yz, right_y = to_y * b[0] - b[1];
+
+    if (!((a[0] > least) & (y > least) & (z > least))) return 0;
+    d[2] = ((to_z * b[0] - b[2]) - y_to_z * right_y) / z;
+    d[1] = right_y * by_y - y_to_z * d[2];
+    d[0] = ((0 - b[0] * by_x) - to_y * d[1]) - to_z * d[2];
     return 1;
 }
 
@@ -177,44 +168,103 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 
 /* ---- Costs beside the edges ---- */
 
-/* The same as plan_edge finds, of two ends that may both move anywhere. */
-static float free_cost(const bvxi_collapse *c, uint32_t u, uint32_t v)
+/* A new triangle keeps its side when its normal turns by less than about 78 degrees. */
+#define SIDE_COSINE 0.2
+/* Twice the area over the sum of squared sides, of a triangle that is no needle (equal sides: 0.577). */
+#define NEEDLE_SHAPE 0.002
+
+#define BVXI_SIMD_LEVEL _base
+#include "simplify/edge_costs_body.h"
+#undef BVXI_SIMD_LEVEL
+
+#if BVXI_HAVE_AVX2
+#define BVXI_SIMD_LEVEL _avx2
+#include "simplify/edge_costs_body.h"
+#undef BVXI_SIMD_LEVEL
+#endif
+
+/* No more than the type holds, and nothing that compares with nothing. */
+static void put_cost(bvxi_corners *m, int32_t edge, double cost)
 {
-    double offset[3], d[3], length = 0, reach = 0, cost, at_v;
-    bvxi_quadric q;
+    float const rounded = (float)cost;
 
-    offset_between(c, u, v, offset);
-    join_quadrics(&c->mesh.at[u], &c->mesh.at[v], offset, &q);
-    if (BVXI_LIKELY(solve_least(q.a, q.b, d))) {
-        for (int k = 0; k < 3; k++) {
-            double const way = d[k] - 0.5 * offset[k];
-
-            length += offset[k] * offset[k];
-            reach += way * way;
-        }
-        if (BVXI_LIKELY(reach <= 4 * length)) {
-            cost = q.c + bvxi_vec_dot(q.b, d);
-            return (float)(cost > 0 ? cost : 0);
-        }
-    }
-    cost = q.c > 0 ? q.c : 0;
-    at_v = bvxi_quadric_at(&q, offset);
-    return (float)(at_v < cost ? at_v : cost);
+    bvxi_edge_put_cost(m, edge, rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
 }
 
-float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge)
+#if BVXI_HAVE_AVX2
+#define EDGES_BY(fast, name, ...) ((fast) ? name##_avx2(__VA_ARGS__) : name##_base(__VA_ARGS__))
+#else
+#define EDGES_BY(fast, name, ...) ((void)(fast), name##_base(__VA_ARGS__))
+#endif
+
+void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *edge, int32_t count)
 {
-    uint32_t const u = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
-    uint32_t const v = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
-    bvxi_edge_planned plan;
-    float cost = COLLAPSE_NEVER;
+    bvxi_corners *const m = &c->mesh;
 
-    if (u == BVXI_VERTEX_GHOST || v == BVXI_VERTEX_GHOST) return COLLAPSE_NEVER;
-    if ((c->kind[u] | c->kind[v]) == 0 && c->attributes.row == NULL) cost = free_cost(c, u, v);
-    else if (bvxi_edge_plan(c, edge, &plan)) cost = (float)plan.cost;
+    for (int32_t i = 0; i < count; i += 4) {
+        const bvxi_corner_vertex *v[4];
+        int32_t const n = count - i < 4 ? count - i : 4;
+        int bound = c->kind[u] | (c->attributes.row != NULL);
+        double cost[4];
 
-    /* No more than the type holds, and nothing that compares with nothing. */
-    return cost < COLLAPSE_NEVER ? cost : COLLAPSE_NEVER;
+        for (int32_t k = 0; k < 4; k++) {
+            uint32_t const x = w[k < n ? i + k : i];
+
+            v[k] = &m->at[x == BVXI_VERTEX_GHOST ? u : x];
+            bound |= x == BVXI_VERTEX_GHOST || c->kind[x];
+        }
+        if (!bound) EDGES_BY(c->fast, costs_of_four, &m->at[u], v, c->scale, cost);
+        for (int32_t k = 0; k < n; k++) {
+            bvxi_edge_planned plan;
+
+            if (bound) cost[k] = bvxi_edge_plan(c, edge[i + k], &plan) ? plan.cost : (double)COLLAPSE_NEVER;
+            put_cost(m, edge[i + k], cost[k]);
+        }
+    }
+}
+
+int bvxi_edge_judge_shapes(const bvxi_collapse *c, const bvxi_edge_planned *plan, const collapse_star *star,
+                           const double *p, int needles)
+{
+    const bvxi_corners *const m = &c->mesh;
+    const double *from[4], *a[4], *b[4];
+    int32_t n = 0;
+
+    for (int32_t i = 0; i < star->count; i++) {
+        if (star->link[i] != BVXI_VERTEX_GHOST && star->link[i + 1] != BVXI_VERTEX_GHOST) {
+            from[n] = bvxi_corner_position(m, i < star->of_v ? plan->v : plan->u);
+            a[n] = bvxi_corner_position(m, star->link[i]);
+            b[n++] = bvxi_corner_position(m, star->link[i + 1]);
+        }
+        if (n == 0 || (n < 4 && i + 1 < star->count)) continue;
+        for (; n < 4; n++) {
+            from[n] = from[0];
+            a[n] = a[0];
+            b[n] = b[0];
+        }
+        if (!EDGES_BY(c->fast, judge_four, from, a, b, p, needles)) return 0;
+        n = 0;
+    }
+    return 1;
+}
+
+void bvxi_edges_around(bvxi_collapse *c, uint32_t u, int stale)
+{
+    const bvxi_corners *const m = &c->mesh;
+    uint32_t w[4];
+    int32_t edge[4], at = c->any[u], n = 0;
+
+    do {
+        uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
+
+        w[n] = x;
+        edge[n] = bvxi_corner_previous(at);
+        n += !stale || (x > u && x != BVXI_VERTEX_GHOST && c->stale[x] != 0);
+        at = bvxi_corner_turn_left(m, at);
+        if (n < 4 && at != c->any[u]) continue;
+        bvxi_edges_evaluate(c, u, w, edge, n);
+        n = 0;
+    } while (at != c->any[u]);
 }
 
 void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
@@ -238,30 +288,20 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
     c->edge[v] = best;
 }
 
-static void evaluate_piece(void *user, int32_t index, int32_t worker)
+static void evaluate_piece(void *user, int32_t index)
 {
     bvxi_collapse *const c = user;
-    bvxi_corners *const m = &c->mesh;
     uint64_t begin, end;
-    (void)worker;
 
-    bvxi_piece(m->triangles, bvxi_piece_count(m->triangles, COSTS_GRAIN), index, &begin, &end);
-    for (int32_t t = (int32_t)begin; t < (int32_t)end; t++) {
-        const uint32_t *const v = m->triangle[t].vertex;
-
-        if (bvxi_corner_gone(m, 4 * t) || c->stale[v[0]] + c->stale[v[1]] + c->stale[v[2]] < 2) continue;
-        /* Each edge once, from the smaller corner: ghosts have none. */
-        for (int32_t edge = 4 * t; edge < 4 * t + 3; edge++)
-            if (edge < bvxi_corner_opposite(m, edge))
-                bvxi_edge_put_cost(m, edge, bvxi_edge_evaluate(c, edge));
-    }
+    bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
+    for (uint64_t v = begin; v < end; v++)
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v) && c->stale[v] != 0) bvxi_edges_around(c, (uint32_t)v, 1);
 }
 
-static void least_piece(void *user, int32_t index, int32_t worker)
+static void least_piece(void *user, int32_t index)
 {
     bvxi_collapse *const c = user;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), index, &begin, &end);
     for (uint64_t v = begin; v < end; v++)
@@ -287,7 +327,7 @@ void bvxi_collapse_find_least(bvxi_collapse *c)
 
 bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 {
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.triangles, COSTS_GRAIN), evaluate_piece, c);
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, COSTS_GRAIN), evaluate_piece, c);
     bvxi_collapse_find_least(c);
     memset(c->stale, 0, (size_t)c->mesh.vertices);
     return BVX_OK;

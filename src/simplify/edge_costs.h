@@ -41,8 +41,13 @@ typedef struct bvxi_edge_planned {
 
 /* Plan the collapse of the edge opposite to a corner; 0: its ends may meet nowhere. */
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan);
-/* What that costs; COLLAPSE_NEVER where they may not. */
-float bvxi_edge_evaluate(const bvxi_collapse *c, int32_t edge);
+/* Put what edges from u to other vertices cost beside them; COLLAPSE_NEVER where they may not. */
+void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *edge, int32_t count);
+/* The same for all edges of u; stale: of those to stale vertices of higher index. */
+void bvxi_edges_around(bvxi_collapse *c, uint32_t u, int stale);
+/* 1: the triangles of the star keep their sides, and their shapes, when their vertex moves to p. */
+int bvxi_edge_judge_shapes(const bvxi_collapse *c, const bvxi_edge_planned *plan, const collapse_star *star,
+                           const double *p, int needles);
 /* Find the cheapest edge of a vertex, by the costs beside them. */
 void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v);
 /* Move the vertex that stays to p, with the quadric of both. */

@@ -119,65 +119,59 @@ static int is_graph(const bvxi_corners *m, uint32_t v, int32_t any)
 
 typedef struct judge_level {
     const bvxi_collapse *c;
-    int all;
-    uint8_t *fan;
+    uint8_t *graph;
 } judge_level;
 
-/* 1: a triangle of the vertex has changed. */
-static int is_beside_fresh(const bvxi_collapse *c, uint32_t v)
-{
-    int32_t at = c->any[v];
-
-    if (c->fresh[v] != 0) return 1;
-    do {
-        uint32_t const w = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(at));
-
-        if (w != BVXI_VERTEX_GHOST && c->fresh[w] != 0) return 1;
-        at = bvxi_corner_turn_left(&c->mesh, at);
-    } while (at != c->any[v]);
-    return 0;
-}
-
-static void fans_piece(void *user, int32_t piece, int32_t worker)
+static void fans_piece(void *user, int32_t piece)
 {
     const judge_level *const l = user;
     const bvxi_collapse *const c = l->c;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(c->mesh.vertices, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), piece, &begin, &end);
-    for (uint64_t v = begin; v < end; v++) {
-        if (bvxi_collapse_is_gone(c, (uint32_t)v)) continue;
-        l->fan[v] = c->fresh[v] != 0 ? FAN_FRESH : 0;
-        if (!l->all && !is_beside_fresh(c, (uint32_t)v)) continue;
-        if (is_graph(&c->mesh, (uint32_t)v, c->any[v])) l->fan[v] |= FAN_GRAPH;
-    }
+    for (uint64_t v = begin; v < end; v++)
+        if (!bvxi_collapse_is_gone(c, (uint32_t)v))
+            l->graph[v] = (uint8_t)is_graph(&c->mesh, (uint32_t)v, c->any[v]);
 }
 
-/* Boxes over the level, and pairs that cross. */
-static bvx_status search_level(bvxi_collapse *c, int all, double from, double to, uint32_t **pairs,
-                               uint64_t *count)
+void bvxi_collapse_end_careful(bvxi_collapse *c)
 {
-    judge_level l = {c, all, NULL};
-    uint64_t fresh = 0;
+    bvxi_drop(c->ctx, c->tree.node[0]);
+    c->tree.node[0] = NULL;
+}
 
-    /* Where most has changed each pair is looked at from one side, which is less than what is fresh from both. */
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) fresh += c->fresh[v];
-    if (2 * fresh > c->alive) all = l.all = 1;
-    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.fan));
-    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
+/* Boxes over the mesh as it is, for collapses that are looked at one by one. */
+static bvx_status open_tree(bvxi_collapse *c, const uint32_t *live, uint64_t triangles)
+{
     c->tree.at = c->mesh.at;
     c->tree.triangle = c->mesh.triangle;
-    c->tree.triangles = c->mesh.triangles;
-    c->tree.fan = l.fan;
+    c->tree.live = live;
+    c->tree.triangles = triangles;
     c->tree.scale = c->scale;
     memcpy(c->tree.low, c->low, sizeof c->low);
-    BVXI_TRY(bvxi_crossing_tree_open(c->ctx, &c->tree));
-    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, all, from, to, pairs, count));
+    return bvxi_crossing_tree_open(c->ctx, &c->tree);
+}
 
-    /* Fans change from now on. */
-    c->tree.fan = NULL;
-    bvxi_drop(c->ctx, l.fan);
+/* Pairs of the level that cross. */
+static bvx_status search_level(bvxi_collapse *c, double from, double to)
+{
+    judge_level l = {.c = c};
+    uint64_t count = 0;
+    uint32_t *live;
+
+    bvxi_drop(c->ctx, c->pairs);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.vertices, "the level's fans", &l.graph));
+    bvxi_tasks(c->ctx, bvxi_piece_count(c->mesh.vertices, JUDGE_GRAIN), fans_piece, &l);
+    BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, c->mesh.left * 4, "the level's triangles", &live));
+    for (uint64_t t = 0; t < c->mesh.triangles; t++)
+        if (!bvxi_triangle_gone(&c->mesh.triangle[t])) live[count++] = (uint32_t)t;
+    BVXI_TRY(open_tree(c, live, count));
+    c->tree.graph = l.graph;
+    BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, &c->pairs, &c->crossings));
+    bvxi_collapse_end_careful(c);
+    c->tree.graph = NULL;
+    bvxi_drop(c->ctx, live);
+    bvxi_drop(c->ctx, l.graph);
     return BVX_OK;
 }
 
@@ -188,23 +182,6 @@ static int is_fresh_pair(const bvxi_collapse *c, const uint32_t *pair)
 
     for (int k = 0; k < 6; k++) fresh |= c->fresh[c->mesh.triangle[pair[k > 2]].vertex[k % 3]];
     return fresh;
-}
-
-/* Pairs that are left and have changed, or have not. */
-static uint64_t count_live_pairs(const bvxi_collapse *c, const uint32_t *pairs, uint64_t count, int fresh)
-{
-    uint64_t counted = 0;
-
-    for (uint64_t i = 0; i < count; i++, pairs += 2)
-        counted += !bvxi_triangle_gone(&c->mesh.triangle[pairs[0]]) &&
-                   !bvxi_triangle_gone(&c->mesh.triangle[pairs[1]]) && is_fresh_pair(c, pairs) == fresh;
-    return counted;
-}
-
-void bvxi_collapse_end_careful(bvxi_collapse *c)
-{
-    bvxi_drop(c->ctx, c->tree.node[0]);
-    c->tree.node[0] = NULL;
 }
 
 /* ---- What has come with the mesh ---- */
@@ -341,6 +318,46 @@ static bvx_status mark_origin(bvxi_collapse *c)
     return BVX_OK;
 }
 
+/* ---- Collapses one by one ---- */
+
+int bvxi_collapse_has_come(const bvxi_collapse *c, uint32_t triangle)
+{
+    const uint32_t *const v = c->mesh.triangle[triangle].vertex;
+
+    return c->came != NULL && (c->came[v[0]] | c->came[v[1]] | c->came[v[2]]) != 0;
+}
+
+int bvxi_collapse_crosses(const bvxi_collapse *c, uint32_t u, uint32_t v, const uint32_t *link, int32_t count,
+                          const double *p)
+{
+    const bvxi_corner_vertex *const at = c->mesh.at;
+    int came = 0;
+
+    for (int32_t i = 0; i < count && c->came != NULL; i++)
+        came |= link[i] != BVXI_VERTEX_GHOST && c->came[link[i]] != 0;
+    if (c->came != NULL) came |= (c->came[u] | c->came[v]) != 0;
+
+    for (int32_t i = 0; i < count; i++) {
+        const double *a[3] = {p, NULL, NULL};
+
+        if (link[i] == BVXI_VERTEX_GHOST || link[i + 1] == BVXI_VERTEX_GHOST) continue;
+        a[1] = at[link[i]].p;
+        a[2] = at[link[i + 1]].p;
+        /* Where triangles crossed in the mesh they may go on. */
+        if (bvxi_crossing_tree_visit(&c->tree, a, u, v, came ? c->came : NULL, NULL, NULL)) return 1;
+
+        for (int32_t j = 0; j < i && !came; j++) {
+            const double *b[3] = {p, NULL, NULL};
+
+            if (link[j] == BVXI_VERTEX_GHOST || link[j + 1] == BVXI_VERTEX_GHOST) continue;
+            b[1] = at[link[j]].p;
+            b[2] = at[link[j + 1]].p;
+            if (bvxi_triangles_cross(a, b)) return 1;
+        }
+    }
+    return 0;
+}
+
 /* ---- Undoing ---- */
 
 /* Pairs that are still to be looked at. */
@@ -374,31 +391,45 @@ static int add_pair(void *user, uint32_t t)
     return 0;
 }
 
-/* The triangles around a vertex that is back where it was: their boxes, and what they cross. */
-static void look_around(judge_found *list, uint32_t v)
+enum { FRESH_LOOKED = 2 }; /* in place of 1: changed, and looked at since */
+
+/* The triangles around a vertex that is back where it was: their boxes, or what they cross, once for all of these
+ * vertices that they have. */
+static void look_around(judge_found *list, uint32_t v, int boxes)
 {
     bvxi_collapse *const c = list->c;
     const bvxi_corners *const m = &c->mesh;
-    uint32_t const graph = is_graph(m, v, c->any[v]) ? v : BVXI_VERTEX_NONE;
+    uint32_t const graph = !boxes && is_graph(m, v, c->any[v]) ? v : BVXI_VERTEX_NONE;
+    int32_t at = c->any[v];
 
-    for (int pass = 0; pass < 2; pass++) {
-        int32_t at = c->any[v];
+    do {
+        uint32_t const t = (uint32_t)at >> 2, *const w = m->triangle[t].vertex;
+        int first = t < m->triangles;
 
-        do {
-            uint32_t const t = (uint32_t)at >> 2;
+        at = bvxi_corner_turn_left(m, at);
+        for (int k = 0; k < 3 && first; k++) first = w[k] >= v || c->fresh[w[k]] != 1;
+        if (first && boxes) {
+            bvxi_crossing_tree_move(&c->tree, t);
+        } else if (first) {
+            const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
 
-            if (t < m->triangles && pass == 0) bvxi_crossing_tree_move(&c->tree, t);
-            if (t < m->triangles && pass == 1) {
-                const uint32_t *const w = m->triangle[t].vertex;
-                const double *const p[3] = {m->at[w[0]].p, m->at[w[1]].p, m->at[w[2]].p};
+            list->triangle = t;
+            bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
+                                     bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
+        }
+    } while (at != c->any[v]);
+}
 
-                list->triangle = t;
-                bvxi_crossing_tree_visit(&c->tree, p, graph, BVXI_VERTEX_NONE,
-                                         bvxi_collapse_has_come(c, t) ? c->came : NULL, add_pair, list);
-            }
-            at = bvxi_corner_turn_left(m, at);
-        } while (at != c->any[v]);
-    }
+/* What the vertices cross that are back since the last look. */
+static void look_at_undone(judge_found *list)
+{
+    bvxi_collapse *const c = list->c;
+
+    for (int boxes = 1; boxes >= 0; boxes--)
+        for (uint32_t v = 0; v < c->mesh.vertices; v++)
+            if (c->fresh[v] == 1 && !bvxi_collapse_is_gone(c, v)) look_around(list, v, boxes);
+    for (uint32_t v = 0; v < c->mesh.vertices; v++)
+        c->fresh[v] = c->fresh[v] == 1 ? FRESH_LOOKED : c->fresh[v];
 }
 
 /* The last collapse that changed one of both triangles: the vertex that went in it, or BVXI_VERTEX_NONE. */
@@ -432,57 +463,48 @@ static bvx_status undo_pairs(judge_found *list, uint64_t *undone)
         latest = latest_of(c, c->mesh.triangle[s].vertex, c->mesh.triangle[t].vertex);
         if (latest == BVXI_VERTEX_NONE) continue;
 
-        /* One at a time, until the one that was meant is undone. */
+        /* One at a time, until the one that was meant is undone; then both are looked at again. */
         do {
             went = bvxi_collapse_undo(c, latest);
             ++*undone;
-            look_around(list, went);
-            look_around(list, c->undo[went].stayed);
         } while (went != latest);
-
-        /* Both are looked at again. */
         list->triangle = s;
         add_pair(list, t);
     }
     return list->status;
 }
 
-bvx_status bvxi_collapse_judge(bvxi_collapse *c, int all, double from, double to, uint64_t *undone)
+bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_t *undone)
 {
     judge_found list = {.c = c};
+    int fresh = 0;
 
     *undone = 0;
-    bvxi_drop(c->ctx, c->pairs);
-    BVXI_TRY(search_level(c, all, from, to, &c->pairs, &c->crossings));
-
-    /* How many others were found along the way must not show. */
-    if (count_live_pairs(c, c->pairs, c->crossings, 1) != 0) BVXI_TRY(mark_origin(c));
+    BVXI_TRY(search_level(c, from, to));
+    BVXI_TRY(open_tree(c, NULL, c->mesh.triangles));
+    for (uint64_t i = 0; i < c->crossings; i++) fresh |= is_fresh_pair(c, c->pairs + 2 * i);
+    if (fresh) BVXI_TRY(mark_origin(c));
     for (uint64_t i = 0; i < c->crossings; i++) {
         list.triangle = c->pairs[2 * i];
         if (is_fresh_pair(c, c->pairs + 2 * i)) add_pair(&list, c->pairs[2 * i + 1]);
     }
     memset(c->fresh, 0, (size_t)c->mesh.vertices);
     BVXI_TRY(list.status);
-    BVXI_TRY(undo_pairs(&list, undone));
+    while (list.count != 0) {
+        BVXI_TRY(undo_pairs(&list, undone));
+        look_at_undone(&list);
+    }
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) c->fresh[v] = c->fresh[v] != 0;
     c->counts.refused += *undone;
-    c->listed = all;
+    c->judged = 1;
     bvxi_drop(c->ctx, list.pair);
     return BVX_OK;
 }
 
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 {
-    uint32_t *pairs;
-    uint64_t found;
-
+    /* Found when the level was judged, unless it has changed since. */
+    if (!c->judged || bvxi_any_marked(c->fresh, c->mesh.vertices)) BVXI_TRY(search_level(c, 0.0, 1.0));
     *count = c->crossings;
-    if (c->listed && !bvxi_any_marked(c->fresh, c->mesh.vertices)) return BVX_OK;
-
-    /* What was found when the level was judged, but where it has changed since. */
-    BVXI_TRY(search_level(c, !c->listed, 0.0, 1.0, &pairs, &found));
-    *count = c->listed ? count_live_pairs(c, c->pairs, c->crossings, 0) + count_live_pairs(c, pairs, found, 1)
-                       : found;
-    bvxi_drop(c->ctx, pairs);
-    bvxi_collapse_end_careful(c);
     return BVX_OK;
 }

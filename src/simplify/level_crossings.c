@@ -27,7 +27,6 @@ typedef crossing_node box_node;
 
 typedef struct crossing_job {
     const crossing_tree *tree;
-    int all;
     int32_t pieces;
     uint32_t
         *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
@@ -108,22 +107,32 @@ static void put_box(box_node *node, uint64_t child, const int16_t low[3], const 
     }
 }
 
+/* The triangle at a place. */
+static uint64_t triangle_at(const crossing_tree *tree, uint64_t t)
+{
+    return tree->live != NULL ? tree->live[t] : t;
+}
+
+static const uint32_t *vertices_in(const crossing_tree *tree, uint64_t t)
+{
+    return tree->triangle[triangle_at(tree, t)].vertex;
+}
+
 static int is_alive(const crossing_tree *tree, uint64_t t)
 {
-    return t < tree->triangles && !bvxi_triangle_gone(&tree->triangle[t]);
+    return t < tree->triangles && (tree->live != NULL || !bvxi_triangle_gone(&tree->triangle[t]));
 }
 
-static void corners_in(const crossing_tree *tree, uint64_t t, const double *p[3])
+static void corners_in(const crossing_tree *tree, const uint32_t *v, const double *p[3])
 {
-    for (int k = 0; k < 3; k++) p[k] = tree->at[tree->triangle[t].vertex[k]].p;
+    for (int k = 0; k < 3; k++) p[k] = tree->at[v[k]].p;
 }
 
-static void leaf_piece(void *user, int32_t index, int32_t worker)
+static void leaf_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     const crossing_tree *const tree = job->tree;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
@@ -132,7 +141,7 @@ static void leaf_piece(void *user, int32_t index, int32_t worker)
         const double *p[3];
 
         if (is_alive(tree, t)) {
-            corners_in(tree, t, p);
+            corners_in(tree, vertices_in(tree, t), p);
             box_of(tree, p, low, high);
         }
         put_box(&tree->node[0][t / WIDTH], t, low, high);
@@ -192,7 +201,7 @@ void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
     int16_t low[3], high[3];
     uint64_t child = t / WIDTH;
 
-    corners_in(tree, t, p);
+    corners_in(tree, tree->triangle[t].vertex, p);
     box_of(tree, p, low, high);
     put_box(&tree->node[0][child], t, low, high);
 
@@ -205,16 +214,11 @@ void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
 
 /* A triangle that is held against many. */
 typedef struct held_triangle {
-    int wanted; /* 0: it is not looked at */
+    const uint32_t *vertex; /* NULL: it is not looked at */
     const double *p[3];
     bvxi_orient_plane plane;
     box_query query;
 } held_triangle;
-
-static int is_fresh(const crossing_tree *tree, const uint32_t *v)
-{
-    return tree->fan == NULL || ((tree->fan[v[0]] | tree->fan[v[1]] | tree->fan[v[2]]) & FAN_FRESH) != 0;
-}
 
 static int same_position(const double *p, const double *q)
 {
@@ -222,13 +226,13 @@ static int same_position(const double *p, const double *q)
 }
 
 static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
-                   uint64_t t)
+                   const uint32_t *v)
 {
     const double *q[3];
     bvxi_orient_plane other;
     int joined = 0;
 
-    corners_in(tree, t, q);
+    corners_in(tree, v, q);
     if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
     bvxi_orient_plane_of(q, &other);
     if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
@@ -247,10 +251,11 @@ static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, co
 /* 1: both have a vertex whose triangles lie side by side, and so meet in nothing else. */
 static int share_graph(const crossing_tree *tree, const uint32_t *a, const uint32_t *b)
 {
-    if (tree->fan == NULL) return 0;
-    for (int k = 0; k < 3; k++)
-        if ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2]) && (tree->fan[b[k]] & FAN_GRAPH) != 0) return 1;
-    return 0;
+    int shared = 0;
+
+    for (int k = 0; k < 3 && tree->graph != NULL; k++)
+        shared |= ((b[k] == a[0]) | (b[k] == a[1]) | (b[k] == a[2])) & tree->graph[b[k]];
+    return shared;
 }
 
 /* Count pairs between two nodes, or within one, on from found, and write those that there is room for. */
@@ -274,18 +279,16 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
         uint64_t const i = (uint64_t)bvxi_lowest(near), s = first * WIDTH + i;
         uint32_t bits;
 
-        if (!held[i].wanted) continue;
+        if (held[i].vertex == NULL) continue;
         bits = overlaps(&tree->node[0][second], &held[i].query);
-        if (first == second) bits &= job->all ? ~0u << (i + 1) : ~(1u << i);
+        if (first == second) bits &= ~0u << (i + 1);
         for (; bits != 0; bits &= bits - 1) {
             uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
-            const uint32_t *const v = tree->triangle[t].vertex;
+            const uint32_t *const v = vertices_in(tree, t);
 
-            if (!is_alive(tree, t) || share_graph(tree, tree->triangle[s].vertex, v)) continue;
-            /* Each pair once: from its first triangle, or from the only one that is fresh. */
-            if (!job->all && t < s && is_fresh(tree, v)) continue;
-            if (!crosses(tree, &held[i].plane, held[i].p, t)) continue;
-            if (found < room) keys[found] = t < s ? t << 32 | s : s << 32 | t;
+            if (share_graph(tree, held[i].vertex, v)) continue;
+            if (!crosses(tree, &held[i].plane, held[i].p, v)) continue;
+            if (found < room) keys[found] = triangle_at(tree, s) << 32 | triangle_at(tree, t);
             found++;
         }
     }
@@ -304,23 +307,22 @@ static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[
         int16_t const low[3] = {box->low[0][i], box->low[1][i], box->low[2][i]};
         int16_t const high[3] = {box->high[0][i], box->high[1][i], box->high[2][i]};
 
-        held[i].wanted = is_alive(tree, t) && (job->all || is_fresh(tree, tree->triangle[t].vertex));
-        if (!held[i].wanted) continue;
+        held[i].vertex = is_alive(tree, t) ? vertices_in(tree, t) : NULL;
+        if (held[i].vertex == NULL) continue;
         any = 1;
         held[i].query = query_of(low, high);
-        corners_in(tree, t, held[i].p);
+        corners_in(tree, held[i].vertex, held[i].p);
         bvxi_orient_plane_of(held[i].p, &held[i].plane);
     }
     return any;
 }
 
 /* Of fans of very many triangles all nodes overlap. */
-static void common_piece(void *user, int32_t index, int32_t worker)
+static void common_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     const crossing_tree *const tree = job->tree;
     uint64_t begin, end;
-    (void)worker;
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
@@ -331,7 +333,7 @@ static void common_piece(void *user, int32_t index, int32_t worker)
             const uint32_t *v;
 
             if (!is_alive(tree, t)) continue;
-            v = tree->triangle[t].vertex;
+            v = vertices_in(tree, t);
             if (!any) memcpy(common, v, sizeof common);
             for (int k = 0; k < 3 && any; k++)
                 if (common[k] != v[0] && common[k] != v[1] && common[k] != v[2]) common[k] = BVXI_VERTEX_NONE;
@@ -339,7 +341,7 @@ static void common_piece(void *user, int32_t index, int32_t worker)
         }
         job->common[i] = BVXI_VERTEX_NONE;
         for (int k = 0; k < 3; k++)
-            if (common[k] != BVXI_VERTEX_NONE && tree->fan != NULL && (tree->fan[common[k]] & FAN_GRAPH) != 0)
+            if (common[k] != BVXI_VERTEX_NONE && tree->graph != NULL && tree->graph[common[k]] != 0)
                 job->common[i] = common[k];
     }
 }
@@ -373,9 +375,8 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
         for (uint32_t bits = overlaps(&tree->node[level][index], &whole); bits != 0; bits &= bits - 1) {
             uint64_t const child = index * WIDTH + (uint64_t)bvxi_lowest(bits);
 
-            /* A child of this level holds 8^(level - 1) nodes. Those up to this node have had their turn, but
-             * where only fresh triangles are looked at. */
-            if (job->all ? (child + 1) << 3 * (level - 1) <= node + 1 : level == 1 && child == node) continue;
+            /* A child of this level holds 8^(level - 1) nodes. Those up to this node have had their turn. */
+            if ((child + 1) << 3 * (level - 1) <= node + 1) continue;
             if (level > 1) stack[depth++] = child << 4 | (uint64_t)(level - 1);
             else if (!share_a_fan(job, node, child))
                 found = pairs_of_nodes(job, held, node, child, keys, room, found);
@@ -384,13 +385,12 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     return found;
 }
 
-static void pairs_piece(void *user, int32_t index, int32_t worker)
+static void pairs_piece(void *user, int32_t index)
 {
     const crossing_job *const job = user;
     uint64_t *const keys = job->keys + job->begins[index];
     uint64_t const room = job->begins[index + 1] - job->begins[index];
     uint64_t begin, end, found = 0;
-    (void)worker;
 
     if (job->written[index]) return;
     bvxi_piece(job->tree->nodes[0], job->pieces, index, &begin, &end);
@@ -432,10 +432,10 @@ static bvx_status write_pairs(bvx_context *ctx, crossing_job *job, uint64_t coun
     return BVX_OK;
 }
 
-bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
+bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, double from, double to,
                                uint32_t **pairs, uint64_t *count)
 {
-    crossing_job job = {.tree = tree, .all = all, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
+    crossing_job job = {.tree = tree, .pieces = bvxi_piece_count(tree->nodes[0], CROSSING_GRAIN)};
 
     *pairs = NULL;
     *count = 0;
@@ -448,7 +448,7 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int 
     for (int32_t i = 0; i <= job.pieces; i++)
         job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
     bvxi_tasks(ctx, job.pieces, common_piece, &job);
-    BVXI_TRY(bvxi_parallel(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
+    BVXI_TRY(bvxi_each(ctx, "crossings", from, to, job.pieces, pairs_piece, &job));
     for (int32_t i = 0; i < job.pieces; i++) *count += job.counts[i];
     if (*count != 0) BVXI_TRY(write_pairs(ctx, &job, *count, pairs));
     bvxi_drop(ctx, job.common);
@@ -470,7 +470,9 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
         if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
-        if (crosses(tree, plane, p, t) && (visit == NULL || visit(user, (uint32_t)t))) return 1;
+        /* Not itself. */
+        if (tree->at[v[0]].p == p[0] && tree->at[v[1]].p == p[1] && tree->at[v[2]].p == p[2]) continue;
+        if (crosses(tree, plane, p, v) && (visit == NULL || visit(user, (uint32_t)t))) return 1;
 next:;
     }
     return 0;
@@ -509,7 +511,7 @@ int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t)
     const double *p[3];
     bvxi_orient_plane plane;
 
-    corners_in(tree, s, p);
+    corners_in(tree, tree->triangle[s].vertex, p);
     bvxi_orient_plane_of(p, &plane);
-    return crosses(tree, &plane, p, t);
+    return crosses(tree, &plane, p, tree->triangle[t].vertex);
 }

@@ -7,12 +7,6 @@
 
 enum { CROSSING_WIDTH = 8, CROSSING_LEVELS = 12 };
 
-/* What is known of a vertex, in bits. */
-enum {
-    FAN_GRAPH = 1, /* its triangles lie side by side, seen along some direction */
-    FAN_FRESH = 2  /* it has changed */
-};
-
 typedef struct crossing_node {
     int16_t low[3][CROSSING_WIDTH], high[3][CROSSING_WIDTH];
 } crossing_node;
@@ -21,7 +15,10 @@ typedef struct crossing_node {
 typedef struct crossing_tree {
     const bvxi_corner_vertex *at;
     const bvxi_corner_triangle *triangle;
-    const uint8_t *fan; /* FAN_... of each vertex; NULL: all are fresh, and nothing else is known */
+    const uint8_t
+        *graph; /* of each vertex, 1: its triangles lie side by side, seen along some direction; or NULL */
+    const uint32_t
+        *live; /* triangles that are not gone, ascending; NULL: all have a place [Size: triangles] */
     uint64_t triangles;
     double low[3], scale; /* (position - low) * scale is within 0 and 1 */
 
@@ -36,9 +33,9 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree);
 /* Triangle t has moved or come back: its box is its own again, those above grow. */
 void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t);
 
-/* Find pairs of triangles that cross; all: also those of which neither has a fresh vertex. *pairs becomes a block
- * of scratch [Size: *count * 2], in rising order, each with its lower index first, or NULL where none cross. */
-bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, int all, double from, double to,
+/* Find pairs of triangles that cross. *pairs becomes a block of scratch [Size: *count * 2], in rising order, each with
+ * its lower index first, or NULL where none cross. */
+bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, double from, double to,
                                uint32_t **pairs, uint64_t *count);
 
 /* Call visit for each triangle that crosses the one with corners p, but those with a vertex u or v, or one that skip

@@ -17,20 +17,20 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
 {
     if (c->count == 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", c->function);
-    if (c->target_triangles != NULL && c->target_errors != NULL)
+    if (c->targets.triangles != NULL && c->targets.errors != NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: target_triangles and target_errors exclude each other; set one of them",
                              c->function);
 
     for (uint64_t i = 0; i < c->count; i++) {
-        if (c->target_triangles != NULL && c->target_triangles[i] == 0)
+        if (c->targets.triangles != NULL && c->targets.triangles[i] == 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: target_triangles[%i] is 0",
                                  c->function, i);
-        if (c->target_errors != NULL &&
-            !(c->target_errors[i] > 0 && c->target_errors[i] - c->target_errors[i] == 0))
+        if (c->targets.errors != NULL &&
+            !(c->targets.errors[i] > 0 && c->targets.errors[i] - c->targets.errors[i] == 0))
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: target_errors[%i] is %g; it must be above 0 and finite", c->function, i,
-                                 c->target_errors[i]);
+                                 c->targets.errors[i]);
     }
     return BVX_OK;
 }
@@ -46,8 +46,8 @@ void bvxi_levels_drop(bvx_context *ctx, bvx_mesh *levels, uint64_t count)
 /* Triangles that are wanted of level i; 0 where an error decides. After 64 halvings nothing is left to halve. */
 static uint64_t target_of(const bvxi_level_chain *c, uint64_t i)
 {
-    if (c->target_errors != NULL) return 0;
-    if (c->target_triangles != NULL) return c->target_triangles[i];
+    if (c->targets.errors != NULL) return 0;
+    if (c->targets.triangles != NULL) return c->targets.triangles[i];
     return i < 63 ? c->halve_from >> (i + 1) : 0;
 }
 
@@ -101,7 +101,7 @@ static double smallest_angle(const bvx_mesh *level)
 static bvx_status certify_level(bvx_context *ctx, const bvxi_level_chain *c, bvxi_collapse *collapse,
                                 const bvx_mesh *level, bvx_level_report *r)
 {
-    int const beyond = c->target_errors != NULL, seams = bvxi_collapse_has_seams(collapse);
+    int const beyond = c->targets.errors != NULL, seams = bvxi_collapse_has_seams(collapse);
     bvx_mesh plain = {0};
     bvx_mesh_view view;
     bvx_status status = BVX_OK;
@@ -132,7 +132,7 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->vertices = c->levels[i].vertex_count;
     r->triangles = c->levels[i].triangle_count;
     r->target = target_of(c, i);
-    r->target_error = c->target_errors != NULL ? c->target_errors[i] : 0;
+    r->target_error = c->targets.errors != NULL ? c->targets.errors[i] : 0;
     r->met = met;
     r->least_angle = smallest_angle(&c->levels[i]);
     r->handles_cut = c->closed.handles;
@@ -141,14 +141,14 @@ static bvx_status report_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i
     r->refused = bvxi_collapse_tried(collapse)->refused;
 
     /* By error the level has been measured while it was looked for. */
-    r->measured = c->target_errors != NULL || c->measure_samples != 0;
+    r->measured = c->targets.errors != NULL || c->targets.samples != 0;
     r->distance = c->last;
     /* All bits set are no number; the samples and the seed are none. */
     if (!r->measured) memset(&r->distance, 0xff, sizeof r->distance);
     if (!r->measured) r->distance.samples = r->distance.seed = 0;
-    if (c->target_errors != NULL || c->measure_samples == 0) return BVX_OK;
+    if (c->targets.errors != NULL || c->targets.samples == 0) return BVX_OK;
     /* Measuring takes longer than all checks, so it has most of the progress. */
-    return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->measure_samples, &r->distance));
+    return BVXI_SHARE(ctx, 0.3, 1.0, measure_level(ctx, c, &c->levels[i], c->targets.samples, &r->distance));
 }
 
 /* ---- Levels ---- */
@@ -166,14 +166,14 @@ static bvx_status make_by_count(bvxi_level_chain *c, uint64_t i, bvxi_collapse *
 /* The share of the error of level i that a distance takes up: 1 or less keeps it. */
 static double error_share(const bvxi_level_chain *c, uint64_t i, const bvx_distance_report *d)
 {
-    return (c->error_kind == BVX_ERROR_MEAN ? d->mean : d->max) / c->target_errors[i];
+    return (c->targets.error_kind == BVX_ERROR_MEAN ? d->mean : d->max) / c->targets.errors[i];
 }
 
 /* Measure the mesh as it is now. */
 static bvx_status measure_now(bvx_context *ctx, bvxi_level_chain *c, bvxi_collapse *collapse,
                               bvx_distance_report *d)
 {
-    uint64_t const samples = c->measure_samples != 0 ? c->measure_samples : LEVEL_ERROR_SAMPLES;
+    uint64_t const samples = c->targets.samples != 0 ? c->targets.samples : LEVEL_ERROR_SAMPLES;
     bvx_mesh now = {0};
     bvx_status status = bvxi_collapse_give(collapse, &now);
 
@@ -297,11 +297,11 @@ static bvx_status make_by_error(bvx_context *ctx, bvxi_level_chain *c, uint64_t 
 /* By count the collapse went as far as it could; by error it had nothing to take back. */
 static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uint64_t i)
 {
-    if (c->target_errors != NULL)
+    if (c->targets.errors != NULL)
         return bvxi_fail_for(
             ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
             "%s: level %i cannot keep its target: what it is made from is off by more than %g already",
-            c->function, i, c->target_errors[i]);
+            c->function, i, c->targets.errors[i]);
     return bvxi_fail_for(
         ctx, BVX_ERR_RANGE, BVX_REASON_TARGET,
         "%s: level %i cannot keep its target: %u triangles are the fewest that keep the guarantee",
@@ -311,13 +311,13 @@ static bvx_status refuse_missed(bvx_context *ctx, const bvxi_level_chain *c, uin
 static bvx_status make_level(bvx_context *ctx, bvxi_level_chain *c, uint64_t i, bvxi_collapse *collapse)
 {
     /* The level's share of the progress: what a report costs beside it. */
-    double const made = c->reports == NULL ? 1.0 : c->measure_samples == 0 ? 0.9 : 0.7;
+    double const made = c->reports == NULL ? 1.0 : c->targets.samples == 0 ? 0.9 : 0.7;
     int met = 0;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, made,
-                        c->target_errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
-                                                 : make_by_count(c, i, collapse, &met)));
-    if (c->strict && !met) return refuse_missed(ctx, c, i);
+                        c->targets.errors != NULL ? make_by_error(ctx, c, i, collapse, &met)
+                                                  : make_by_count(c, i, collapse, &met)));
+    if (c->targets.strict && !met) return refuse_missed(ctx, c, i);
     return BVXI_SHARE(ctx, made, 1.0, report_level(ctx, c, i, collapse, met));
 }
 
@@ -370,7 +370,6 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
     bvxi_sheets made = {.view = *mesh};
     bvx_status status = BVX_OK;
 
-    c->collapse.counted = c->reports != NULL;
     if (sheets == NULL) sheets = &unused;
     memset(sheets, 0, sizeof *sheets);
     sheets->triangles = mesh->triangle_count;
@@ -452,7 +451,7 @@ void bvxi_levels_warn(bvx_context *ctx, const bvxi_level_chain *c, const bvx_cer
                   (double)volume.count - 1.0);
     r = &c->reports[missed.first];
     if (missed.count == 0) return;
-    if (c->target_errors != NULL)
+    if (c->targets.errors != NULL)
         BVXI_WARN(ctx, BVX_WARN_ERROR, (double)missed.first, r->target_error, (double)missed.count - 1.0);
     else
         BVXI_WARN(ctx, BVX_WARN_TARGET, (double)missed.first, (double)r->target, (double)r->triangles,

@@ -13,11 +13,14 @@ enum {
 };
 
 #define BVXI_EVEN 1e-9 /* by default */
+#define BVXI_TARGETS(type)                                                                                   \
+    BVXI_CHOICE(type, targets.error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX), BVXI_SWITCH(type, targets.strict), \
+        BVXI_COUNT(type, targets.samples, 0, INT32_MAX),                                                     \
+        BVXI_OR(type, targets.even, REAL, BVXI_EVEN, 0.0, 1.0)
 
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
-    int32_t counted; /* 1: crossings of levels are to be counted */
     int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
     /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
@@ -36,11 +39,8 @@ typedef struct bvxi_closed {
 typedef struct bvxi_level_chain {
     const char *function;
     const bvx_mesh_view *original; /* that errors are measured against */
-    const uint64_t *target_triangles;
-    const double *target_errors;
+    bvx_targets targets;
     uint64_t halve_from; /* the original's triangles: no level has more; halved where neither is given */
-    int32_t error_kind, strict;
-    uint64_t measure_samples;
     bvxi_collapse_options collapse;
     uint64_t count;
     bvx_distance_report last; /* of the level made last, where errors are targets */

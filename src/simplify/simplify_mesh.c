@@ -6,11 +6,8 @@
 static const char simplify_name[] = "bvx_mesh_simplify";
 
 static const bvxi_option simplify_rows[] = {
-    BVXI_CHOICE(bvx_simplify_options, error_kind, BVX_ERROR_MEAN, BVX_ERROR_MAX),
+    BVXI_TARGETS(bvx_simplify_options),
     BVXI_CHOICE(bvx_simplify_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_OR(bvx_simplify_options, even, REAL, BVXI_EVEN, 0.0, 1.0),
-    BVXI_COUNT(bvx_simplify_options, measure_samples, 0, INT32_MAX),
-    BVXI_SWITCH(bvx_simplify_options, strict),
     BVXI_SWITCH(bvx_simplify_options, lock_border),
     BVXI_OR(bvx_simplify_options, attribute_weight, REAL, 1.0, 0.0, 1000.0),
     BVXI_CHOICE(bvx_simplify_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
@@ -28,7 +25,6 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     bvx_certificate from;
     double low[3], high[3];
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (levels == NULL) return bvxi_fail_null(context, simplify_name, "levels");
     BVXI_TRY(bvxi_take_options(context, simplify_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, simplify_name, &o, BVXI_OPTIONS(simplify_rows)));
@@ -39,15 +35,11 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
 
     /* Errors are measured against the mesh as it was given, not as it was welded. */
     chain.original = mesh;
-    chain.target_triangles = o.target_triangles;
-    chain.target_errors = o.target_errors;
+    chain.targets = o.targets;
     chain.halve_from = mesh->triangle_count;
-    chain.error_kind = o.error_kind;
-    chain.strict = o.strict;
-    chain.measure_samples = o.measure_samples;
     chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type
                                                                         : (int32_t)mesh->position_type;
-    chain.collapse.even = o.even;
+    chain.collapse.even = o.targets.even;
     chain.collapse.attribute_weight = o.attribute_weight;
     chain.collapse.lock_border = o.lock_border;
     chain.collapse.locked = o.locked;

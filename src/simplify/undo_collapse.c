@@ -61,15 +61,10 @@ void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
 /* The costs of all edges around a vertex, and the cheapest of it and its neighbours. */
 static void renew_vertex(bvxi_collapse *c, uint32_t v)
 {
-    bvxi_corners *const m = &c->mesh;
+    const bvxi_corners *const m = &c->mesh;
     int32_t at = c->any[v];
 
-    do {
-        int32_t const edge = bvxi_corner_previous(at);
-
-        bvxi_edge_put_cost(m, edge, bvxi_edge_evaluate(c, edge));
-        at = bvxi_corner_turn_left(m, at);
-    } while (at != c->any[v]);
+    bvxi_edges_around(c, v, 0);
     do {
         uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
 

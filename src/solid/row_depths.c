@@ -25,7 +25,6 @@ static int32_t depths_of_row(const depth_work *w, int32_t *c, uint32_t n)
         int32_t const x = bvxi_floor_shift(c[i], 1) - w->low;
 
         depth += (c[i] & 1) != 0 ? -1 : 1;
-        /* Beyond the window nothing is asked. */
         if (x >= w->size) break;
         /* The last crossing at a voxel decides, and of those before the window the last one. */
         if (i + 1 < n && (bvxi_floor_shift(c[i + 1], 1) == bvxi_floor_shift(c[i], 1) ||
@@ -45,7 +44,6 @@ static void look_at_depths(void *user, int32_t piece, uint64_t begin, uint64_t e
     for (uint64_t row = begin; row < end; row++) {
         uint64_t const first = row == 0 ? 0 : w->lists->row_end[row - 1], n = w->lists->row_end[row] - first;
 
-        /* Rows without crossings are 0 deep everywhere. */
         if (n != 0) w->depths[piece] |= depths_of_row(w, w->lists->crossing + first, (uint32_t)n);
     }
 }
@@ -75,7 +73,6 @@ bvx_status bvxi_row_depths(bvx_context *ctx, bvxi_solid_job *job, const bvx_latt
     for (int32_t a = 0; a < 3; a++) rows.size[a] = lattice->dims[a];
     *depths = 0;
 
-    /* The engine gives its crossings to the rule; no grid is filled. */
     job->user = depths;
     job->take_lists = look_at_depth_block;
     status = bvxi_solid_fill(bvxi_solid_step(ctx, job, from, to), job, &rows, 0, BVX_FILL_NONZERO, &unused);

@@ -97,11 +97,9 @@ static bvx_status snap_judge(bvx_context *ctx, const char *function, const snap_
 
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         uint32_t corner[3];
-        /* reported by the stage, with the triangle's number */
         if (!bvxi_view_triangle(view, t, corner)) continue;
         for (int32_t i = 0; i < 3; i++) {
             double p[3];
-            /* Only a vertex that is used matters. */
             if (job->out->xyz[3 * (uint64_t)corner[i]] != SNAP_BAD) continue;
             bvxi_view_position(view, corner[i], p);
             /* Not finite is another fault than too far away. */

@@ -14,8 +14,6 @@ enum { CHUNK_GRAIN = 4096 };
 #define CHUNK_BYTES \
     (sizeof(bvxi_chunk) + BVXI_SOLID_BUFFER * sizeof(bvxi_crossing) + BVXI_SOLID_LARGE * sizeof(uint32_t))
 
-/* ---- toggles to runs ---- */
-
 /* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. */
 static uint32_t close_row(uint64_t *words, int32_t n)
 {
@@ -56,16 +54,15 @@ static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint6
     return (uint32_t)(carry & 1);
 }
 
-static void clear_tile(void *user, int32_t tile, int32_t worker)
+static void clear_tile(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const slice_bytes = (size_t)(r.j1 - r.j0) * (size_t)job->grid->words_per_row * 8;
-    (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) memset(bvxi_block_words(job, r.j0, k), 0, slice_bytes);
 }
 
-static void close_tile(void *user, int32_t tile, int32_t worker)
+static void close_tile(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     const bvx_grid *const g = job->grid;
@@ -73,7 +70,6 @@ static void close_tile(void *user, int32_t tile, int32_t worker)
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     uint64_t sum = 0;
 
-    (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t *const words = bvxi_block_words(job, j, k);
@@ -97,11 +93,11 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
 
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15),
-                           job->tiles.count, clear_tile, job));
+    BVXI_TRY(bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15),
+                       job->tiles.count, clear_tile, job));
     BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
-    BVXI_TRY(bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
-                           job->tiles.count, close_tile, job));
+    BVXI_TRY(bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
+                       job->tiles.count, close_tile, job));
 
     /* Lists of crossings are made for unbalanced rows only: sound meshes have none and never pay for
      * sorting. */
@@ -110,8 +106,6 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
     job->listed = job->beyond;
     return bvxi_solid_lists(ctx, job, 0.85);
 }
-
-/* ---- a block, a grid ---- */
 
 static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_report *report)
 {
@@ -156,7 +150,6 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         bvxi_drop(ctx, job->beyond);
     }
 
-    /* Sums in the order of chunks and tiles, which follow from the shape: no worker shows in them. */
     for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
     for (int32_t t = 0; t < job->tiles.count; t++) {
         report->crossings += job->crossings[t];
@@ -178,7 +171,6 @@ bvx_status bvxi_solid_fill(bvxi_call step, bvxi_solid_job *job, const bvx_grid *
     /* The engine always works along x. For another axis the snapped coordinates are permuted, which is
      * exact. */
     BVXI_TRY(bvxi_snap_turn(step.ctx, axis, step.from, &job->snapped));
-    /* Fields of the job follow the call, so that one job may fill several grids. */
     job->grid = g;
     job->fill = fill;
     job->progress_share = (step.to - step.from) / blocks;
@@ -210,7 +202,6 @@ static bvx_status open_chunks(bvx_context *ctx, bvxi_solid_job *job)
         bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)job->chunks * CHUNK_BYTES, "the crossing buffers", &memory));
     job->chunk = (bvxi_chunk *)(void *)memory;
 
-    /* Chunks, then their crossings, then large triangles: from wide to narrow. */
     memory += (size_t)job->chunks * sizeof *job->chunk;
     for (int32_t c = 0; c < job->chunks; c++, memory += BVXI_SOLID_BUFFER * sizeof(bvxi_crossing))
         job->chunk[c].sorted = (bvxi_crossing *)(void *)memory;

@@ -50,13 +50,12 @@ static void take_large(void *user, uint32_t row, int32_t code)
     take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
 }
 
-static void take_tile(void *user, int32_t tile, int32_t worker)
+static void take_tile(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
     tile_sink sink = {job, tile, 0};
 
-    (void)worker;
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
         uint32_t const begin = chunk->tile_end[tile], end = chunk->tile_end[tile + 1];
@@ -109,7 +108,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
                 return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
             left += job->chunk[c].end - job->chunk[c].next;
         }
-        BVXI_TRY(bvxi_parallel(ctx, "solid", at, at, job->tiles.count, take_tile, job));
+        BVXI_TRY(bvxi_each(ctx, "solid", at, at, job->tiles.count, take_tile, job));
     }
     return BVX_OK;
 }
@@ -119,6 +118,6 @@ bvx_status bvxi_solid_again(bvx_context *ctx, bvxi_solid_job *job, int32_t mode,
     /* After a single round all crossings are still in the buffers, so they need not be found again. */
     if (job->rounds != 1) return bvxi_solid_rounds(ctx, job, mode, from, to);
     job->mode = mode;
-    return bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
-                         job->tiles.count, take_tile, job);
+    return bvxi_each(ctx, "solid", bvxi_solid_progress(job, from), bvxi_solid_progress(job, to),
+                     job->tiles.count, take_tile, job);
 }

@@ -45,7 +45,6 @@ static uint32_t drop_for_parity(const int32_t *c, uint32_t n)
 /* Rows are listed under parity when their crossings are odd in number. */
 static uint64_t fill_parity(const bvxi_solid_job *job, uint64_t *row, int32_t *c, uint32_t n)
 {
-    /* What is left is even: pairs of begin and end. */
     uint32_t const drop = drop_for_parity(c, n), kept = n - 1;
     for (uint32_t i = drop; i < kept; i++) c[i] = c[i + 1];
     for (uint32_t i = 0; i < kept; i += 2) fill_span(job, row, crossing_at(c[i]), crossing_at(c[i + 1]));
@@ -106,14 +105,13 @@ static uint64_t fill_nonzero(const bvxi_solid_job *job, uint64_t *row, int32_t *
 
 /* After filling, row_end[row] is the end of the row's list and the list begins where the previous row's
  * ends. */
-static void solve_rows(void *user, int32_t tile, int32_t worker)
+static void solve_rows(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const row_bytes = (size_t)job->grid->words_per_row * 8;
     uint64_t dropped = 0, unbalanced = 0, crossings = 0;
 
-    (void)worker;
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
             uint64_t const row = bvxi_block_row(job, j, k);
@@ -126,7 +124,6 @@ static void solve_rows(void *user, int32_t tile, int32_t worker)
             memset(words, 0, row_bytes);
             if (n == 0) continue;
 
-            /* Sorted, so that the order in which triangles came is gone. */
             bvxi_sort_i32(job->lists.crossing + begin, n);
             lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
                                                 : fill_nonzero(job, words, job->lists.crossing + begin, n);
@@ -179,8 +176,8 @@ bvx_status bvxi_solid_lists(bvx_context *ctx, bvxi_solid_job *job, double from)
     bvxi_row_lists lists;
     bvx_status status;
     BVXI_TRY(bvxi_solid_gather(ctx, job, from, 0.95, &lists));
-    status = bvxi_parallel(ctx, "solid", bvxi_solid_progress(job, 0.95), bvxi_solid_progress(job, 1.0),
-                           job->tiles.count, solve_rows, job);
+    status = bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.95), bvxi_solid_progress(job, 1.0),
+                       job->tiles.count, solve_rows, job);
     bvxi_row_lists_free(ctx, &lists);
     return status;
 }

@@ -12,7 +12,6 @@ int32_t bvxi_cross_exact(const bvxi_triangle *t, int32_t fraction_bits, int32_t 
     int32_t least = t->p[0][0], most = t->p[0][0];
     int32_t low, high;
 
-    /* Where the triangle lies along x. */
     for (int32_t i = 1; i < 3; i++) {
         if (t->p[i][0] < least) least = t->p[i][0];
         if (t->p[i][0] > most) most = t->p[i][0];
@@ -56,7 +55,6 @@ static int box_rows(const uint32_t *cell, const uint32_t corner[3], bvxi_rows as
     r->k0 = least_of_three(z[0], z[1], z[2]);
     r->k1 = most_of_three(z[0], z[1], z[2]);
 
-    /* Only rows that were requested. */
     if (r->j0 < asked.j0) r->j0 = asked.j0;
     if (r->j1 > asked.j1) r->j1 = asked.j1;
     if (r->k0 < asked.k0) r->k0 = asked.k0;
@@ -89,7 +87,6 @@ void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triang
     for (int32_t k = r.k0; k < r.k1; k++) {
         int64_t const y0 = (job->block.y0 + r.j0) * step + half, z = (job->block.z0 + k) * step + half;
         int64_t first = 0, last = (int64_t)r.j1 - r.j0 - 1;
-        /* The rows of this slice inside all three edges. */
         bvxi_cover_span(&t, y0, z, step, &first, &last);
         for (int64_t n = first; n <= last; n++) {
             int32_t const j = r.j0 + (int32_t)n;

@@ -36,7 +36,6 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     uint32_t vertex[BVXI_CELL_EDGES] = {0};
     uint16_t out[BVXI_CELL_EDGES] = {0}; /* bit v of out[u]: a triangle has an edge from u to v */
 
-    /* Triangles as cut edges of the cell, and which of these a triangle joins. */
     for (uint32_t i = 0; i < 3 * count; i++) {
         edge[i] = edge_of_corner(cell_case, lane[i], offset[i]);
         vertex[edge[i]] = triangles[i];

@@ -61,7 +61,6 @@ BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
         triangles += m->slots[s].triangle;
     }
 
-    /* Sums of this piece: prefix sums of pieces give each its first numbers. */
     m->piece_counts[3 * piece] = vertices;
     m->piece_counts[3 * piece + 1] = triangles;
     m->piece_counts[3 * piece + 2] = past;
@@ -74,11 +73,10 @@ BVXI_AVX2 static void count_piece_avx2(bvxi_march *m, int32_t piece)
 }
 #endif
 
-void bvxi_march_count_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_count_piece(void *march, int32_t piece)
 {
     bvxi_march *const m = march;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {
         count_piece_avx2(m, piece);

@@ -143,8 +143,6 @@ int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *
     return BVXI_CUT_SCALAR;
 }
 
-/* ---- By planes ---- */
-
 /* The planes of the mesh's facets at the cut of a lattice edge, and the cut where they have
  * it.
  *
@@ -166,8 +164,6 @@ typedef struct facet_edge {
     double size[2];                        /* of the normals; 0: no such triangle */
     int32_t axis;
 } facet_edge;
-
-/* ---- the edge and its triangles ---- */
 
 static void load_facet(const bvxi_cuts *c, const bvx_mesh_view *mesh, facet_edge *f, int32_t end,
                        uint32_t triangle, const double centre[3])
@@ -207,7 +203,6 @@ static void open_facet_edge(const bvxi_cuts *c, const bvxi_cut_rule *v, const bv
     if (triangles == NULL) return;
     uint32_t const low = triangles[(size_t)e->value[0]], high = triangles[(size_t)e->value[1]];
     load_facet(c, v->mesh, f, 0, low, centre);
-    /* One triangle for both ends is loaded once. */
     if (low != high || f->size[0] == 0.0) load_facet(c, v->mesh, f, 1, high, centre);
 }
 
@@ -216,8 +211,6 @@ static void point_of_edge(const facet_edge *f, double ratio, double p[3])
     p[0] = p[1] = p[2] = 0.0;
     p[f->axis] = ratio * f->length;
 }
-
-/* ---- the cut ---- */
 
 /* Where the edge passes through a triangle, seen along the edge; 0 where it misses or runs along it. */
 static int pass_triangle(const facet_edge *f, int32_t end, double *ratio)
@@ -238,7 +231,6 @@ static int pass_plane(const facet_edge *f, int32_t end, double *ratio)
     return *ratio >= 0.0 && *ratio <= 1.0;
 }
 
-/* Square of the distance from a place of the edge to the nearer triangle. */
 static double distance2_to_facets(const facet_edge *f, double ratio)
 {
     double p[3], q[3], best = -1.0;
@@ -247,7 +239,6 @@ static double distance2_to_facets(const facet_edge *f, double ratio)
     for (int32_t end = 0; end < 2; end++) {
         double d2;
         if (f->size[end] == 0.0) continue;
-        /* The nearer triangle decides. */
         d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
         if (best < 0.0 || d2 < best) best = d2;
     }
@@ -278,8 +269,6 @@ static double cut_facets(const facet_edge *f, double ratio)
     }
     return ratio;
 }
-
-/* ---- the planes ---- */
 
 static void put_plane(const double cut[3], const double n[3], double length, const double on[3],
                       bvxi_facet_plane *plane)
@@ -313,7 +302,6 @@ static int planes_of_facets(const facet_edge *f, const double cut[3], bvxi_facet
     for (int32_t end = 0; end < 2; end++) {
         double q[3], d2;
         if (f->size[end] == 0.0) continue;
-        /* The nearer facet comes first. */
         d2 = bvxi_closest_on_triangle(cut, (const double(*)[3])f->corners[end], q);
         put_plane(cut, f->normal[end], side_of_facet(f, end) * f->size[end], q, &planes[found]);
         if (found != 0 && d2 < best) {

@@ -88,7 +88,6 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
     uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
     const bvxi_slot *const s = &m->slots[slot];
 
-    /* The four x-edges of a cell, then two each along y and z: the order that the tables' lanes name. */
     counter[0] = s->edge[0];
     counter[1] = s[up].edge[0];
     counter[2] = s[back].edge[0];
@@ -158,8 +157,6 @@ BVXI_AVX2 static uint32_t *emit_cells_avx2(const bvxi_march *m, const bvxi_case_
     return emit_cells(m, cases, done, counter, out);
 }
 #endif
-
-/* ---- a slot ---- */
 
 typedef struct emit_block {
     bvxi_cell_list edge[3];
@@ -247,11 +244,10 @@ BVXI_AVX2 static void emit_piece_avx2(const bvxi_march *m, int32_t piece)
 }
 #endif
 
-void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_emit_piece(void *march, int32_t piece)
 {
     const bvxi_march *const m = march;
 
-    (void)worker;
 #if BVXI_HAVE_AVX2
     if (m->cpu == BVX_CPU_AVX2) {
         emit_piece_avx2(m, piece);

@@ -31,7 +31,6 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
     return bvxi_choose_position_type(ctx, f->function, grid, f->origin, &f->options.position_type);
 }
 
-/* Count, and make the mesh unless it is NULL. */
 static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *grid,
                             const bvx_faces_options *options, bvx_mesh *mesh)
 {
@@ -59,7 +58,6 @@ static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
 {
     bvxi_faces f;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&f, 0, sizeof f);
     f.function = "bvx_faces_count";
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, f.function, "a count");
@@ -79,7 +77,6 @@ static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,
                                     const bvx_faces_options *options, bvx_mesh *mesh)
 {
     bvxi_faces f;
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     memset(&f, 0, sizeof f);
     f.function = "bvx_extract_faces";
     if (mesh == NULL) return bvxi_fail_null(context, f.function, "mesh");

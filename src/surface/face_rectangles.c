@@ -7,6 +7,7 @@
  * Guarantee: each exposed face lies in one rectangle; planes by axis x, y, z, then rising, the side of the
  * normal along - before the one along +, in a plane by their first faces; no thread shows in it. */
 #include "bits/bits.h"
+#include "mesh/mesh.h"
 #include "surface/faces.h"
 
 enum { RECTANGLE_GRAIN = 4096 };
@@ -28,8 +29,6 @@ typedef struct face_merge {
     uint32_t *prefix;
     bvxi_rank rank;
 } face_merge;
-
-/* ---- one plane ---- */
 
 /* Bits of [begin, end) in word k, which the run meets. */
 static inline uint64_t run_in_word(int32_t begin, int32_t end, int32_t k)
@@ -97,8 +96,6 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
     }
     return at;
 }
-
-/* ---- planes ---- */
 
 /* Across y or z, at the corners of index i along it. */
 static uint64_t cut_across(const face_merge *m, uint64_t *bits, int32_t axis, int32_t i, uint64_t at)
@@ -175,15 +172,12 @@ static void cut_task(void *user, int32_t task, int32_t worker)
     if (m->list == NULL) m->before[task] = to;
 }
 
-/* ---- corners ---- */
-
 /* The rectangle's corners as numbers of bits; counter-clockwise seen from the positive side. */
 static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint64_t bit[4])
 {
     /* ends of u (1) and v (2) */
     static const uint8_t turn[3][4] = {{0, 1, 3, 2}, {0, 2, 3, 1}, {0, 1, 3, 2}};
 
-    /* Counter-clockwise as seen from the positive side; the other side turns it. */
     for (int n = 0; n < 4; n++) {
         int32_t const u = (turn[r->axis][n] & 1) != 0 ? r->u1 : r->u0;
         int32_t const v = (turn[r->axis][n] & 2) != 0 ? r->v1 : r->v0;
@@ -205,15 +199,12 @@ static void mark_corners(face_merge *m)
     }
 }
 
-static void emit_corner_rows(void *user, int32_t piece, int32_t worker)
+static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
-    uint64_t begin, end, vertex;
-
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
+    uint64_t vertex;
 
     /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
      * other. */
@@ -242,11 +233,8 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-/* ---- all of it ---- */
-
 static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
 {
-    /* Counts become places. */
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
     m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
     return bvxi_faces_check_counts(ctx, m->f);
@@ -267,18 +255,15 @@ static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
 
 static bvx_status emit_merged(bvx_context *ctx, face_merge *m, bvx_mesh *mesh)
 {
-    /* What the caller brought is not freed, only emptied. */
     int const mine = mesh->positions == NULL;
     bvx_status status;
 
     BVXI_TRY(bvxi_faces_open_mesh(ctx, m->f, mesh));
-    status = bvxi_parallel(ctx, "faces", 0.6, 0.8, m->f->pieces, emit_corner_rows, m);
+    status = bvxi_for_ranges(ctx, "faces", 0.6, 0.8, m->f->pieces, m->f->row_count, emit_corner_rows, m);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.8, 1.0,
                             bvxi_for(ctx, "faces", m->f->face_count, RECTANGLE_GRAIN, emit_rectangles, m));
-    if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
-    else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
-    return status;
+    return bvxi_mesh_made(ctx, status, mine, mesh);
 }
 
 /* Words of the largest planes' bits: all slices of 64 planes across x and

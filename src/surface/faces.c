@@ -9,8 +9,6 @@
 #include "surface/march.h"
 #include "mesh/mesh.h"
 
-/* ---- rows ---- */
-
 /* The four rows of voxels about a row of corners: (j - 1, k - 1), (j, k - 1), (j - 1, k), (j, k). */
 typedef struct face_voxels {
     const uint64_t *row[4];
@@ -60,8 +58,6 @@ static void corner_row(const bvxi_faces *f, uint64_t row, int32_t *j, int32_t *k
     *k = (int32_t)(row / rows);
 }
 
-/* ---- counting ---- */
-
 static void count_face_row(bvxi_faces *f, uint64_t row)
 {
     uint32_t corners = 0, faces = 0;
@@ -72,7 +68,6 @@ static void count_face_row(bvxi_faces *f, uint64_t row)
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t const used = used_corners(f, &v, w);
         uint64_t face[3], behind;
-        /* Nothing changes in this word: no corner, no face. */
         if (used == 0) continue;
         corners += bvxi_popcount(used);
         faces_of_word(f, &v, j, k, w, face, &behind);
@@ -82,12 +77,9 @@ static void count_face_row(bvxi_faces *f, uint64_t row)
     f->rows[row].face = faces;
 }
 
-static void count_face_piece(void *user, int32_t piece, int32_t worker)
+static void count_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_faces *const f = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++) count_face_row(f, row);
 }
 
@@ -100,7 +92,6 @@ bvx_status bvxi_faces_check_counts(bvx_context *ctx, const bvxi_faces *f)
         f->function, f->vertex_count, 2 * f->face_count);
 }
 
-/* Counts become first numbers. */
 static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
 {
     f->vertex_count = f->face_count = 0;
@@ -111,7 +102,6 @@ static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
     }
     BVXI_TRY(bvxi_faces_check_counts(ctx, f));
 
-    /* Checked against 32 bits before: from here on 32 bits hold every number. */
     uint32_t vertex = 0, face = 0;
     for (uint64_t row = 0; row <= f->row_count; row++) {
         bvxi_face_row const n = f->rows[row]; /* the last one is zero */
@@ -123,8 +113,6 @@ static bvx_status number_face_rows(bvx_context *ctx, bvxi_faces *f)
     return BVX_OK;
 }
 
-/* ---- writing ---- */
-
 /* Four rows of corners that faces from one row reach: (j, k), (j + 1, k), (j, k + 1), (j + 1, k + 1). */
 typedef struct face_reach {
     face_voxels voxels[4];
@@ -134,7 +122,6 @@ typedef struct face_reach {
 
 static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_t k, face_reach *c)
 {
-    /* Corners of a face lie in four rows: its own and those after it along y and z. */
     for (int32_t n = 0; n < 4; n++) {
         uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
         c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
@@ -199,12 +186,9 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     }
 }
 
-static void emit_face_piece(void *user, int32_t piece, int32_t worker)
+static void emit_face_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_faces *const f = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(f->row_count, f->pieces, piece, &begin, &end);
     for (uint64_t row = begin; row < end; row++) emit_face_row(f, row);
 }
 
@@ -220,20 +204,15 @@ bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
-    bvx_status status;
+    int mine;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
-    status = bvxi_parallel(ctx, "faces", 0.0, 0.3, f->pieces, count_face_piece, f);
-    if (status == BVX_OK) status = number_face_rows(ctx, f);
-    if (status == BVX_OK && mesh != NULL) {
-        int const mine = mesh->positions == NULL;
-        status = bvxi_faces_open_mesh(ctx, f, mesh);
-        if (status == BVX_OK) {
-            status = bvxi_parallel(ctx, "faces", 0.3, 1.0, f->pieces, emit_face_piece, f);
-            /* What the caller brought is not freed, only emptied. */
-            if (status != BVX_OK && mine) bvx_mesh_free(ctx, mesh);
-            else if (status != BVX_OK) mesh->vertex_count = mesh->triangle_count = 0;
-        }
-    }
-    return status;
+    BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f));
+    BVXI_TRY(number_face_rows(ctx, f));
+    if (mesh == NULL) return BVX_OK;
+    mine = mesh->positions == NULL;
+    BVXI_TRY(bvxi_faces_open_mesh(ctx, f, mesh));
+    return bvxi_mesh_made(
+        ctx, bvxi_for_ranges(ctx, "faces", 0.3, 1.0, f->pieces, f->row_count, emit_face_piece, f), mine,
+        mesh);
 }

@@ -159,8 +159,6 @@ static void take_missing_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t
     if (k->missing_count == BVXI_MISSING_MOST) place_missing_cuts(k);
 }
 
-/* ---- Cuts ---- */
-
 typedef struct placed_cut {
     double t;
     int32_t by;                 /* BVXI_CUT_...; LID: t is not known yet */

@@ -13,15 +13,8 @@
 #include "mesh/topology.h"
 #include "mesh/view.h"
 
-/* ---- checks ---- */
-
 static const bvxi_option field_surface_rows[] = {
-    BVXI_CHOICE(bvx_field_surface_options, interpolation, BVX_EDGE_TANGENT, BVX_EDGE_PAPER),
-    BVXI_CHOICE(bvx_field_surface_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
-    BVXI_CHOICE(bvx_field_surface_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_CHOICE(bvx_field_surface_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
-    BVXI_SWITCH(bvx_field_surface_options, local_frame),
-    BVXI_RESERVED(bvx_field_surface_options, reserved),
+    BVXI_PLACING(bvx_field_surface_options),
     BVXI_OR(bvx_field_surface_options, sharp_angle, REAL, BVXI_SHARP_ANGLE, -1.0, 1.0),
     BVXI_REAL(bvx_field_surface_options, offset, -BVXI_FINITE, BVXI_FINITE),
 };
@@ -34,7 +27,6 @@ static bvx_status check_row_values(bvx_context *ctx, const char *function, const
 
     if (f->row_values == NULL) return bvxi_fail_null(ctx, function, "field.row_values");
 
-    /* Row by row: what is given against the bits before it. */
     for (uint64_t r = 0; r < rows; r++) {
         if (f->row_values[r] != total)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
@@ -54,11 +46,11 @@ static bvx_status check_doubles(bvx_context *ctx, const char *function, const bv
                                 const bvx_field_surface_options *o)
 {
     static const double local_origin[3] = {0, 0, 0};
-    const double *const origin = o->local_frame ? local_origin : grid->lattice.origin;
+    const double *const origin = o->placing.local_frame ? local_origin : grid->lattice.origin;
 
     /* Floats need no such check: they round, and the surface stays closed. */
-    if (o->position_type == BVX_F32) return BVX_OK;
-    if (o->position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
+    if (o->placing.position_type == BVX_F32) return BVX_OK;
+    if (o->placing.position_type == BVX_POSITION_AUTO && bvxi_fits_f32(grid, origin)) return BVX_OK;
     return bvxi_check_f64(ctx, function, grid, origin);
 }
 
@@ -83,9 +75,9 @@ static bvx_status check_changed(bvx_context *ctx, const char *function, const bv
 static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_field *f,
                               const bvx_field_surface_options *o)
 {
-    /* Only what the chosen way reads has to be there. */
-    int const vectors = (o->interpolation != BVX_EDGE_SCALAR && o->interpolation != BVX_EDGE_MIDDLE) ||
-                        o->sharp != BVX_SHARP_NEVER;
+    int const vectors = (o->placing.interpolation != BVX_EDGE_SCALAR &&
+                         o->placing.interpolation != BVX_EDGE_MIDDLE) ||
+                        o->placing.sharp != BVX_SHARP_NEVER;
 
     for (uint64_t i = 0; i < 4; i++)
         if (f->reserved[i] != 0)
@@ -98,7 +90,7 @@ static bvx_status check_field(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(check_changed(ctx, function, f, o));
     BVXI_TRY(check_doubles(ctx, function, &f->inside, o));
     /* Middles need no value of the field. */
-    if (o->interpolation == BVX_EDGE_MIDDLE && o->sharp == BVX_SHARP_NEVER) return BVX_OK;
+    if (o->placing.interpolation == BVX_EDGE_MIDDLE && o->placing.sharp == BVX_SHARP_NEVER) return BVX_OK;
     BVXI_TRY(bvxi_grid_check(ctx, function, &f->band));
     if (!bvxi_lattice_equal(&f->band.lattice, &f->inside.lattice) ||
         memcmp(f->band.low, f->inside.low, sizeof f->band.low) != 0 ||
@@ -126,7 +118,6 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
 {
     double low[3], high[3];
 
-    /* Before any of them is looked up. */
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     for (uint64_t n = 0; n < f->value_count; n++)
@@ -144,18 +135,14 @@ static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, con
     double low[3], high[3], share;
     int32_t sharp;
 
-    /* Requested or forbidden: the mesh is not looked at. */
-    if (o->sharp != BVX_SHARP_AUTO) return BVX_OK;
+    if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp, &share)));
-    o->sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
+    o->placing.sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     return BVX_OK;
 }
 
-/* ---- steps ---- */
-
-/* Cuts counted over all pieces. */
 static void report_cuts(const bvxi_cuts *c, bvx_field_surface_report *report)
 {
     for (int32_t p = 0; p < c->march->pieces; p++) {
@@ -185,16 +172,10 @@ static bvx_status place_cuts(bvx_context *ctx, bvxi_cuts *c, bvx_field_surface_r
 static bvx_status make_plain(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, bvx_mesh *surface,
                              bvx_field_surface_report *report)
 {
-    /* On failure the caller's own mesh is emptied, the library's freed. */
     int const mine = surface->positions == NULL;
-    bvx_status status;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_march_fill(ctx, m, surface)));
-    status = BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report));
-    if (status == BVX_OK) return BVX_OK;
-    if (mine) bvx_mesh_free(ctx, surface);
-    else surface->vertex_count = surface->triangle_count = 0;
-    return status;
+    return bvxi_mesh_made(ctx, BVXI_SHARE(ctx, 0.3, 1.0, place_cuts(ctx, c, report)), mine, surface);
 }
 
 /* The surface by cuts becomes scratch. */
@@ -208,7 +189,6 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, plane_bytes, "the facets' planes", &c->planes));
 
-    /* As large as the plain surface is: it is made here first. */
     plain.position_type = m->options.position_type;
     plain.vertex_capacity = m->vertex_count;
     plain.triangle_capacity = m->triangle_count;
@@ -226,11 +206,11 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
                               const bvxi_cut_rule *values, const bvx_field_surface_options *options,
                               bvx_mesh *surface)
 {
-    int const sharp = options->sharp == BVX_SHARP_ALWAYS;
+    int const sharp = options->placing.sharp == BVX_SHARP_ALWAYS;
     /* Choices of the field's surface that marching cubes has too. */
-    bvx_extract_options extract = {.face_rule = options->face_rule,
-                                   .position_type = options->position_type,
-                                   .local_frame = options->local_frame};
+    bvx_extract_options extract = {.face_rule = options->placing.face_rule,
+                                   .position_type = options->placing.position_type,
+                                   .local_frame = options->placing.local_frame};
     bvx_field_surface_report report = {.sharp = sharp ? 1 : 0};
     bvxi_march m = {0};
     bvxi_cuts cuts = {0};
@@ -239,17 +219,14 @@ bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_march_open(ctx, &m, inside, &extract)));
     cuts.march = &m;
     cuts.values = values;
-    cuts.interpolation = options->interpolation;
+    cuts.interpolation = options->placing.interpolation;
     cuts.unit = bvxi_largest_spacing(&inside->lattice);
-    /* Both ways share the march; sharpening only adds to it. */
     BVXI_TRY(sharp ? make_sharp(ctx, &m, &cuts, options->sharp_angle, surface, &report)
                    : make_plain(ctx, &m, &cuts, surface, &report));
     bvxi_march_close(ctx, &m);
     if (options->report != NULL) *options->report = report;
     return BVX_OK;
 }
-
-/* ---- public ---- */
 
 static bvx_status run_extract_field_surface(bvx_context *context, const bvx_field *field,
                                             const bvx_mesh_view *mesh,
@@ -261,18 +238,18 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     bvxi_sparse values;
     int32_t asked;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (field == NULL || surface == NULL)
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(field_surface_rows)));
-    if (o.sharp == BVX_SHARP_AUTO && (mesh == NULL || field->vectors == NULL)) o.sharp = BVX_SHARP_NEVER;
+    if (o.placing.sharp == BVX_SHARP_AUTO && (mesh == NULL || field->vectors == NULL))
+        o.placing.sharp = BVX_SHARP_NEVER;
     BVXI_TRY(check_field(context, name, field, &o));
     /* Remembered, as looking for sharp edges takes its share of progress. */
-    asked = o.sharp;
+    asked = o.placing.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
-    if (o.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
+    if (o.placing.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
         BVXI_TRY(check_field_triangles(context, name, field, mesh));
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;

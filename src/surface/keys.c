@@ -31,7 +31,6 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     bvxi_cell_rows(m, j, k, row);
     for (int32_t a = 0; a < 3; a++) out[a] = m->mesh->vertex_keys + s->edge[a];
 
-    /* Keys in the order of the arrays. */
     for (int32_t w = 0; w < m->edge_words; w++) {
         uint64_t const visited = bvxi_visited(m, w);
         bvxi_cell_words c;
@@ -50,11 +49,9 @@ static void key_slot(const bvxi_march *m, uint64_t slot)
     }
 }
 
-void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker)
+void bvxi_march_key_piece(void *march, uint64_t begin, uint64_t end)
 {
     const bvxi_march *const m = march;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
+
     for (uint64_t s = begin; s < end; s++) key_slot(m, s);
 }

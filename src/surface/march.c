@@ -137,7 +137,6 @@ static void choose_cells(bvxi_march *m)
     m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
 }
 
-/* Counts become first numbers. */
 static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
 {
     uint64_t vertices = 0, triangles = 0, past = 0;
@@ -209,7 +208,7 @@ bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)m->pieces * 24, "the counts", &m->piece_counts));
     BVXI_TRY(
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)grid->words_per_row * 8, "an empty row", &m->empty_row));
-    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
+    BVXI_TRY(bvxi_each(ctx, "surface", 0.0, 0.35, m->pieces, bvxi_march_count_piece, m));
     return number_slots(ctx, m);
 }
 
@@ -250,19 +249,11 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
-    status = bvxi_parallel(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
+    status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
-        status = bvxi_parallel(ctx, "surface", 1.0, 1.0, m->pieces, bvxi_march_key_piece, m);
-
-    /* An array of the caller's cannot be freed, so it is left empty instead. */
-    if (status != BVX_OK) {
-        if (mine) bvx_mesh_free(ctx, mesh);
-        else mesh->vertex_count = mesh->triangle_count = 0;
-    }
-    return status;
+        status = bvxi_for_ranges(ctx, "surface", 1.0, 1.0, m->pieces, m->slot_count, bvxi_march_key_piece, m);
+    return bvxi_mesh_made(ctx, status, mine, mesh);
 }
-
-/* ---- public ---- */
 
 static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
                                     const bvx_extract_options *options, uint64_t *vertex_count,
@@ -271,15 +262,11 @@ static bvx_status run_extract_count(bvx_context *context, const bvx_grid *grid,
     static const char name[] = "bvx_extract_count";
     bvx_extract_options o;
     bvxi_march m = {0};
-    bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, name, "a count");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
-    status = bvxi_march_open(context, &m, grid, &o);
-    bvxi_march_close(context, &m);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(bvxi_march_open(context, &m, grid, &o));
     *vertex_count = m.vertex_count;
     *triangle_count = m.triangle_count;
     return BVX_OK;
@@ -298,14 +285,11 @@ static bvx_status run_extract_surface(bvx_context *context, const bvx_grid *grid
     bvx_extract_options o;
     bvxi_march m = {0};
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     m.function = name;
     BVXI_TRY(bvxi_march_open(context, &m, grid, &o));
-    BVXI_TRY(bvxi_march_fill(context, &m, mesh));
-    bvxi_march_close(context, &m);
-    return BVX_OK;
+    return bvxi_march_fill(context, &m, mesh);
 }
 
 bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,

@@ -66,15 +66,14 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
 /* Check, choose cells, count: after success the counts and slots stand. bvxi_march_close in any case. */
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid,
                            const bvx_extract_options *options);
-/* Make or fill the mesh. */
 bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh);
 void bvxi_march_close(bvx_context *ctx, bvxi_march *m);
 
 /* count.c, emit.c: pieces of slots for bvxi_parallel. */
-void bvxi_march_count_piece(void *march, int32_t piece, int32_t worker);
-void bvxi_march_emit_piece(void *march, int32_t piece, int32_t worker);
+void bvxi_march_count_piece(void *march, int32_t piece);
+void bvxi_march_emit_piece(void *march, int32_t piece);
 /* keys.c: canonical keys of vertices and triangles. */
-void bvxi_march_key_piece(void *march, int32_t piece, int32_t worker);
+void bvxi_march_key_piece(void *march, uint64_t begin, uint64_t end);
 
 /* Vertices keep this far from an edge's ends, in edge lengths: two f32
  * steps at least (march.c), so no two meet. */

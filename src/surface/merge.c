@@ -41,7 +41,6 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
             if (!(m->frame[a] == first->frame[a]))
                 return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                                      "%s: part %i has another frame than part 0", merge_name, p);
-        /* Before any is looked up. */
         for (uint64_t i = 0; i < 3 * m->triangle_count; i++)
             if (m->triangles[i] >= m->vertex_count)
                 return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_INDEX,
@@ -50,7 +49,6 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
         w->vertices += m->vertex_count;
         w->triangles += m->triangle_count;
     }
-    /* Of all parts together too. */
     if (w->vertices >= UINT32_MAX || w->triangles >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the parts have %u vertices and %u triangles; 2^32 - 1 are possible",
@@ -112,7 +110,6 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
                    (const unsigned char *)w->parts[p].positions + (place - start[p]) * bytes, bytes);
             whole->vertex_keys[n++] = w->keys[i];
         }
-        /* All of them become that vertex. */
         w->renumber[place] = (uint32_t)(n - 1);
     }
 }
@@ -150,7 +147,6 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
     status = bvxi_progress(ctx, "merge", 0.5);
-    /* The same arrays serve the triangles. */
     if (status == BVX_OK) status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
@@ -169,8 +165,6 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     bvx_mesh made = {0};
     int brought;
 
-    /* Parts that contradict each other are refused before memory is taken. */
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);

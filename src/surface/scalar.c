@@ -77,7 +77,6 @@ static bvx_status extract_level(bvx_context *ctx, const char *function, const bv
     /* Neighbouring positions must differ as doubles. */
     if (m.options.position_type == BVX_F64) BVXI_TRY(bvxi_check_f64(ctx, function, inside, m.origin));
     BVXI_TRY(bvxi_march_fill(ctx, &m, mesh));
-    bvxi_march_close(ctx, &m);
     if (o->report != NULL) *o->report = report;
     return BVX_OK;
 }
@@ -92,7 +91,6 @@ static bvx_status run_extract_scalar(bvx_context *context, const bvx_volume_view
     bvx_status status;
 
     /* Everything is checked before the bits' memory is taken. */
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_scalar_options(context, name, &o));

@@ -132,8 +132,6 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
     w->counts[piece] = count;
 }
 
-/* ---- the new surface ---- */
-
 static uint64_t kept_before(const bvxi_sharp_work *w, uint64_t loop)
 {
     return loop < w->first[w->march->slot_count] ? w->loops[loop].before
@@ -209,12 +207,10 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
     }
 }
 
-static void write_sharp_piece(void *work, int32_t piece, int32_t worker)
+static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
 {
     const bvxi_sharp_work *const w = work;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
+
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
 }
 
@@ -236,14 +232,10 @@ static void write_vertices(const bvxi_sharp_work *w)
     }
 }
 
-/* ---- steps ---- */
-
-/* Counts of slots become first numbers. */
 static bvx_status number_loops(bvx_context *ctx, bvxi_sharp_work *w, uint64_t *count)
 {
     uint64_t total = 0;
 
-    /* Counts become places. */
     for (uint64_t s = 0; s < w->march->slot_count; s++) {
         uint32_t const n = w->first[s];
         w->first[s] = (uint32_t)total;
@@ -281,11 +273,8 @@ static bvx_status write_sharp(bvx_context *ctx, bvxi_sharp_work *w, uint32_t kep
     memcpy(surface->frame, m->mesh->frame, sizeof surface->frame);
     w->surface = surface;
     write_vertices(w);
-    status = bvxi_parallel(ctx, "sharp edges", 0.8, 1.0, m->pieces, write_sharp_piece, w);
-    if (status == BVX_OK) return BVX_OK;
-    if (mine) bvx_mesh_free(ctx, surface);
-    else surface->vertex_count = surface->triangle_count = 0;
-    return status;
+    status = bvxi_for_ranges(ctx, "sharp edges", 0.8, 1.0, m->pieces, m->slot_count, write_sharp_piece, w);
+    return bvxi_mesh_made(ctx, status, mine, surface);
 }
 
 bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cuts *cuts, double least_cosine,
@@ -301,12 +290,13 @@ bvx_status bvxi_sharpen(bvx_context *ctx, const bvxi_march *march, const bvxi_cu
 
     /* Sharp loops are counted, then filled, so that one array holds all. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, piece_bytes, "the counts of turned edges", &w.counts));
-    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.0, 0.3, march->pieces, bvxi_sharp_count_piece, &w));
+    BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.0, 0.3, march->pieces, march->slot_count,
+                             bvxi_sharp_count_piece, &w));
     BVXI_TRY(number_loops(ctx, &w, &count));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * sizeof *w.loops, "the sharp cells", &w.loops));
-    BVXI_TRY(bvxi_parallel(ctx, "sharp edges", 0.3, 0.6, march->pieces, bvxi_sharp_fill_piece, &w));
+    BVXI_TRY(bvxi_for_ranges(ctx, "sharp edges", 0.3, 0.6, march->pieces, march->slot_count,
+                             bvxi_sharp_fill_piece, &w));
     kept = number_apexes(&w, count);
-    /* Sides are turned when all apexes are known. */
     BVXI_TRY(bvxi_for_pieces(ctx, "sharp edges", 0.6, 0.8, march->pieces, w.march->slot_count,
                              sharp_turn_piece, &w));
     BVXI_TRY(write_sharp(ctx, &w, kept, surface));

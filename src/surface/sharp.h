@@ -9,8 +9,6 @@
 
 #include <math.h>
 
-/* ---- Sharp edges and corners of a field's surface: vertices inside cells ---- */
-
 enum { BVXI_CELL_LOOPS = 4, BVXI_LOOP_CORNERS = 12 };
 
 /* One closed loop in which the surface leaves a cell, in the direction of its triangles. */
@@ -26,8 +24,6 @@ typedef struct bvxi_cell_loops {
     bvxi_cell_loop loop[BVXI_CELL_LOOPS];
 } bvxi_cell_loops;
 
-/* ---- cell_loops.c ---- */
-
 /* The loops of a cell by its case; triangles are the cell's, in the table's order. */
 void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *triangles,
                      bvxi_cell_loops *loops);
@@ -35,8 +31,6 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
 int32_t bvxi_face_of_edges(uint8_t one, uint8_t two);
 /* 1 when all four edges of the face are cut. */
 int bvxi_face_is_cut_twice(uint32_t cell_case, int32_t face);
-
-/* ---- nearest_to_planes.c ---- */
 
 typedef struct bvxi_apex_plane {
     double n[3], d; /* n.x = d, n of unit length */
@@ -47,12 +41,8 @@ typedef struct bvxi_apex_plane {
 void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle[3], const double half[3],
                double apex[3]);
 
-/* ---- disjoint_triangles.c ---- */
-
 /* 1 only when the triangles surely have no common point. */
 int bvxi_triangles_apart(const double one[3][3], const double two[3][3]);
-
-/* ---- sharp.c ---- */
 
 /* From the surface by cuts, which is left as it is, to one with sharp edges and corners, opened by this.
  * report: the three counts of sharp are filled. */
@@ -82,13 +72,9 @@ typedef struct bvxi_sharp_work {
     bvx_mesh *surface;
 } bvxi_sharp_work;
 
-/* ---- passes: pieces of slots for bvxi_parallel, in this order ---- */
-
 /* sharp_cells.c: count each slot's sharp loops in first; then, first being numbers, fill them. */
-void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker);
-void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker);
-/* ---- walking cells ---- */
-
+void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end);
+void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end);
 typedef struct bvxi_cell_walk {
     const bvxi_march *march;
     const uint64_t *row[4];
@@ -132,8 +118,6 @@ static inline void bvxi_trace_walked(const bvxi_cell_walk *c, bvxi_cell_loops *l
     bvxi_trace_cell(c->march->options.face_rule, c->cell_case,
                     c->march->mesh->triangles + 3 * (size_t)c->triangle, loops);
 }
-
-/* ---- small geometry ---- */
 
 static inline void bvxi_sharp_vertex(const bvxi_march *m, uint32_t vertex, double p[3])
 {

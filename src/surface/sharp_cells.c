@@ -5,8 +5,6 @@
 /* Facets meet in a point when it lies this near to all their planes. [Units: largest spacings] */
 #define SAME_PLACE (1.0 / 32.0)
 
-/* ---- which loops are sharp ---- */
-
 static int is_sharp(const bvxi_sharp_work *w, const bvxi_cell_loop *l)
 {
     /* Any two facets of the loop that differ by more than the angle. */
@@ -40,17 +38,13 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
     return 0;
 }
 
-void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker)
+void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
 
-        /* Rows without triangles have no cell. */
         w->first[s] = 0;
         if (w->march->slots[s + 1].triangle == w->march->slots[s].triangle) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
@@ -61,8 +55,6 @@ void bvxi_sharp_count_piece(void *work, int32_t piece, int32_t worker)
         }
     }
 }
-
-/* ---- apexes ---- */
 
 /* The cell's faces as written, its middle, and half of the box that apexes are kept in. */
 typedef struct sharp_box {
@@ -120,7 +112,6 @@ static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bv
 /* 1 when a point lies inside the box, and on all planes but for SAME_PLACE. */
 static int lies_on_all(const sharp_box *box, const bvxi_apex_plane *planes, int32_t count, const double p[3])
 {
-    /* Inside the box first: it costs least. */
     for (int a = 0; a < 3; a++)
         if (!(p[a] > -box->half[a] && p[a] < box->half[a])) return 0;
     for (int32_t i = 0; i < count; i++) {
@@ -161,7 +152,6 @@ static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const dou
     for (int i = 0; i < 4; i++) {
         const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
         double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
-        /* One facet that it does not look away from is enough. */
         if (bvxi_vec_dot(n, facet) > 0.0) return 0;
         known |= facet[0] != 0.0 || facet[1] != 0.0 || facet[2] != 0.0;
     }
@@ -175,7 +165,6 @@ static int turns_over(const bvxi_sharp_work *w, const bvxi_cell_loop *l, const d
         uint32_t const end[2] = {l->vertex[i], l->vertex[i + 1 < l->corners ? i + 1 : 0]};
         double p[2][3], n[3];
 
-        /* With the fan's own normal, as the mesh will have it. */
         for (int k = 0; k < 2; k++) bvxi_sharp_vertex(w->march, end[k], p[k]);
         if (!bvxi_normal_of(p[0], p[1], apex, w->cuts->unit, n) || looks_away(w, end, n)) return 1;
     }
@@ -228,7 +217,6 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     if (!may_be_sharp(w, c)) return 0;
     bvxi_trace_walked(c, &loops);
 
-    /* Each sharp loop gets an apex, or stays as it was. */
     for (int32_t l = 0; l < loops.count; l++) {
         bvxi_sharp_loop *const s = &out[count];
         if (!is_sharp(w, &loops.loop[l])) continue;
@@ -249,17 +237,13 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     return count;
 }
 
-void bvxi_sharp_fill_piece(void *work, int32_t piece, int32_t worker)
+void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-    uint64_t begin, end;
 
-    (void)worker;
-    bvxi_piece(w->march->slot_count, w->march->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         bvxi_sharp_loop *out = w->loops + w->first[s];
         bvxi_cell_walk c;
-        /* No sharp cell in this row. */
         if (w->first[s + 1] == w->first[s]) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) out += fill_cell(w, &c, out);
     }

@@ -66,8 +66,6 @@ typedef struct touch_place {
     int32_t j0, k0;
 } touch_place;
 
-/* ---- judging ---- */
-
 /* Corners of listed triangles about the point where their boxes' two voxels meet, or the middle of three. */
 BVXI_VECTOR_INLINE void centre_corners(const bvxi_surface_job *job, touch_work *w, int shape, int thirds,
                                        int axes)
@@ -107,8 +105,6 @@ BVXI_VECTOR_INLINE void judge_plane(touch_work *w, uint32_t n, int thirds, doubl
         w->missed[i] |= thirds ? bvxi_plane_cells(a, b, c, side) : bvxi_plane_octants(a, b, c);
     }
 }
-
-/* ---- writing ---- */
 
 static void write_large(const touch_place *place, const touch_work *w, uint32_t m)
 {
@@ -180,8 +176,6 @@ static void write_box(const touch_place *place, const touch_work *w, uint32_t m)
     for (int32_t k = k0; k <= k1; k++)
         for (int32_t j = j0; j <= j1; j++) bvxi_touch_run(job, j, k, x0, x1, b->triangle[m]);
 }
-
-/* ---- batches ---- */
 
 BVXI_VECTOR_INLINE void list_by_shape(touch_work *w, uint32_t n)
 {
@@ -281,7 +275,6 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
         hit_small_boxes(&w);
         judge_thick_boxes(job, &w, TOUCH_TWO_XY, 0);
         judge_thick_boxes(job, &w, TOUCH_THREE_XY, 1);
-        /* Lists of attached triangles need their order; bits do not. */
         if (job->task == BVXI_TOUCH_SET) write_by_shape(place, &w);
         else write_in_order(place, &w, n);
     }
@@ -307,7 +300,6 @@ void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64
     place.tile = tile;
     place.words = bvxi_surface_row(job, tile->rows.j0, tile->rows.k0);
 
-    /* The tile's first row and its sides, once for all triangles. */
     place.row_words = (uint64_t)job->grid->words_per_row;
     place.slice_words = place.row_words * (uint64_t)job->size[1];
     place.nx = (uint32_t)job->size[0];

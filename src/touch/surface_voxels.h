@@ -62,7 +62,6 @@ typedef struct bvxi_surface_tile {
 
 /* tile_bins.c: sort the triangles by tile; checks their indices. */
 bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_job *job);
-void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job);
 
 /* Triangles into the tile's rows, by the mode's definition: id[0 .. count),
  * or when id is NULL count ones from job->first on. */
@@ -131,7 +130,6 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
  * scratch words, and how many voxels it has. */
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
                            bvx_grid *shell, uint64_t *voxels);
-void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell);
 
 /* ---- The exact runs of voxels that one triangle of any size touches ---- */
 

@@ -151,7 +151,6 @@ static void try_lines(thin_lines *l)
     for (int32_t v = l->low[2]; v <= l->high[2]; v++) {
         int64_t a = e.at[0], b = e.at[1], c = e.at[2];
         for (int32_t u = l->low[1]; u <= l->high[1]; u++) {
-            /* No sign bit in any of the three: inside all edges. */
             if ((a | b | c) >= 0) cross_line(l, u, v);
             a += e.along_u[0];
             b += e.along_u[1];

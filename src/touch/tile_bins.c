@@ -42,12 +42,9 @@ static void cell_range(const bvxi_surface_job *job, uint64_t begin, uint64_t end
     }
 }
 
-static void cell_piece_of_bins(void *user, int32_t index, int32_t worker)
+static void cell_piece_of_bins(void *user, uint64_t begin, uint64_t end)
 {
     bin_job *const b = user;
-    uint64_t begin, end;
-    (void)worker;
-    bvxi_piece(b->job->view->vertex_count, b->pieces, index, &begin, &end);
     cell_range(b->job, begin, end, b->job->snapped.cell);
 }
 
@@ -143,13 +140,13 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     b->pieces = bvxi_piece_count(job->view->triangle_count, BIN_GRAIN);
     if (b->pieces > BIN_PIECES) b->pieces = BIN_PIECES;
     for (int32_t i = 0; i < BIN_PIECES; i++) b->bad[i] = UINT64_MAX;
-    BVXI_TRY(job->tiles.count > 1 ? bvxi_parallel(ctx, "surface", 0.1, 0.1, b->pieces, cell_piece_of_bins, b)
+    BVXI_TRY(job->tiles.count > 1 ? bvxi_for_ranges(ctx, "surface", 0.1, 0.1, b->pieces,
+                                                    b->job->view->vertex_count, cell_piece_of_bins, b)
                                   : BVX_OK);
     BVXI_TRY(run_bins(ctx, function, b)); /* one tile: a check of the indices */
     /* One tile takes triangles as they come, and needs no list. */
     if (job->tiles.count == 1) {
         job->bins.end[1] = job->view->triangle_count;
-        bvxi_drop(ctx, b);
         return BVX_OK;
     }
     /* Counts are places now, so the second walk knows where each triangle goes. */
@@ -157,12 +154,5 @@ bvx_status bvxi_bins_open(bvx_context *ctx, const char *function, bvxi_surface_j
     b->fill = 1;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->bins.total * 4, "the triangles by tile", &job->bins.id));
     BVXI_TRY(run_bins(ctx, function, b));
-    bvxi_drop(ctx, b);
     return BVX_OK;
-}
-
-void bvxi_bins_close(bvx_context *ctx, bvxi_surface_job *job)
-{
-    bvxi_drop(ctx, job->bins.id);
-    job->bins.id = NULL;
 }

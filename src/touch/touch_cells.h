@@ -26,8 +26,6 @@ static const int64_t bvxi_octant_half[3][2] = {{0x55, 0xaa}, {0x33, 0xcc}, {0x0f
 static const int64_t bvxi_cell_third[3][3] = {
     {0x1249249, 0x2492492, 0x4924924}, {0x01c0e07, 0x0e07038, 0x70381c0}, {0x00001ff, 0x003fe00, 0x7fc0000}};
 
-/* ---- octants ---- */
-
 /* Octants that an edge (au, av) -> (bu, bv) of a projection leaves outside;
  * turn is +1 or -1, the sign of the area. */
 BVXI_VECTOR_INLINE int64_t bvxi_edge_octants(double au, double av, double bu, double bv, double turn,
@@ -72,8 +70,6 @@ BVXI_VECTOR_INLINE int64_t bvxi_plane_octants(const double a[3], const double b[
                          ((nz < 0 ? 0 : 0x0f) | (nz > 0 ? 0 : 0xf0));
     return (at > 0 ? up : 0) | (at < 0 ? down : 0);
 }
-
-/* ---- three by three by three ---- */
 
 /* An edge's value at the best corner of each cell of the middle column, and from column to column. */
 typedef struct bvxi_cell_edge {

@@ -74,8 +74,6 @@ static int cut_to_tile(const bvxi_surface_tile *tile, const int32_t (*corner)[3]
     return 1;
 }
 
-/* ---- lines ---- */
-
 static void add_touched_edge(const touch_triangle *t, int u, int v, int from, int to, int64_t turn,
                              touch_lines *lines)
 {
@@ -116,8 +114,6 @@ static void narrow_by_lines(const touch_lines *lines, int64_t v, int64_t *first,
         }
     }
 }
-
-/* ---- the plane ---- */
 
 static double absolute(double v)
 {
@@ -213,8 +209,6 @@ static inline void narrow_by_plane(const touch_triangle *t, int64_t j, int64_t k
     if (BVXI_UNLIKELY(!sure)) narrow_exactly(t, j, k, first, last);
 }
 
-/* ---- rows ---- */
-
 static int open_triangle(const bvxi_surface_tile *tile, const int32_t (*corner)[3], touch_triangle *t)
 {
     int64_t u[3], v[3], n[3];
@@ -264,7 +258,6 @@ void bvxi_touch_rows(bvxi_surface_tile *tile, const int32_t (*corner)[3], uint32
 
     if (!open_triangle(tile, corner, &t)) return;
 
-    /* In voxels of the cut box. */
     most = t.high[0] - t.low[0];
     rows = t.high[1] - t.low[1];
     slices = t.high[2] - t.low[2];

@@ -30,8 +30,6 @@ void bvx_attached_free(bvx_context *context, bvx_attached *attached)
     memset(attached, 0, sizeof *attached);
 }
 
-/* ---- tiles ---- */
-
 static void count_nothing(bvxi_surface_job *job, int32_t tile)
 {
     job->used[tile] = job->samples[tile] = job->parts[tile] = 0;
@@ -55,13 +53,11 @@ static void touch_by_mode(bvxi_surface_tile *tile, const uint32_t *id, uint64_t 
     }
 }
 
-static void touch_tile(void *user, int32_t number, int32_t worker)
+static void touch_tile(void *user, int32_t number)
 {
     bvxi_surface_job *const job = user;
 
-    /* A tile writes its own rows, so tiles may run at the same time. */
     bvxi_surface_tile tile = {job, bvxi_tiles_rows(&job->tiles, number), number};
-    (void)worker;
     count_nothing(job, number);
     /* Rows are emptied by the task that fills them, while they are about to be needed. */
     empty_rows(job, &tile.rows);
@@ -101,23 +97,21 @@ static void touch_only_tile(void *user, int32_t piece, int32_t worker)
 }
 
 /* A slice of the only tile; any piece of the triangles may need any of them, so they are emptied before. */
-static void empty_slice(void *user, int32_t index, int32_t worker)
+static void empty_slice(void *user, int32_t index)
 {
     const bvxi_surface_job *const job = user;
     bvxi_rows const slice = {0, job->size[1], index, index + 1};
 
-    (void)worker;
     empty_rows(job, &slice);
 }
 
 /* A slice of the helpers' grids into the one of all. */
-static void join_slice(void *user, int32_t index, int32_t worker)
+static void join_slice(void *user, int32_t index)
 {
     const bvxi_surface_job *const job = user;
     size_t const words = (size_t)job->size[1] * (size_t)job->grid->words_per_row, at = (size_t)index * words;
     uint64_t *BVXI_RESTRICT const all = job->grid->words + at;
 
-    (void)worker;
     for (int32_t h = 0; h < job->helper_count; h++) {
         const uint64_t *BVXI_RESTRICT const own = job->helpers[h].grid.words + at;
 
@@ -158,7 +152,7 @@ static bvx_status close_helpers(bvx_context *ctx, bvxi_surface_job *job, double 
 {
     if (job->helper_count == 0) return BVX_OK;
     for (int32_t h = 0; h < job->helper_count; h++) join_counts(job, &job->helpers[h].job);
-    BVXI_TRY(bvxi_parallel(ctx, "surface", at, at, job->size[2], join_slice, job));
+    BVXI_TRY(bvxi_each(ctx, "surface", at, at, job->size[2], join_slice, job));
     bvxi_drop(ctx, job->helper_words);
     bvxi_drop(ctx, job->helpers);
     return BVX_OK;
@@ -172,13 +166,13 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
 
     job->task = task;
     if (job->bins.id != NULL)
-        return bvxi_parallel_long(ctx, "surface", from, to, job->tiles.count,
-                                  (bytes + triangles) / (double)job->tiles.count, touch_tile, job);
+        return bvxi_each_long(ctx, "surface", from, to, job->tiles.count,
+                              (bytes + triangles) / (double)job->tiles.count, touch_tile, job);
 
     if (task == BVXI_TOUCH_SET) {
         middle = from + (to - from) * bytes / (bytes + triangles);
-        BVXI_TRY(bvxi_parallel_long(ctx, "surface", from, middle, job->size[2], bytes / (double)job->size[2],
-                                    empty_slice, job));
+        BVXI_TRY(bvxi_each_long(ctx, "surface", from, middle, job->size[2], bytes / (double)job->size[2],
+                                empty_slice, job));
     }
     count_nothing(job, 0);
     BVXI_TRY(open_helpers(ctx, job));
@@ -186,8 +180,6 @@ static bvx_status touch_tiles(bvx_context *ctx, bvxi_surface_job *job, int32_t t
                                 touch_only_tile, job));
     return close_helpers(ctx, job, to);
 }
-
-/* ---- attached triangles ---- */
 
 /* Filling has moved each place to its voxel's end, which is where the next one begins. */
 static void restore_places(uint64_t *offset, uint64_t voxels)
@@ -236,8 +228,6 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     bvxi_rank_build(&job->rank, job->grid->words, words, prefix);
     status = bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the voxels' last triangles", &job->last);
     if (status == BVX_OK) status = fill_lists(ctx, job, voxels, &made);
-    bvxi_drop(ctx, job->last);
-    bvxi_drop(ctx, prefix);
 
     /* Filled in apart from the caller's lists, which stay until these are complete. */
     if (status != BVX_OK) {
@@ -248,8 +238,6 @@ static bvx_status attach_triangles(bvx_context *ctx, bvxi_surface_job *job, bvx_
     *attached = made;
     return BVX_OK;
 }
-
-/* ---- the call ---- */
 
 /* One thread takes all triangles as they come. So do several with a grid each where these are small beside the
  * mesh: the work of one thread, shared. Lists of attached triangles have to be in order; they, and large grids,
@@ -304,13 +292,9 @@ static bvx_status run_surface(bvx_context *ctx, const char *function, const bvx_
 {
     BVXI_TRY(bvxi_snap(ctx, function, job->view, &job->grid->lattice, &job->snapped));
 
-    /* Each step needs the one before. */
     BVXI_TRY(bvxi_bins_open(ctx, function, job));
     BVXI_TRY(touch_tiles(ctx, job, BVXI_TOUCH_SET, 0.2, o->attached != NULL ? 0.4 : 1.0));
-    if (o->attached != NULL) BVXI_TRY(attach_triangles(ctx, job, o->attached));
-    bvxi_bins_close(ctx, job);
-    bvxi_snap_free(ctx, &job->snapped);
-    return BVX_OK;
+    return o->attached != NULL ? attach_triangles(ctx, job, o->attached) : BVX_OK;
 }
 
 /* A job for a grid that is open; the mesh and the lattice have been checked. */
@@ -337,7 +321,7 @@ bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_m
     /* A thin surface of what the solid does not show; the grid is the caller's and already open. */
     begin_surface(ctx, mesh, BVX_SURFACE_THIN, 0, lost, &job);
     job.solid = solid;
-    BVXI_TRY(run_surface(ctx, function, &o, &job));
+    BVXI_TRY(BVXI_SCOPE(ctx, run_surface(ctx, function, &o, &job)));
     for (int a = 0; a < 3; a++) {
         int64_t sum = 0;
 
@@ -367,21 +351,15 @@ static bvx_status run_voxelize_surface(bvx_context *context, const bvx_mesh_view
     bvxi_surface_job job;
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (surface == NULL) return bvxi_fail_null(context, surface_name, "surface");
     BVXI_TRY(check_surface_arguments(context, mesh, lattice, options, &o, &window));
     bvxi_grid_renew(context, lattice, &window, surface);
 
-    /* Into a copy of the struct: after a failure the caller's grid is as it was. */
     made = *surface;
     BVXI_TRY(bvxi_grid_open(context, surface_name, lattice, &window, &made));
     begin_surface(context, mesh, o.mode, o.attached != NULL, &made, &job);
     status = run_surface(context, surface_name, &o, &job);
-    if (status != BVX_OK) {
-        if (surface->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *surface = made;
+    BVXI_TRY(bvxi_grid_put(context, status, &made, surface));
     if (o.report != NULL) report_surface(&job, o.report);
     return BVX_OK;
 }
@@ -390,12 +368,6 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
                                 const bvx_surface_options *options, bvx_grid *surface)
 {
     return BVXI_CALL(context, run_voxelize_surface(context, mesh, lattice, options, surface));
-}
-
-void bvxi_shell_close(bvx_context *ctx, bvx_grid *shell)
-{
-    bvxi_drop(ctx, shell->words);
-    memset(shell, 0, sizeof *shell);
 }
 
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,

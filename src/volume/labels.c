@@ -153,7 +153,6 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
         int32_t const begin = x;
         /* The run goes on while the value does. */
         while (++x < n && whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
-        /* 0 is no label. */
         if (value == 0) continue;
         /* Mostly the value of the run before; only others are searched for. */
         if (*last >= t->count || t->entries[*last].value != value) BVXI_TRY(find_label(t, value, last));
@@ -167,7 +166,6 @@ static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const in
     const uint8_t *const first = v->samples;
     uint64_t last = 0;
 
-    /* In the order of the samples, one row at a time, so that runs are long. */
     for (int32_t z = 0; z < v->size[2]; z++) {
         BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
         for (int32_t y = 0; y < v->size[1]; y++)
@@ -211,7 +209,6 @@ static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *v
     label_table t = {0};
     int64_t stride[3];
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (count == NULL) return bvxi_fail_null(context, labels_name, "count");
     BVXI_TRY(bvxi_volume_check(context, labels_name, volume, stride));
     if (volume->sample_type >= BVX_SAMPLE_F32)

@@ -21,8 +21,6 @@ typedef struct points_work {
     bvx_points_report report;
 } points_work;
 
-/* ---- Counters ---- */
-
 static int32_t count_point_planes(int32_t minimum)
 {
     /* Counters of that many bits can hold the number. */
@@ -63,11 +61,8 @@ static void count_point(points_work *w, size_t word, uint64_t bit)
         *digit ^= bit;
         if ((*digit & bit) != 0) return; /* 0 became 1: nothing to carry */
     }
-    /* The last digit ran over: so many points were there. */
     *set |= bit;
 }
-
-/* ---- Points ---- */
 
 static inline void take_point(points_work *w, const double p[3])
 {
@@ -84,7 +79,6 @@ static inline void take_point(points_work *w, const double p[3])
         inside &= v[a] >= 0 && v[a] < g->size[a];
     }
     w->report.inside += (uint64_t)inside;
-    /* Points outside are counted, not refused. */
     w->report.outside += !inside;
     if (!inside) return;
     count_point(w,
@@ -107,18 +101,14 @@ static bvx_status take_points(bvx_context *ctx, points_work *w)
     return bvx_grid_count(ctx, w->grid, &w->report.occupied);
 }
 
-/* ---- The body ---- */
-
 static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_work *w)
 {
     uint64_t set = 0;
-    BVXI_TRY(bvxi_close_body(ctx, points_name, w->grid, close_gaps, &w->report.pockets));
+    BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, close_gaps, &w->report.pockets));
     BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
     w->report.filled = set - w->report.occupied;
     return BVX_OK;
 }
-
-/* ---- The call ---- */
 
 static const bvxi_option points_rows[] = {
     BVXI_OR(bvx_points_options, minimum, WHOLE, 1, 1, INT32_MAX),
@@ -132,7 +122,6 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
 
-    /* Gaps are closed only for a body. */
     if (o->close_gaps != 0 && !o->body)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
                              points_name);
@@ -151,11 +140,9 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
 {
     w->words = bvxi_grid_words(w->grid);
     w->plane_count = count_point_planes(o->minimum);
-    /* Zeros first: only full voxels are set. */
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
     BVXI_TRY(take_points(ctx, w));
-    bvxi_drop(ctx, w->planes);
     if (o->body) BVXI_TRY(make_points_body(ctx, o->close_gaps, w));
     return BVX_OK;
 }
@@ -170,9 +157,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_grid made;
     bvx_status status;
 
-    /* All is checked before the grid is made anew. */
     memset(&work, 0, sizeof work);
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
     BVXI_TRY(bvxi_take_options(context, points_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_view_take_points(context, points_name, points, &work.view));
@@ -185,12 +170,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     BVXI_TRY(bvxi_grid_open(context, points_name, lattice, &window, &made));
     work.grid = &made;
     status = voxelize_cloud(context, &o, &work);
-    if (status != BVX_OK) {
-        /* The caller's own array stays the caller's. */
-        if (grid->words == NULL) bvx_grid_free(context, &made);
-        return status;
-    }
-    *grid = made;
+    BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
     if (o.report != NULL) *o.report = work.report;
     return BVX_OK;
 }

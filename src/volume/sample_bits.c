@@ -61,8 +61,6 @@ static void fetch(const uint8_t *first, int64_t stride, int32_t n)
     for (int64_t at = 0; at < end; at += 64) BVXI_PREFETCH(first + at);
 }
 
-/* ---- x fastest: rows ---- */
-
 static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
 {
     uint64_t const ny = (uint64_t)w->grid->size[1];
@@ -70,15 +68,12 @@ static const uint8_t *row_at(const bvxi_sample_walk *w, uint64_t row)
     return sample_at(w, 0, (int64_t)(row % ny), (int64_t)(row / ny));
 }
 
-static void walk_rows(void *user, int32_t piece, int32_t worker)
+static void walk_rows(void *user, int32_t piece, uint64_t row, uint64_t end)
 {
     const bvxi_sample_walk *const w = user;
     bvx_grid *const g = w->grid;
     void *const tally = piece_tally(w, piece);
-    uint64_t row, end;
 
-    (void)worker;
-    bvxi_piece(bvxi_grid_rows(g), w->pieces, piece, &row, &end);
     for (; row < end; row++) {
         const uint8_t *const first = row_at(w, row);
 
@@ -87,8 +82,6 @@ static void walk_rows(void *user, int32_t piece, int32_t worker)
         w->run(w->rule, tally, first, w->stride[0], g->size[0], g->words + row * (uint64_t)g->words_per_row);
     }
 }
-
-/* ---- another axis f fastest ---- */
 
 /* All of x, nf voxels of f and nt planes of the third axis. */
 typedef struct sample_tile {
@@ -135,7 +128,6 @@ static void write_squares(const bvxi_sample_walk *w, const sample_tile *t, int32
         memset(square[k] + n, 0, (size_t)(64 - n) * sizeof square[k][0]);
         bvxi_transpose_64(square[k]);
     }
-    /* A row of each plane, side by side. */
     for (int32_t i = 0; i < rows; i++, to += along)
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = square[k][i];
 }
@@ -170,7 +162,6 @@ static void write_columns(const bvxi_sample_walk *w, const sample_tile *t, int32
         w->columns(w->rule, sample_at(w, x, y, z), w->stride[0], n, t->nf,
                    k + 1 < t->nt ? w->stride[3 - w->axis] : next_columns(w, t, x), row[k]);
     }
-    /* A row of each plane, side by side. */
     for (int32_t i = 0; i < t->nf; i++, to += along)
         for (int32_t k = 0; k < t->nt; k++) to[(uint64_t)k * across] = row[k][i];
 }
@@ -184,7 +175,6 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
     int const columns = w->columns != NULL && tally == NULL && w->stride[w->axis] == 1;
 
     for (int32_t x = 0; x < w->grid->size[0]; x += 64) {
-        /* As many columns as a word has bits. */
         int32_t const n = at_most(w->grid->size[0] - x, 64);
 
         if (columns) {
@@ -196,22 +186,18 @@ static void walk_tile(const bvxi_sample_walk *w, void *tally, const sample_tile 
     }
 }
 
-static void walk_tiles(void *user, int32_t piece, int32_t worker)
+static void walk_tiles(void *user, int32_t piece, uint64_t tile, uint64_t end)
 {
     const bvxi_sample_walk *const w = user;
     const int32_t *const size = w->grid->size;
     void *const tally = piece_tally(w, piece);
     int32_t const third = size[3 - w->axis];
     uint64_t const tiles = (uint64_t)tiles_along(w);
-    uint64_t tile, end;
 
-    (void)worker;
-    bvxi_piece(tiles * (uint64_t)((third + TILE_THIRD - 1) / TILE_THIRD), w->pieces, piece, &tile, &end);
     for (; tile < end; tile++) {
         sample_tile t = {.f = (int32_t)(tile % tiles) * 64 * TILE_F_WORDS,
                          .third = (int32_t)(tile / tiles) * TILE_THIRD};
 
-        /* The last tile of an axis may be smaller. */
         t.nf = at_most(size[w->axis] - t.f, 64 * TILE_F_WORDS);
         t.nt = at_most(third - t.third, TILE_THIRD);
         walk_tile(w, tally, &t);
@@ -221,5 +207,12 @@ static void walk_tiles(void *user, int32_t piece, int32_t worker)
 bvx_status bvxi_samples_to_bits(bvx_context *ctx, const char *stage, double from, double to,
                                 bvxi_sample_walk *walk)
 {
-    return bvxi_parallel(ctx, stage, from, to, walk->pieces, walk->axis == 0 ? walk_rows : walk_tiles, walk);
+    uint64_t const third = (uint64_t)walk->grid->size[walk->axis == 0 ? 0 : 3 - walk->axis];
+
+    if (walk->axis == 0)
+        return bvxi_for_pieces(ctx, stage, from, to, walk->pieces, bvxi_grid_rows(walk->grid), walk_rows,
+                               walk);
+    return bvxi_for_pieces(ctx, stage, from, to, walk->pieces,
+                           (uint64_t)tiles_along(walk) * ((third + TILE_THIRD - 1) / TILE_THIRD), walk_tiles,
+                           walk);
 }

@@ -60,8 +60,6 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 enum { RANGE_LANES = 8 };
 
-/* ---- counting what is no finite number ---- */
-
 /* 1 where some of 64 floats has all bits of its exponent set. */
 BVXI_VECTOR_INLINE int any_odd_f32(const uint8_t *p)
 {
@@ -105,8 +103,6 @@ static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tal
         }
     }
 }
-
-/* ---- a type's run ---- */
 
 #if BVXI_HAVE_AVX2
 /* Bit i is byte i of p, each 0 or 1. */
@@ -251,8 +247,6 @@ RANGE_TYPE(f32, float, BVX_SAMPLE_F32, f, any_odd_f32)
 FLOAT_EXTREMES(f64, double)
 RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 
-/* ---- floats, eight at a time ---- */
-
 #if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL    _base
 #define range_run_f32_base range_run_f32
@@ -267,8 +261,6 @@ RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 #include "volume/threshold_runs_body.h"
 #undef BVXI_SIMD_LEVEL
 #endif
-
-/* ---- the choice ---- */
 
 bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
 {
@@ -305,8 +297,6 @@ bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
 #define THRESHOLD_F32_MAX 3.4028234663852886e38 /* (2 - 2^-23) * 2^127 */
 #define THRESHOLD_F64_MAX 1.7976931348623157e308
 
-/* ---- ranges of a type ---- */
-
 /* The float beside f towards greater ones (up 1) or lesser ones; f is
  * finite and the step does not leave the finite ones. */
 static float step_float(float f, int up)
@@ -338,10 +328,8 @@ static void range_of_floats(double low, double high, bvxi_range *r)
 /* least and most are those of the type; end is the first double beyond most. */
 static void range_of_signed(double low, double high, int64_t least, int64_t most, double end, bvxi_range *r)
 {
-    /* Empty where no number of the type is in it. */
     r->empty = low >= end || high < (double)least;
     if (r->empty) return;
-    /* To whole numbers within the range. */
     low = -floor(-low);
     high = floor(high);
     /* Beyond the type's own ends there is nothing to compare. */
@@ -403,15 +391,12 @@ static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *
     range->empty = range->low.i > range->high.i;
 }
 
-/* ---- counts ---- */
-
 static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
 {
     double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
 
     memset(report, 0, sizeof *report);
 
-    /* Sums and extremes: in any order the same. */
     for (int32_t p = 0; p < pieces; p++) {
         report->nan += tally[p].nan;
         report->infinite += tally[p].infinite;
@@ -419,7 +404,6 @@ static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volu
         if (tally[p].least < least) least = tally[p].least;
         if (tally[p].greatest > greatest) greatest = tally[p].greatest;
     }
-    /* No finite sample at all. */
     if (least > greatest) return;
     report->least = least + 0.0; /* -0 and 0 are found in any order */
     report->greatest = greatest + 0.0;
@@ -451,11 +435,8 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
     walk.tally_size = sizeof *tally;
     BVXI_TRY(bvxi_samples_to_bits(call.ctx, call.stage, call.from, call.to, &walk));
     if (report != NULL) report_range(tally, walk.pieces, report);
-    bvxi_drop(call.ctx, tally);
     return BVX_OK;
 }
-
-/* ---- public ---- */
 
 /* From real[0] to real[1], or where that is NULL from whole[0] to whole[1]. */
 static bvx_status run_threshold(bvx_context *context, const char *name, const bvx_volume_view *volume,
@@ -469,7 +450,6 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     int64_t stride[3];
     bvx_status status;
 
-    if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
 
@@ -488,13 +468,8 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
     status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
                             report != NULL ? &counts : NULL, &made);
-    if (status != BVX_OK) {
-        /* The caller's own array stays the caller's. */
-        if (made.words != grid->words) bvx_grid_free(context, &made);
-        return status;
-    }
+    BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
     if (report != NULL) *report = counts;
-    *grid = made;
     return BVX_OK;
 }
 

@@ -24,7 +24,7 @@ static void one_repair(bvx_context *ctx, const defect_kind *kind, int32_t which,
     defect_begin(shape, which, &seed, resolution);
     kind->make(shape, &seed);
     view = maker_view(&shape->mesh);
-    o.resolution = resolution;
+    o.fit.resolution = resolution;
     o.report = &r;
     bench_try(ctx, bvx_repair(ctx, &view, &o, &out), kind->name);
     double const h = r.lattice.spacing[0];

@@ -122,7 +122,7 @@ static double run_repair(bvx_context *ctx, const bench_model *m, int threads, bv
     bvx_repair_options o = {.struct_size = sizeof o};
     double const start = bench_clock(threads);
 
-    o.resolution = RESOLUTION;
+    o.fit.resolution = RESOLUTION;
     o.measure = measure;
     o.report = report;
     bench_try(ctx, bvx_repair(ctx, &m->view, &o, repaired), m->name);

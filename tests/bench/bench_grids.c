@@ -232,8 +232,8 @@ static double run_boolean(bvx_context *ctx, const bench_model *m, const shifted_
     bvx_boolean_options o = {.struct_size = sizeof o};
     double const start = bench_clock(threads);
 
-    o.resolution = BOOLEAN_RESOLUTION;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.fit.resolution = BOOLEAN_RESOLUTION;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     o.report = report;
     bench_try(ctx, bvx_boolean(ctx, &m->view, &s->view, operation, &o, made), "boolean");
     return bench_clock(threads) - start;

@@ -208,8 +208,8 @@ static void run_step(bvx_context *ctx, double dx, double dz, double sine, const 
         bvx_mesh_view w;
         bvx_closest *surface = NULL;
         memset(&m, 0, sizeof m);
-        o.interpolation = modes[i];
-        o.position_type = BVX_F64;
+        o.placing.interpolation = modes[i];
+        o.placing.position_type = BVX_F64;
         bench_try(ctx, bvx_extract_field_surface(ctx, &field, &v, &o, &m), mode_names[i]);
         bvx_mesh_view_of(&m, &w);
         bench_try(ctx, bvx_closest_create(ctx, &w, &surface), mode_names[i]);
@@ -296,9 +296,9 @@ static void run_mesh(bvx_context *ctx, const char *folder, const char *file, int
         bvx_field_surface_options so = {.struct_size = sizeof so};
         bvx_mesh m;
         memset(&m, 0, sizeof m);
-        so.interpolation = i < MODES ? modes[i] : BVX_EDGE_VECTOR;
-        so.position_type = BVX_F64;
-        so.sharp = BVX_SHARP_NEVER + (i == MODES);
+        so.placing.interpolation = i < MODES ? modes[i] : BVX_EDGE_VECTOR;
+        so.placing.position_type = BVX_F64;
+        so.placing.sharp = BVX_SHARP_NEVER + (i == MODES);
         so.report = &report[i];
         bench_try(ctx, bvx_extract_field_surface(ctx, &field, &v, &so, &m), file);
         error[i] = paper_error(ctx, reference, &m, NULL, NULL) / l.spacing[0];

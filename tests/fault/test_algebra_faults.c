@@ -158,8 +158,8 @@ static bvx_status boolean_with(bvx_context *ctx, int other, int32_t operation, i
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    o.resolution = 20;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.fit.resolution = 20;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     status = bvx_boolean(ctx, &view[0], &view[other], operation, &o, &mesh);
     if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
     else left_behind |= mesh.positions != NULL || mesh.triangles != NULL || mesh.vertex_count != 0;

@@ -55,7 +55,7 @@ static bvx_status make_surface(bvx_context *ctx, int32_t sharp, const bvx_mesh_v
     bvx_status status;
 
     memset(&m, 0, sizeof m);
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     o.grid = grid;
     o.offset = grid != NULL ? -1.5 : 0.0;
     status = bvx_extract_field_surface(ctx, &field, mesh, &o, &m);

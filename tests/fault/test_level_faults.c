@@ -40,10 +40,10 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
 {
     bvx_simplify_options o = {.struct_size = sizeof o};
 
-    if (j->by_error == 1) o.target_errors = errors;
-    else o.target_triangles = targets;
+    if (j->by_error == 1) o.targets.errors = errors;
+    else o.targets.triangles = targets;
     if (j->by_error == 3) o.attribute_weight = 10;
-    o.measure_samples = 20;
+    o.targets.samples = 20;
     o.reports = reports;
     return bvx_mesh_simplify(ctx,
                              j->measured < 0    ? &large_view
@@ -57,13 +57,13 @@ static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_lev
 {
     bvx_levels_options o = {.struct_size = sizeof o};
 
-    if (j->by_error == 1) o.target_errors = errors;
-    else o.target_triangles = targets;
+    if (j->by_error == 1) o.targets.errors = errors;
+    else o.targets.triangles = targets;
     if (j->by_error == 3) o.attribute_weight = 10;
-    o.measure_samples = 20;
+    o.targets.samples = 20;
     o.reports = reports;
     o.report = report;
-    if (j->measured == 2) o.resolution = 10;
+    if (j->measured == 2) o.fit.resolution = 10;
     return bvx_build_levels(ctx, j->measured >= 2 ? &spoilt_view : &sound_view, &o, LEVELS, level);
 }
 

@@ -18,11 +18,11 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
     uint64_t hash;
 
     (void)user;
-    o.resolution = 14;
-    o.least_part = 5;
-    o.keep_largest = 1;
-    o.least_cavity = 5;
-    o.sharp = BVX_SHARP_ALWAYS;
+    o.fit.resolution = 14;
+    o.parts.least_part = 5;
+    o.parts.keep_largest = 1;
+    o.parts.least_cavity = 5;
+    o.placing.sharp = BVX_SHARP_ALWAYS;
     o.measure = 1;
     o.measure_samples = 50;
     o.report = &report;

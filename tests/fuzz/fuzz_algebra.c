@@ -110,12 +110,12 @@ static void fuzz_bodies(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     bvx_mesh mesh = {0}, twin = {0};
     int32_t const operation = fuzz_range(in, BVX_BOOLEAN_UNION, BVX_BOOLEAN_XOR);
 
-    o.resolution = fuzz_range(in, 1, 20);
-    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
-    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
-    o.position_type = BVX_F64;
+    o.fit.resolution = fuzz_range(in, 1, 20);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.position_type = BVX_F64;
     o.thin = fuzz_range(in, BVX_THIN_KEEP, BVX_THIN_DROP);
-    o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
+    o.parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
     o.report = &report;
     if (!fuzz_good(ctx, bvx_boolean(ctx, &a->view, &b->view, operation, &o, &mesh))) return;
     fuzz_certified(ctx, &mesh, "a boolean that is not certified");

@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+enum { FUZZ_HITS = 64 };
+
 static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
 {
     for (int32_t z = 0; z < part->band.size[2]; z++)
@@ -23,6 +25,25 @@ static void fuzz_values_equal(const bvx_field *part, const bvx_field *whole)
                                     (const double *)whole->vectors + 3 * b, 3 * sizeof(double)) == 0,
                              "another vector in a window");
             }
+}
+
+/* All hits along x make the winding number, and the first of them is the nearest. */
+static void fuzz_rays(bvx_context *ctx, const bvx_closest *closest, const double p[3])
+{
+    double const ray[6] = {p[0], p[1], p[2], 1, 0, 0};
+    bvx_mesh_hit nearest, hits[FUZZ_HITS];
+    uint64_t offsets[2];
+    int64_t turns, sum = 0;
+
+    fuzz_must(ctx, bvx_closest_winding(ctx, closest, p, 1, &turns));
+    fuzz_must(ctx, bvx_closest_cast(ctx, closest, ray, 1, 1e300, &nearest));
+    fuzz_must(ctx, bvx_closest_crossings(ctx, closest, ray, 1, 1e300, offsets, NULL, 0));
+    fuzz_require((offsets[1] != 0) == (nearest.side != 0), "a nearest hit of none");
+    if (offsets[1] == 0 || offsets[1] > FUZZ_HITS) return;
+    fuzz_must(ctx, bvx_closest_crossings(ctx, closest, ray, 1, 1e300, offsets, hits, FUZZ_HITS));
+    fuzz_require(hits[0].triangle == nearest.triangle && hits[0].t == nearest.t, "another nearest hit");
+    for (uint64_t i = 0; i < offsets[1]; i++) sum -= hits[i].side;
+    fuzz_require(hits[0].t == 0 || sum == turns, "another winding number than along the ray");
 }
 
 /* Its values are the distances to the nearest points by the other engine, up to rounding. */
@@ -46,6 +67,7 @@ static void fuzz_nearest(bvx_context *ctx, const fuzz_mesh *m, const bvx_lattice
                 distance = ((const double *)field->distances)[n];
                 fuzz_require(fabs(fabs(distance) - found.distance) <= 1e-9 * (1 + found.distance),
                              "a distance that is not the nearest point's");
+                if (n % 8 == 0) fuzz_rays(ctx, closest, p);
             }
     bvx_closest_free(ctx, closest);
 }
@@ -66,10 +88,10 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
         o.grid = &changed;
         o.offset = fuzz_range(in, -8, 8) * field->inside.lattice.spacing[0] / 4.0;
     }
-    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
-    o.face_rule = fuzz_range(in, 0, 1);
-    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
-    o.position_type = BVX_F64;
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.face_rule = fuzz_range(in, 0, 1);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.placing.position_type = BVX_F64;
     if (fuzz_good(ctx, bvx_extract_field_surface(ctx, field, &m->view, &o, &mesh)))
         fuzz_certified(ctx, &mesh, "a field's surface that is not certified");
     bvx_mesh_free(ctx, &mesh);
@@ -112,15 +134,15 @@ static void fuzz_repaired(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh mesh = {0}, twin = {0};
 
-    o.resolution = fuzz_range(in, 1, 24);
+    o.fit.resolution = fuzz_range(in, 1, 24);
     o.sign = fuzz_range(in, 0, 2) == 0 ? BVX_SIGN_VOTE : BVX_SIGN_AUTO;
-    o.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
-    o.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
+    o.placing.interpolation = fuzz_range(in, BVX_EDGE_TANGENT, BVX_EDGE_PAPER);
+    o.placing.sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o.shell = fuzz_range(in, 0, 3) == 0 ? 0 : 1.5 + fuzz_range(in, 0, 4) / 4.0;
-    o.least_part = (uint64_t)fuzz_range(in, 0, 3);
-    o.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
-    o.least_cavity = (uint64_t)fuzz_range(in, 0, 3);
-    o.position_type = BVX_F64;
+    o.parts.least_part = (uint64_t)fuzz_range(in, 0, 3);
+    o.parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
+    o.parts.least_cavity = (uint64_t)fuzz_range(in, 0, 3);
+    o.placing.position_type = BVX_F64;
     if (!fuzz_good(ctx, bvx_repair(ctx, &m->view, &o, &mesh))) return;
     fuzz_require(mesh.triangle_count > 0, "an empty success");
     fuzz_certified(ctx, &mesh, "a repaired mesh that is not certified");

@@ -10,20 +10,20 @@ static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *t
         targets[i] = (uint64_t)fuzz_range(in, 1, 2000);
         errors[i] = fuzz_range(in, 1, 64) / 16.0;
     }
-    if (fuzz_range(in, 0, 3) != 0) o->target_triangles = targets;
-    else if (fuzz_range(in, 0, 1) != 0) o->target_errors = errors;
-    o->error_kind = fuzz_range(in, 0, 1);
-    o->measure_samples = o->target_errors != NULL ? 50 : 0;
+    if (fuzz_range(in, 0, 3) != 0) o->targets.triangles = targets;
+    else if (fuzz_range(in, 0, 1) != 0) o->targets.errors = errors;
+    o->targets.error_kind = fuzz_range(in, 0, 1);
+    o->targets.samples = o->targets.errors != NULL ? 50 : 0;
     o->position_type = fuzz_range(in, 0, BVX_F64);
     if (fuzz_range(in, 0, 7) == 0) return;
     o->solid = 1;
     o->sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
-    o->resolution = fuzz_range(in, 2, 24);
+    o->fit.resolution = fuzz_range(in, 2, 24);
     o->outer = fuzz_range(in, 0, 3) == 0;
     o->shell = fuzz_range(in, 0, 3) == 0 ? 0 : fuzz_range(in, 6, 16) / 4.0;
-    if (!o->outer) o->least_cavity = (uint64_t)fuzz_range(in, 0, 9);
-    o->least_part = (uint64_t)fuzz_range(in, 0, 9);
-    o->keep_largest = (uint64_t)fuzz_range(in, 0, 2);
+    if (!o->outer) o->parts.least_cavity = (uint64_t)fuzz_range(in, 0, 9);
+    o->parts.least_part = (uint64_t)fuzz_range(in, 0, 9);
+    o->parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
 }
 
 static void fuzz_level(bvx_context *ctx, const bvx_mesh *level, const bvx_level_report *r, int whole)

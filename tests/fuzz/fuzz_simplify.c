@@ -133,14 +133,14 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     }
     switch (fuzz_range(in, 0, 3)) {
     case 0: break;
-    case 1: o.target_errors = errors; break;
-    default: o.target_triangles = targets;
+    case 1: o.targets.errors = errors; break;
+    default: o.targets.triangles = targets;
     }
-    o.error_kind = fuzz_range(in, 0, 1);
+    o.targets.error_kind = fuzz_range(in, 0, 1);
     o.position_type = fuzz_range(in, BVX_F32, BVX_F64);
-    o.even = fuzz_range(in, 0, 2) / 2.0 * fuzz_range(in, 0, 255) / 255.0;
-    o.measure_samples = (uint64_t)fuzz_range(in, 0, 1) * 20;
-    if (o.target_errors != NULL) o.measure_samples = 50;
+    o.targets.even = fuzz_range(in, 0, 2) / 2.0 * fuzz_range(in, 0, 255) / 255.0;
+    o.targets.samples = (uint64_t)fuzz_range(in, 0, 1) * 20;
+    if (o.targets.errors != NULL) o.targets.samples = 50;
     o.reports = reports;
     if (fuzz_range(in, 0, 2) == 0) {
         for (uint64_t i = 0; i < 4 * view->vertex_count; i++) colours[i] = (uint8_t)fuzz_range(in, 0, 255);
@@ -156,7 +156,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     }
     for (int i = 0; i < 2; i++)
         fuzz_level(ctx, &level[i], &reports[i].certificate, &before, crossings, o.position_type,
-                   o.target_errors != NULL);
+                   o.targets.errors != NULL);
 
     corners = malloc((size_t)view->triangle_count * 12);
     fuzz_require(corners != NULL, "no memory");

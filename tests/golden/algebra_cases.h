@@ -73,8 +73,8 @@ static void algebra_cases(golden *g)
         static const char *const name[4] = {"union", "intersection", "difference", "xor"};
         bvx_boolean_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        o.resolution = 40;
-        o.sharp = BVX_SHARP_NEVER + (operation & 1);
+        o.fit.resolution = 40;
+        o.placing.sharp = BVX_SHARP_NEVER + (operation & 1);
         mesh_value(g, name[operation], bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh),
                    &mesh);
     }
@@ -86,7 +86,7 @@ static void algebra_cases(golden *g)
     for (int32_t operation = BVX_BOOLEAN_UNION; operation <= BVX_BOOLEAN_DIFFERENCE; operation += 2) {
         bvx_boolean_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        o.resolution = 40;
+        o.fit.resolution = 40;
         mesh_value(g, operation == 0 ? "union" : "difference",
                    bvx_boolean(g->context, &view, &ball_view, operation, &o, &mesh), &mesh);
     }

@@ -36,9 +36,9 @@ static void field_values(golden *g, const char *name, const bvx_mesh_view *view,
             for (int32_t e = 0; s == BVX_SIGN_WINDING && e < 10; e++) {
                 bvx_field_surface_options so = {.struct_size = sizeof so};
                 bvx_mesh mesh = {0};
-                so.interpolation = (e + 1) % 5; /* TANGENT last */
-                so.sharp = BVX_SHARP_NEVER + (e / 5);
-                if (so.sharp == BVX_SHARP_ALWAYS) golden_text(g, "sharp", "1");
+                so.placing.interpolation = (e + 1) % 5; /* TANGENT last */
+                so.placing.sharp = BVX_SHARP_NEVER + (e / 5);
+                if (so.placing.sharp == BVX_SHARP_ALWAYS) golden_text(g, "sharp", "1");
                 mesh_value(g, edge[e % 5], bvx_extract_field_surface(g->context, &field, view, &so, &mesh),
                            &mesh);
             }
@@ -71,7 +71,7 @@ static void changed_values(golden *g, const char *name, const bvx_mesh_view *vie
         for (int32_t sharp = 0; sharp < 2; sharp++) {
             bvx_field_surface_options so = {.struct_size = sizeof so};
             bvx_mesh mesh = {0};
-            so.sharp = BVX_SHARP_NEVER + sharp;
+            so.placing.sharp = BVX_SHARP_NEVER + sharp;
             so.grid = &shell;
             so.offset = -thickness;
             mesh_value(g, sharp ? "sharp" : "plain",
@@ -103,9 +103,9 @@ static void repair_values_of(golden *g, const char *name, const bvx_mesh_view *v
     for (int32_t sharp = 0; sharp < 2; sharp++) {
         bvx_repair_options o = {.struct_size = sizeof o};
         bvx_mesh mesh = {0};
-        o.resolution = resolution;
+        o.fit.resolution = resolution;
         o.sign = sign;
-        o.sharp = BVX_SHARP_NEVER + sharp;
+        o.placing.sharp = BVX_SHARP_NEVER + sharp;
         o.thin = thin;
         mesh_value(g, sharp ? "sharp" : "plain", bvx_repair(g->context, view, &o, &mesh), &mesh);
     }

@@ -24,9 +24,9 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     bvx_mesh levels[2] = {{0}};
     bvx_simplify_options o = {.struct_size = sizeof o};
 
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.position_type = type;
-    o.even = even > 0 ? even : BVX_NONE;
+    o.targets.even = even > 0 ? even : BVX_NONE;
     o.reports = reports;
     golden_begin(g, name);
     if (golden_good(g, bvx_mesh_simplify(g->context, view, &o, 2, levels))) level_values(g, levels, reports);
@@ -46,10 +46,10 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     int32_t planned = 0;
 
     if (golden_skips(g, name)) return;
-    if (errors == NULL) o.target_triangles = targets;
-    else o.target_errors = errors;
+    if (errors == NULL) o.targets.triangles = targets;
+    else o.targets.errors = errors;
     o.position_type = type;
-    o.resolution = resolution;
+    o.fit.resolution = resolution;
     o.sharp = BVX_SHARP_NEVER + sharp;
     o.reports = reports;
     o.report = &report;

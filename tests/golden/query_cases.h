@@ -76,6 +76,9 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
 {
     static double points[3 * QUERY_COUNT];
     static bvx_closest_point found[QUERY_COUNT];
+    static bvx_mesh_hit hits[QUERY_COUNT];
+    static int64_t turns[QUERY_COUNT];
+    static uint64_t offsets[QUERY_COUNT + 1];
     static uint32_t corners[3 * QUERY_COUNT], pairs[2 * QUERY_PAIRS];
     bvx_closest *closest = NULL;
     bvx_certificate c;
@@ -93,6 +96,20 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
                            found[i].triangle * 8u + (uint32_t)found[i].feature);
         }
         golden_hex(g, "closest", h);
+    }
+    if (golden_good(g, bvx_closest_cast(g->context, closest, points, QUERY_COUNT / 2, 8, hits)) &&
+        golden_good(g, bvx_closest_winding(g->context, closest, points, QUERY_COUNT, turns))) {
+        h = 0;
+        for (int i = 0; i < QUERY_COUNT / 2; i++) {
+            h = mixed_doubles(mixed_doubles(mixed_doubles(h, hits[i].position, 3), hits[i].weight, 3),
+                              &hits[i].t, 1);
+            h = mixed_word(h, hits[i].triangle * 8u + (uint32_t)(hits[i].side + 1));
+        }
+        for (int i = 0; i < QUERY_COUNT; i++) h = mixed_word(h, (uint32_t)turns[i]);
+        if (golden_good(g, bvx_closest_crossings(g->context, closest, points, QUERY_COUNT / 2, 1e9, offsets,
+                                                 NULL, 0)))
+            h = mixed_word(h, (uint32_t)offsets[QUERY_COUNT / 2]);
+        golden_hex(g, "rays", h);
     }
     bvx_closest_free(g->context, closest);
     if (golden_good(g, bvx_mesh_check(g->context, view, 1, &c))) {

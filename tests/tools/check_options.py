@@ -72,6 +72,7 @@ class Field:
         self.whole, self.real = type in ("int32_t", "uint64_t", "uint8_t"), type == "double"
         self.pieces = self.read_limit() if self.whole or self.real else None
         self.none = "BVX_NONE" in (self.limit or "")
+        self.path = name
 
     def where(self):
         return f"include/bitvox.h: {self.struct}.{self.name}"
@@ -128,19 +129,23 @@ class Field:
         return taken, sorted(set(fits)) + (["NAN"] if self.real and self.pieces else [])
 
 
-STRUCTS = {}
-for found in re.finditer(r"typedef struct bvx_(\w+)_options \{\n(.*?)\n\} ", HEADER, re.S):
-    fields = STRUCTS[found.group(1)] = {}
+STRUCTS, SHARED = {}, {}  # SHARED: structs that options have by value; their fields are the options'
+for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placing)|(?<=parts)|(?<=targets)) \{\n(.*?)\n\} ", HEADER, re.S):
+    fields = (STRUCTS if found.group(2) else SHARED)[found.group(1)] = {}
     kind = "bvx_" + found.group(1) + "_options"
-    body = re.sub(r"/\*(?!\*<).*?\*/", "", found.group(2), flags=re.S)
+    body = re.sub(r"/\*(?!\*<).*?\*/", "", found.group(3), flags=re.S)
     for line in re.finditer(r"([^;/]*?);[ \t]*(/\*\*<.*?\*/)?", body, re.S):
         told = " ".join((line.group(2) or "").split())
         words = " ".join(line.group(1).split())
         type, names = re.fullmatch(r"((?:const )?\w+)(.*)", words).groups()
         for at, name in enumerate(names.split(",")):
             stars, plain, length = re.fullmatch(r"([ *]*)(\w+)(?:\[(\d+)\])?", name.strip()).groups()
-            fields[plain] = Field(kind, type + " *" * stars.count("*"), plain, int(length or 1), told)
-            fields[plain].at = at
+            for inner in SHARED.get(type.removeprefix("bvx_"), {}).values():
+                fields[inner.name] = Field(kind, inner.type, inner.name, inner.length, inner.comment)
+                fields[inner.name].at, fields[inner.name].path = inner.at, f"{plain}.{inner.name}"
+            if type.removeprefix("bvx_") not in SHARED:
+                fields[plain] = Field(kind, type + " *" * stars.count("*"), plain, int(length or 1), told)
+                fields[plain].at = at
 fields = [f for of in STRUCTS.values() for f in of.values() if f.name != "struct_size" and not f.name.startswith("reserved")]
 if len(fields) < 150:
     wrong("include/bitvox.h", f"only {len(fields)} fields of options were read")
@@ -192,7 +197,7 @@ def library():
             if f.name == "struct_size":
                 continue
             at = f'"{kind}", "{f.name}"'
-            size = f"offsetof({f.struct}, {f.name}), sizeof ((({f.struct} *)0)->{f.name})"
+            size = f"offsetof({f.struct}, {f.path}), sizeof ((({f.struct} *)0)->{f.path})"
             shape = "REAL" if f.real else "WIDE" if f.type == "uint64_t" else "BYTE" if f.type == "uint8_t" else "WHOLE" if f.type == "int32_t" else "BLOCK"
             if kind not in CALLS or f.name.startswith("reserved") or f.length > 1 or not f.pieces:
                 continue
@@ -211,9 +216,10 @@ def standards():
     """What 0 stands for: the rows BVXI_OR, and the fields of BY_HAND."""
     sources = "".join(path.read_text() for path in sorted(Path("src").glob("*/*.[ch]")))
     numbers = dict(re.findall(r"(?:#define|enum \{) (\w+) +(?:= )?(-?[\d.e-]+)", sources))
-    rows = {(struct, field): standard for struct, field, standard in re.findall(r"BVXI_OR\(\s*(bvx_\w+), (\w+), \w+, ([\w.]+),", sources)}
+    sources = re.sub(r"BVXI_TARGETS\((bvx_\w+)\)", r"BVXI_OR(\1, targets.even, REAL, BVXI_EVEN,", sources)
+    rows = {(struct, field): standard for struct, field, standard in re.findall(r"BVXI_OR\(\s*(bvx_\w+), ([\w.]+), \w+, ([\w.]+),", sources)}
     for f in fields:
-        told, row = default_of(f), rows.pop((f.struct, f.name), None)
+        told, row = default_of(f), rows.pop((f.struct, f.path), None)
         if told in (None, "NULL") or not any(told[: f.length]) or (f.struct, f.name) in BY_HAND:
             continue
         found = number(numbers.get(row, row)) if row is not None else NAMES.get(f.default)

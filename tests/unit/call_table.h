@@ -431,15 +431,15 @@ static bvx_status field_dense(const world *w)
 static bvx_status extract_field_surface(const world *w)
 {
     TAKE_OPTIONS(field_surface, o);
-    TAKE_RESERVED(o.reserved);
+    TAKE_RESERVED(o.placing.reserved);
     SPOIL(o);
     return bvx_extract_field_surface(w->ctx, w->field, w->mesh, &o, (bvx_mesh *)w->out);
 }
 static bvx_status boolean(const world *w)
 {
     TAKE_OPTIONS(boolean, o);
-    o.resolution = 8;
-    TAKE_RESERVED(o.reserved1);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.fit.reserved);
     SPOIL(o);
     return bvx_boolean(w->ctx, w->mesh, w->mesh, BVX_BOOLEAN_UNION, &o, (bvx_mesh *)w->out);
 }
@@ -482,8 +482,8 @@ static bvx_status slice_mesh(const world *w)
 static bvx_status repair(const world *w)
 {
     TAKE_OPTIONS(repair, o);
-    o.resolution = 8;
-    TAKE_RESERVED(o.reserved0);
+    o.fit.resolution = 8;
+    TAKE_RESERVED(o.parts.reserved);
     SPOIL(o);
     return bvx_repair(w->ctx, w->mesh, &o, (bvx_mesh *)w->out);
 }
@@ -497,14 +497,14 @@ static bvx_status mesh_simplify(const world *w)
 static bvx_status plan_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[0]);
+    TAKE_RESERVED(o.fit.reserved);
     SPOIL(o);
     return bvx_plan_levels(w->ctx, w->mesh, &o, 1, (int32_t *)w->out);
 }
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.reserved[0]);
+    TAKE_RESERVED(o.parts.reserved);
     SPOIL(o);
     return bvx_build_levels(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }

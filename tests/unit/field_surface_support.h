@@ -28,8 +28,8 @@ void tearDown(void)
 static inline bvx_field_surface_options surface_options(int32_t sharp)
 {
     bvx_field_surface_options o = {.struct_size = sizeof o};
-    o.interpolation = BVX_EDGE_VECTOR;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.placing.interpolation = BVX_EDGE_VECTOR;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     return o;
 }
 

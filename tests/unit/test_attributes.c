@@ -167,7 +167,7 @@ static bvx_simplify_options options_for(const uint64_t *target)
 {
     bvx_simplify_options o = {.struct_size = sizeof o};
 
-    o.target_triangles = target;
+    o.targets.triangles = target;
     o.reports = report;
     return o;
 }
@@ -843,7 +843,7 @@ static void test_vertices_of_many_triangles_come_down(void)
         make_fans(kind % 2 == 0 ? 520 : 4000);
         targets[0] = mesh.triangles / 2;
         targets[1] = mesh.triangles / 10;
-        o.target_triangles = targets;
+        o.targets.triangles = targets;
         o.vertices = kind < 2 ? BVX_VERTICES_PLACED : BVX_VERTICES_KEPT;
         view = maker_view(&mesh);
         simplify(&view, &o, 2);

@@ -31,8 +31,8 @@ void tearDown(void)
 static bvx_boolean_options with(int32_t resolution)
 {
     bvx_boolean_options o = {.struct_size = sizeof o};
-    o.resolution = resolution;
-    o.keep_crumbs = 1; /* the solids are compared to the bit */
+    o.fit.resolution = resolution;
+    o.parts.keep_crumbs = 1; /* the solids are compared to the bit */
     o.thin = BVX_THIN_DROP;
     o.report = &report;
     return o;
@@ -168,18 +168,18 @@ static void test_few_voxels_are_told_with_the_resolution_to_take(void)
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_B, report.few);
     TEST_ASSERT_EQUAL_INT32(640, report.advised_resolution);
-    o.resolution = report.advised_resolution / 4;
+    o.fit.resolution = report.advised_resolution / 4;
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_INT32(0, report.few);
 
     make_boxes(low_b, high_b, low, high);
-    o.resolution = 10;
+    o.fit.resolution = 10;
     run(BVX_BOOLEAN_DIFFERENCE, &o); /* nothing is left: no mesh to warn of but a */
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_A | BVX_FEW_B, report.few);
 
     /* a plate thinner than a voxel that sticks out: told, no error */
     make_boxes(low, high, plate_low, plate_high);
-    o.resolution = 100;
+    o.fit.resolution = 100;
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_UINT64(0, report.voxels_b);
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_B, report.few);
@@ -198,8 +198,8 @@ static void test_solid_of_the_result_is_the_combined_solid(void)
             bvx_mesh_view view;
             uint64_t count;
             make_stars();
-            o.sharp = BVX_SHARP_NEVER + sharp;
-            o.position_type = BVX_F64;
+            o.placing.sharp = BVX_SHARP_NEVER + sharp;
+            o.placing.position_type = BVX_F64;
             run(op, &o);
             check();
             bvx_mesh_view_of(&made, &view);
@@ -260,13 +260,13 @@ static void test_vertices_lie_on_the_operands(void)
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(48);
         double mean, middle, most;
-        o.position_type = BVX_F64;
-        o.sharp = BVX_SHARP_NEVER; /* vertices within cells need not lie on one of the faces */
+        o.placing.position_type = BVX_F64;
+        o.placing.sharp = BVX_SHARP_NEVER; /* vertices within cells need not lie on one of the faces */
         run(op, &o);
         most = distance_to_operands(&mean);
         TEST_ASSERT_TRUE(most < 0.6 * report.lattice.spacing[0]);
         TEST_ASSERT_TRUE(mean < 0.02 * report.lattice.spacing[0]);
-        o.interpolation = BVX_EDGE_MIDDLE;
+        o.placing.interpolation = BVX_EDGE_MIDDLE;
         run(op, &o);
         distance_to_operands(&middle);
         TEST_ASSERT_TRUE(middle > 5 * mean);
@@ -286,7 +286,7 @@ static void test_vertices_of_boxes_lie_on_their_faces(void)
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(37);
         uint64_t off = 0;
-        o.position_type = BVX_F64;
+        o.placing.position_type = BVX_F64;
         run(op, &o);
         check();
         for (uint64_t v = 0; v < made.vertex_count; v++) {
@@ -317,10 +317,10 @@ static void test_sharp_volumes_of_boxes(void)
     for (int32_t op = 0; op < 4; op++) {
         bvx_boolean_options o = with(48);
         double plain;
-        o.sharp = BVX_SHARP_NEVER;
+        o.placing.sharp = BVX_SHARP_NEVER;
         run(op, &o);
         plain = check().volume;
-        o.sharp = BVX_SHARP_ALWAYS;
+        o.placing.sharp = BVX_SHARP_ALWAYS;
         run(op, &o);
         TEST_ASSERT_DOUBLE_WITHIN(op == 3 ? 0.02 * want[op] : 2e-3 * want[op], want[op], check().volume);
         TEST_ASSERT_TRUE(op == 3 || fabs(check().volume - want[op]) < fabs(plain - want[op]));
@@ -388,7 +388,7 @@ static void test_the_largest_parts_are_kept(void)
 
     make_boxes(low_a, high_a, low_b, high_b);
     for (uint64_t n = 0; n < 4; n++) {
-        o.keep_largest = n;
+        o.parts.keep_largest = n;
         run(BVX_BOOLEAN_DIFFERENCE, &o);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * volume[n], volume[n], check().volume);
         TEST_ASSERT_EQUAL_UINT64(n == 1 ? 1 : 0, report.parts_dropped);
@@ -409,7 +409,7 @@ static void test_given_lattice_cuts_the_bodies(void)
 
     make_boxes(low_a, high_a, low_b, high_b);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &l));
-    o.lattice = &l;
+    o.fit.lattice = &l;
     run(BVX_BOOLEAN_UNION, &o);
     check();
     TEST_ASSERT_EQUAL_MEMORY(&l, &report.lattice, sizeof l);
@@ -429,7 +429,7 @@ static void test_threads_and_code_paths_are_not_seen(void)
             uint64_t hash;
             c.threads = way == 1 ? 3 : 1;
             c.cpu = way == 2 ? BVX_CPU_PORTABLE : BVX_CPU_BEST;
-            o.sharp = BVX_SHARP_NEVER + sharp;
+            o.placing.sharp = BVX_SHARP_NEVER + sharp;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(other, &a, &b, BVX_BOOLEAN_DIFFERENCE, &o, &m));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(other, &m, &hash));
@@ -450,7 +450,7 @@ static void test_golden(void)
     for (int sharp = 0; sharp < 2; sharp++) {
         bvx_boolean_options o = with(40);
         uint64_t hash;
-        o.sharp = BVX_SHARP_NEVER + sharp;
+        o.placing.sharp = BVX_SHARP_NEVER + sharp;
         run(BVX_BOOLEAN_DIFFERENCE, &o);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &made, &hash));
         TEST_ASSERT_EQUAL_HEX64(want[sharp], hash);
@@ -472,22 +472,22 @@ static void test_refusals(void)
     make_stars();
     refuse(4, &o, BVX_ERR_ARGUMENT, "operation 4");
     refuse(-1, &o, BVX_ERR_ARGUMENT, "operation -1");
-    o.resolution = -1;
+    o.fit.resolution = -1;
     refuse(0, &o, BVX_ERR_ARGUMENT, "resolution");
     o = with(16), o.fill = BVX_FILL_FLOOD;
     refuse(0, &o, BVX_ERR_ARGUMENT, "fill");
-    o = with(16), o.interpolation = 5;
+    o = with(16), o.placing.interpolation = 5;
     refuse(0, &o, BVX_ERR_ARGUMENT, "interpolation");
-    o = with(16), o.face_rule = 2;
+    o = with(16), o.placing.face_rule = 2;
     refuse(0, &o, BVX_ERR_ARGUMENT, "face_rule");
-    o = with(16), o.position_type = 3;
+    o = with(16), o.placing.position_type = 3;
     refuse(0, &o, BVX_ERR_ARGUMENT, "position_type");
-    o = with(16), o.sharp = 3;
+    o = with(16), o.placing.sharp = 3;
     refuse(0, &o, BVX_ERR_ARGUMENT, "sharp");
-    o = with(16), o.reserved1 = 1;
+    o = with(16), o.placing.reserved = 1;
     refuse(0, &o, BVX_ERR_ARGUMENT, "reserved");
     memset(&none, 0, sizeof none);
-    o = with(16), o.lattice = &none;
+    o = with(16), o.fit.lattice = &none;
     refuse(0, &o, BVX_ERR_ARGUMENT, "spacing");
     o = with(16);
     second.p[4] = NAN;
@@ -510,8 +510,8 @@ static void test_lattice_beyond_doubles(void)
             static const double high[3] = {8.5e307, 8.5e307, 8.5e307};
             bvx_boolean_options o = with(resolution);
             bvx_status status;
-            o.sharp = BVX_SHARP_NEVER + sharp;
-            o.position_type = BVX_F64;
+            o.placing.sharp = BVX_SHARP_NEVER + sharp;
+            o.placing.position_type = BVX_F64;
             make_boxes(low, high, low, high);
             status = bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made);
             TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_RANGE, status, bvx_last_message(ctx));

@@ -44,10 +44,10 @@ static void combine_on(int32_t operation, int32_t resolution, int32_t thin, int3
     bvx_mesh_free(ctx, &made);
     memset(&report, 0, sizeof report);
     TEST_ASSERT_EQUAL_INT32(BVX_THIN_KEEP, o.thin);
-    o.resolution = resolution;
-    o.lattice = lattice;
+    o.fit.resolution = resolution;
+    o.fit.lattice = lattice;
     o.thin = thin;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, operation, &o, &made),
                                     bvx_last_message(ctx));
@@ -195,13 +195,13 @@ static void test_the_resolution_that_a_refusal_names_helps(void)
     box(&second, 0, 0, 0, 1, 1, 1);
     a = maker_view(&first);
     b = maker_view(&second);
-    o.resolution = 30;
+    o.fit.resolution = 30;
     o.thin = BVX_THIN_DROP;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made));
     number = strstr(bvx_last_message(ctx), "a resolution of ");
     TEST_ASSERT_NOT_NULL_MESSAGE(number, bvx_last_message(ctx));
-    o.resolution = (int32_t)strtol(number + 16, NULL, 10);
-    TEST_ASSERT_TRUE(o.resolution > 60 && o.resolution < 400);
+    o.fit.resolution = (int32_t)strtol(number + 16, NULL, 10);
+    TEST_ASSERT_TRUE(o.fit.resolution > 60 && o.fit.resolution < 400);
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_boolean(ctx, &a, &b, BVX_BOOLEAN_UNION, &o, &made),
                                     bvx_last_message(ctx));
@@ -219,7 +219,7 @@ static void test_refusals(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &a, BVX_BOOLEAN_UNION, &o, &made));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "thin 2"));
     o.thin = BVX_THIN_KEEP;
-    o.reserved1 = 1;
+    o.fit.reserved = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_boolean(ctx, &a, &a, BVX_BOOLEAN_UNION, &o, &made));
 }
 

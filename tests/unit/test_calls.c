@@ -378,9 +378,10 @@ typedef struct choice {
             sizeof((bvx_##kind##_options *)0)->field, value                                     \
     }
 #define BAD_SWITCH(call, kind, field) BAD(call, kind, field, 2), BAD(call, kind, field, -1)
-#define BAD_SURFACE(call, kind)                                                                       \
-    BAD(call, kind, face_rule, 9), BAD(call, kind, face_rule, -1), BAD(call, kind, position_type, 9), \
-        BAD_SWITCH(call, kind, local_frame)
+#define BAD_SURFACE(call, kind, in)                                                  \
+    BAD(call, kind, in face_rule, 9), BAD(call, kind, in face_rule, -1),             \
+        BAD(call, kind, in position_type, 9), BAD(call, kind, in position_type, -1), \
+        BAD_SWITCH(call, kind, in local_frame)
 
 /* Options outside of what the header allows; fields of 4 bytes are whole numbers, those of 8 are doubles. */
 static void test_choices_out_of_range(void)
@@ -421,7 +422,7 @@ static void test_choices_out_of_range(void)
         BAD(voxelize_points, points, body, 9),
         BAD(voxelize_points, points, close_gaps, -1),
         BAD(grid_keep, keep, connectivity, 7),
-        BAD_SURFACE(extract_surface, extract),
+        BAD_SURFACE(extract_surface, extract, ),
         BAD(extract_surface, extract, open_sides, 64),
         BAD_SWITCH(extract_surface, extract, keys),
         BAD(extract_octree, extract, face_rule, 9),
@@ -429,7 +430,7 @@ static void test_choices_out_of_range(void)
         BAD(extract_faces, faces, position_type, 9),
         BAD_SWITCH(extract_faces, faces, local_frame),
         BAD_SWITCH(extract_faces, faces, merged),
-        BAD_SURFACE(extract_scalar, scalar),
+        BAD_SURFACE(extract_scalar, scalar, ),
         BAD_SWITCH(extract_scalar, scalar, below),
         BAD(extract_scalar, scalar, open_sides, 64),
         BAD(extract_scalar, scalar, open_sides, -1),
@@ -439,25 +440,25 @@ static void test_choices_out_of_range(void)
         BAD(measure_field, field, value_type, 9),
         BAD_SWITCH(measure_field, field, no_vectors),
         BAD_SWITCH(measure_field, field, features),
-        BAD_SURFACE(extract_field_surface, field_surface),
-        BAD(extract_field_surface, field_surface, interpolation, 99),
-        BAD(extract_field_surface, field_surface, interpolation, -1),
-        BAD(extract_field_surface, field_surface, sharp, 3),
-        BAD(extract_field_surface, field_surface, sharp, -1),
+        BAD_SURFACE(extract_field_surface, field_surface, placing.),
+        BAD(extract_field_surface, field_surface, placing.interpolation, 99),
+        BAD(extract_field_surface, field_surface, placing.interpolation, -1),
+        BAD(extract_field_surface, field_surface, placing.sharp, 3),
+        BAD(extract_field_surface, field_surface, placing.sharp, -1),
         BAD(extract_field_surface, field_surface, offset, 1),
         BAD(extract_field_surface, field_surface, offset, (double)NAN),
-        BAD_SURFACE(boolean, boolean),
+        BAD_SURFACE(boolean, boolean, placing.),
         BAD(boolean, boolean, fill, 99),
-        BAD(boolean, boolean, interpolation, 99),
-        BAD_SWITCH(boolean, boolean, keep_crumbs),
-        BAD(boolean, boolean, sharp, 3),
-        BAD(boolean, boolean, sharp, -1),
+        BAD(boolean, boolean, placing.interpolation, 99),
+        BAD_SWITCH(boolean, boolean, parts.keep_crumbs),
+        BAD(boolean, boolean, placing.sharp, 3),
+        BAD(boolean, boolean, placing.sharp, -1),
         BAD(build_lods, lod, method, 9),
         BAD(build_lods, lod, method, -1),
         BAD(build_lods, lod, edge_samples, -1),
         BAD(build_lods, lod, first_level, -1),
         BAD(build_lods, lod, threshold, (double)NAN),
-        BAD_SURFACE(build_lods, lod),
+        BAD_SURFACE(build_lods, lod, ),
         BAD(build_lods, lod, collapse, -1),
         BAD(build_sections, sections, layers, -1),
         BAD(build_sections, sections, caps, 9),
@@ -466,26 +467,26 @@ static void test_choices_out_of_range(void)
         BAD(build_sections, sections, depth, 99),
         BAD(build_sections, sections, position_type, 9),
         BAD(build_sections, sections, spacing, -1),
-        BAD_SURFACE(repair, repair),
+        BAD_SURFACE(repair, repair, placing.),
         BAD(repair, repair, sign, 99),
         BAD(repair, repair, sign, -1),
         BAD(repair, repair, sign, BVX_SIGN_NORMAL),
-        BAD(repair, repair, interpolation, 99),
-        BAD(repair, repair, sharp, 3),
-        BAD(repair, repair, sharp, -1),
+        BAD(repair, repair, placing.interpolation, 99),
+        BAD(repair, repair, placing.sharp, 3),
+        BAD(repair, repair, placing.sharp, -1),
         BAD_SWITCH(repair, repair, measure),
-        BAD_SWITCH(repair, repair, keep_crumbs),
+        BAD_SWITCH(repair, repair, parts.keep_crumbs),
         BAD_SWITCH(repair, repair, if_needed),
         BAD(repair, repair, shell, 0.5),
         BAD(repair, repair, shell, (double)NAN),
         BAD(repair, repair, shell, 1e7),
-        BAD(mesh_simplify, simplify, error_kind, 2),
-        BAD(mesh_simplify, simplify, error_kind, -1),
+        BAD(mesh_simplify, simplify, targets.error_kind, 2),
+        BAD(mesh_simplify, simplify, targets.error_kind, -1),
         BAD(mesh_simplify, simplify, position_type, 9),
-        BAD(mesh_simplify, simplify, even, -2),
-        BAD(mesh_simplify, simplify, even, 1.5),
-        BAD(mesh_simplify, simplify, even, (double)NAN),
-        BAD_SWITCH(mesh_simplify, simplify, strict),
+        BAD(mesh_simplify, simplify, targets.even, -2),
+        BAD(mesh_simplify, simplify, targets.even, 1.5),
+        BAD(mesh_simplify, simplify, targets.even, (double)NAN),
+        BAD_SWITCH(mesh_simplify, simplify, targets.strict),
         BAD_SWITCH(mesh_simplify, simplify, lock_border),
         BAD_SWITCH(mesh_simplify, simplify, vertices),
         BAD_SWITCH(mesh_simplify, simplify, topology),
@@ -494,18 +495,18 @@ static void test_choices_out_of_range(void)
         BAD_SWITCH(build_levels, levels, lock_border),
         BAD_SWITCH(build_levels, levels, vertices),
         BAD_SWITCH(build_levels, levels, topology),
-        BAD(build_levels, levels, reserved0, 1),
+        BAD(build_levels, levels, fit.reserved, 1),
         BAD(build_levels, levels, attribute_weight, 1001),
         BAD(plan_levels, levels, solid, 9),
-        BAD(plan_levels, levels, resolution, -1),
-        BAD(build_levels, levels, error_kind, 2),
+        BAD(plan_levels, levels, fit.resolution, -1),
+        BAD(build_levels, levels, targets.error_kind, 2),
         BAD(build_levels, levels, position_type, 9),
-        BAD(build_levels, levels, even, -2),
-        BAD(build_levels, levels, even, (double)NAN),
-        BAD_SWITCH(build_levels, levels, strict),
+        BAD(build_levels, levels, targets.even, -2),
+        BAD(build_levels, levels, targets.even, (double)NAN),
+        BAD_SWITCH(build_levels, levels, targets.strict),
         BAD_SWITCH(build_levels, levels, solid),
-        BAD(build_levels, levels, resolution, -1),
-        BAD(build_levels, levels, resolution, (1 << 24) + 1),
+        BAD(build_levels, levels, fit.resolution, -1),
+        BAD(build_levels, levels, fit.resolution, (1 << 24) + 1),
         BAD(build_levels, levels, sharp, 3),
         BAD(build_levels, levels, sharp, -1),
         BAD_SWITCH(build_levels, levels, outer),
@@ -648,13 +649,19 @@ static void test_sizes_beyond_memory_and_none(void)
                        "bvx_grid_sample");
         expect_refused(ctx, bvx_closest_find(ctx, closest, a_point, n, (bvx_closest_point *)&out),
                        "bvx_closest_find");
+        expect_refused(ctx, bvx_closest_cast(ctx, closest, a_ray, n, 1, (bvx_mesh_hit *)&out),
+                       "bvx_closest_cast");
+        expect_refused(ctx, bvx_closest_crossings(ctx, closest, a_ray, n, 1, (uint64_t *)&out, NULL, 0),
+                       "bvx_closest_crossings");
     }
+    expect_refused(ctx, bvx_closest_winding(ctx, closest, NULL, 1, (int64_t *)&out), "bvx_closest_winding");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_at(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_find(ctx, tree, NULL, 0, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_octree_cast(ctx, tree, 0, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_cast(ctx, &solid, NULL, 0, 1, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_sample(ctx, &solid, NULL, 0, NULL, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_find(ctx, closest, NULL, 0, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_closest_cast(ctx, closest, NULL, 0, 1, NULL));
     expect_refused(ctx, bvx_octree_at(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_at");
     expect_refused(ctx, bvx_octree_find(ctx, tree, NULL, 1, (bvx_octree_leaf *)&out), "bvx_octree_find");
     expect_refused(ctx, bvx_octree_cast(ctx, tree, 0, NULL, 1, 1, (bvx_octree_hit *)&out), "bvx_octree_cast");

@@ -38,7 +38,7 @@ static void simplify_to(uint64_t target, int32_t topology, int32_t vertices)
     bvx_mesh_view const view = maker_view(&mesh);
 
     drop_levels();
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     o.topology = topology;
     o.vertices = vertices;
     o.reports = report;
@@ -65,7 +65,9 @@ static void test_handles_are_cut_on_request(void)
     assert_report(&report[0], &level[0]);
     TEST_ASSERT_EQUAL_UINT64(9, report[0].handles_cut);
     TEST_ASSERT_EQUAL_UINT64(0, report[0].holes_filled);
-    TEST_ASSERT_TRUE(report[0].longest_closed > 0.5 && report[0].longest_closed < 4);
+    /* Three mean edges of the level at most. */
+    TEST_ASSERT_TRUE(report[0].longest_closed > 0.5);
+    TEST_ASSERT_TRUE(report[0].longest_closed < 3 * sqrt(2.31 * report[0].certificate.area / 60));
     TEST_ASSERT_EQUAL_INT32(1, report[0].met);
 }
 

@@ -50,7 +50,7 @@ static void simplify_to(const bvx_mesh *mesh, uint64_t target, bvx_mesh *fewer)
     bvx_simplify_options options = {.struct_size = sizeof options};
     bvx_mesh_view view;
 
-    options.target_triangles = &target;
+    options.targets.triangles = &target;
     bvx_mesh_view_of(mesh, &view);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &options, 1, fewer));
 }

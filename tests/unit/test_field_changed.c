@@ -57,7 +57,7 @@ static bvx_mesh changed_surface(const bvx_grid *g, double offset, bvx_field_surf
     bvx_field_surface_options o = {.struct_size = sizeof o};
     bvx_mesh m = {0};
 
-    o.position_type = BVX_F64;
+    o.placing.position_type = BVX_F64;
     o.grid = g;
     o.offset = offset;
     o.report = report;
@@ -86,7 +86,7 @@ static void test_a_body_that_was_not_changed_has_the_same_surface(void)
     for (int32_t sharp = 0; sharp < 2; sharp++) {
         bvx_mesh a = {0}, b = {0};
         o = (bvx_field_surface_options){.struct_size = sizeof o};
-        o.sharp = BVX_SHARP_NEVER + sharp;
+        o.placing.sharp = BVX_SHARP_NEVER + sharp;
         o.report = &plain;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_field_surface(ctx, &field, &view, &o, &a));
         o.grid = &field.inside;
@@ -205,7 +205,7 @@ static void test_sharp_is_chosen_by_the_mesh(void)
     for (int32_t asked = -1; asked < 2; asked++) {
         bvx_mesh m = {0};
         o = (bvx_field_surface_options){.struct_size = sizeof o};
-        o.sharp = BVX_SHARP_NEVER + asked;
+        o.placing.sharp = BVX_SHARP_NEVER + asked;
         o.report = &report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_field_surface(ctx, &field, &view, &o, &m));
         TEST_ASSERT_EQUAL_UINT64(asked != 0, report.sharp);
@@ -239,8 +239,8 @@ static void test_grids_that_do_not_fit_are_refused(void)
     bad = o, bad.offset = NAN, refuse(BVX_ERR_ARGUMENT, &view, &bad, "offset");
     bad = o, bad.offset = INFINITY, refuse(BVX_ERR_ARGUMENT, &view, &bad, "offset");
     bad = o, bad.grid = NULL, bad.offset = 1.0, refuse(BVX_ERR_ARGUMENT, &view, &bad, "offset");
-    bad = o, bad.sharp = 3, refuse(BVX_ERR_ARGUMENT, &view, &bad, "sharp");
-    bad = o, bad.sharp = -1, refuse(BVX_ERR_ARGUMENT, &view, &bad, "sharp");
+    bad = o, bad.placing.sharp = 3, refuse(BVX_ERR_ARGUMENT, &view, &bad, "sharp");
+    bad = o, bad.placing.sharp = -1, refuse(BVX_ERR_ARGUMENT, &view, &bad, "sharp");
     bvx_grid_free(ctx, &g);
     bvx_field_free(ctx, &field);
 }

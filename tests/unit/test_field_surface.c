@@ -110,8 +110,8 @@ static void assert_is_oracle(const bvx_field_surface_options *given, uint64_t se
     bvx_mesh m;
 
     o.report = &report;
-    e.face_rule = o.face_rule;
-    e.local_frame = o.local_frame;
+    e.face_rule = o.placing.face_rule;
+    e.local_frame = o.placing.local_frame;
     m = surface_of(ctx, NULL, &o);
     s = oracle_extract(&field.inside, &e);
     TEST_ASSERT_EQUAL_UINT64(s.vertices, m.vertex_count);
@@ -119,12 +119,12 @@ static void assert_is_oracle(const bvx_field_surface_options *given, uint64_t se
     if (s.triangle_count != 0)
         TEST_ASSERT_EQUAL_INT(0, memcmp(s.triangles, m.triangles, (size_t)s.triangle_count * 12));
     for (uint64_t v = 0; v < s.vertices; v++) {
-        int const by = oracle_place(&s, v, o.interpolation, o.local_frame);
+        int const by = oracle_place(&s, v, o.placing.interpolation, o.placing.local_frame);
         unsure += by < 0;
         if (by < 0) continue;
         count[by]++;
         for (uint64_t a = 0; a < 3; a++) {
-            if (o.position_type == BVX_F64)
+            if (o.placing.position_type == BVX_F64)
                 TEST_ASSERT_DOUBLE_WITHIN(1e-8, s.positions[3 * v + a],
                                           ((const double *)m.positions)[3 * v + a]);
             else
@@ -136,7 +136,7 @@ static void assert_is_oracle(const bvx_field_surface_options *given, uint64_t se
     TEST_ASSERT_TRUE(report.scalar >= count[1] && report.scalar <= count[1] + unsure);
     TEST_ASSERT_TRUE(report.middle >= count[2] && report.middle <= count[2] + unsure);
     for (int a = 0; a < 3; a++) {
-        TEST_ASSERT_TRUE(m.frame[a] == (o.local_frame ? field.inside.lattice.origin[a] : 0.0));
+        TEST_ASSERT_TRUE(m.frame[a] == (o.placing.local_frame ? field.inside.lattice.origin[a] : 0.0));
         seen[a] += count[a];
     }
     bvx_mesh_free(ctx, &m);
@@ -150,10 +150,10 @@ static void test_surface_is_the_oracles(void)
     for (int n = 0; n < (quick ? 40 : 400); n++) {
         bvx_lattice const l = random_lattice();
         bvx_field_surface_options o = surface_options(0);
-        o.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
-        o.face_rule = maker_below(&seed, 2);
-        o.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
-        o.local_frame = maker_below(&seed, 2);
+        o.placing.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
+        o.placing.face_rule = maker_below(&seed, 2);
+        o.placing.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
+        o.placing.local_frame = maker_below(&seed, 2);
         field_maker_free(ctx, &field);
         field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 12 + maker_below(&seed, 5), 1, 0,
                           maker_below(&seed, 2) ? BVX_F32 : BVX_F64, &field);
@@ -172,7 +172,7 @@ static void test_surface_is_the_oracles_on_long_rows(void)
     for (size_t n = 0; n < sizeof lengths / sizeof *lengths; n++) {
         bvx_lattice const l = lattice_at(origin, spacing, lengths[n], 3, 2);
         bvx_field_surface_options o = surface_options(0);
-        o.position_type = BVX_F64;
+        o.placing.position_type = BVX_F64;
         field_maker_free(ctx, &field);
         field_maker_noise(ctx, &seed, &l, 8, 14, 1, 0, BVX_F32, &field);
         assert_is_oracle(&o, seen);
@@ -189,9 +189,9 @@ static void test_noise_never_crosses(void)
         bvx_lattice const l = random_lattice();
         bvx_field_surface_options o = surface_options(0);
         bvx_mesh m;
-        o.interpolation = maker_below(&seed, 5);
-        o.face_rule = maker_below(&seed, 2);
-        o.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
+        o.placing.interpolation = maker_below(&seed, 5);
+        o.placing.face_rule = maker_below(&seed, 2);
+        o.placing.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
         field_maker_free(ctx, &field);
         field_maker_noise(ctx, &seed, &l, 2 + maker_below(&seed, 13), 12 + maker_below(&seed, 5), 2, 0,
                           BVX_F32, &field);
@@ -218,8 +218,8 @@ static void test_numbers_that_are_none_do_no_harm(void)
             if (k < 7) ((double *)field.vectors)[i] = odd[k];
             if (k < 7 && i < field.value_count) ((double *)field.distances)[i] = odd[k];
         }
-        o.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
-        o.position_type = BVX_F64;
+        o.placing.interpolation = BVX_EDGE_VECTOR + maker_below(&seed, 4);
+        o.placing.position_type = BVX_F64;
         m = surface_of(ctx, NULL, &o);
         assert_certificate(&m);
         bvx_mesh_free(ctx, &m);
@@ -243,7 +243,7 @@ static void test_faces_of_a_box_are_exact(void)
 
     maker_box(&mesh, low, high);
     field_maker_measure(ctx, &mesh, &l, INFINITY, BVX_F64, &field);
-    o.position_type = BVX_F64;
+    o.placing.position_type = BVX_F64;
     m = surface_of(ctx, NULL, &o);
     assert_certificate(&m);
     p = m.positions;
@@ -274,7 +274,7 @@ static void test_a_window_has_the_same_cuts(void)
 
     maker_star(&mesh, &seed, centre, radius, 0.1, 6, 9, 65536);
     field_maker_measure(ctx, &mesh, &l, INFINITY, BVX_F64, &field);
-    o.position_type = BVX_F64;
+    o.placing.position_type = BVX_F64;
     all = surface_of(ctx, NULL, &o);
     whole = field;
     memset(&field, 0, sizeof field);
@@ -356,7 +356,7 @@ static void test_edges_without_values_are_asked_for(void)
 
     field_maker_noise(ctx, &seed, &l, 8, 8, 1, 0, BVX_F64, &field);
     o.report = &report;
-    o.position_type = BVX_F64;
+    o.placing.position_type = BVX_F64;
     values = bvxi_sparse_of_field(&field);
     values.distances = NULL; /* the vectors' lengths */
     v.values = &values;

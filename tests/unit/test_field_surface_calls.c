@@ -52,13 +52,13 @@ static void test_wrong_options_are_refused(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(NULL, &field, NULL, &o, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(ctx, NULL, NULL, &o, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_field_surface(ctx, &field, NULL, &o, NULL));
-    bad = o, bad.interpolation = 5, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
-    bad = o, bad.interpolation = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
-    bad = o, bad.face_rule = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "face_rule");
-    bad = o, bad.position_type = 3, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position_type");
-    bad = o, bad.local_frame = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "local_frame");
-    bad = o, bad.sharp = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp");
-    bad = o, bad.reserved = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "reserved");
+    bad = o, bad.placing.interpolation = 5, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
+    bad = o, bad.placing.interpolation = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "interpolation");
+    bad = o, bad.placing.face_rule = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "face_rule");
+    bad = o, bad.placing.position_type = 3, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "position_type");
+    bad = o, bad.placing.local_frame = 2, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "local_frame");
+    bad = o, bad.placing.sharp = -1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp");
+    bad = o, bad.placing.reserved = 1, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "reserved");
     bad = o, bad.sharp_angle = 1.5, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp_angle");
     bad = o, bad.sharp_angle = NAN, assert_refused(BVX_ERR_ARGUMENT, NULL, &bad, "sharp_angle");
 }
@@ -76,9 +76,9 @@ static void test_wrong_fields_are_refused(void)
     bvx_mesh_view view;
     double const low[3] = {3, 3, 3}, high[3] = {5, 5, 5};
 
-    scalar.interpolation = BVX_EDGE_SCALAR;
-    sharp.sharp = BVX_SHARP_ALWAYS;
-    doubles.position_type = BVX_F64;
+    scalar.placing.interpolation = BVX_EDGE_SCALAR;
+    sharp.placing.sharp = BVX_SHARP_ALWAYS;
+    doubles.placing.position_type = BVX_F64;
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     field_maker_noise(ctx, &seed, &l, 8, 15, 1, 12, BVX_F32, &field);
@@ -102,7 +102,7 @@ static void test_wrong_fields_are_refused(void)
     mesh.t[4] = 99, assert_refused(BVX_ERR_RANGE, &view, &sharp, "triangle 1"), mesh.t[4] = 0;
     view.position_type = 7, assert_refused(BVX_ERR_ARGUMENT, &view, &sharp, "position_type");
     memcpy(field.inside.lattice.origin, far, sizeof far), memcpy(field.band.lattice.origin, far, sizeof far);
-    floats.position_type = BVX_F32, assert_refused(BVX_ERR_RANGE, NULL, &floats, "f32");
+    floats.placing.position_type = BVX_F32, assert_refused(BVX_ERR_RANGE, NULL, &floats, "f32");
     memcpy(field.inside.lattice.origin, beyond, sizeof far),
         memcpy(field.band.lattice.origin, beyond, sizeof far);
     assert_refused(BVX_ERR_RANGE, NULL, &doubles, "doubles");
@@ -110,7 +110,7 @@ static void test_wrong_fields_are_refused(void)
     { /* what is not needed may be missing */
         bvx_mesh m = {0};
         bvx_field_surface_options middle = o;
-        middle.interpolation = BVX_EDGE_MIDDLE;
+        middle.placing.interpolation = BVX_EDGE_MIDDLE;
         field.vectors = NULL;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_field_surface(ctx, &field, NULL, &scalar, &m));
         bvx_mesh_free(ctx, &m);

@@ -38,8 +38,8 @@ static bvx_levels_options options_at(int32_t resolution)
 {
     static const uint64_t target = 500;
     bvx_levels_options o = {.struct_size = sizeof o};
-    o.target_triangles = &target;
-    o.resolution = resolution;
+    o.targets.triangles = &target;
+    o.fit.resolution = resolution;
     o.report = &found;
     return o;
 }
@@ -59,7 +59,7 @@ static double share_of_stated(const char *name, const bvx_mesh_view *view, const
             stated_bytes(view->triangle_count,
                          !found.solid ? 0 : 8 * bvx_grid_bound(&found.repair.lattice, NULL), beside);
     snprintf(where, sizeof where, "%s at %d: %.3f of what is stated, for %d triangles and %d of the surface",
-             name, (int)o->resolution, share, (int)view->triangle_count, (int)found.triangles);
+             name, (int)o->fit.resolution, share, (int)view->triangle_count, (int)found.triangles);
     TEST_ASSERT_TRUE_MESSAGE(share <= 1, where);
     return share;
 }
@@ -181,7 +181,7 @@ static void test_limits_lower_the_lattice(void)
 
         /* What comes of it is what the resolution gives that the report names. */
         same.solid = 1;
-        same.resolution = found.resolution;
+        same.fit.resolution = found.resolution;
         bvx_mesh_free(ctx, &level[0]);
         {
             bvx_mesh_view const view = maker_view(&mesh);
@@ -189,7 +189,8 @@ static void test_limits_lower_the_lattice(void)
         }
         assert_same_bytes(&level[0], &made);
         end_within(&made);
-        TEST_ASSERT_TRUE(found.resolution == same.resolution && found.planned_resolution == same.resolution);
+        TEST_ASSERT_TRUE(found.resolution == same.fit.resolution &&
+                         found.planned_resolution == same.fit.resolution);
     }
     TEST_ASSERT_TRUE(before < planned / 3);
 }
@@ -203,7 +204,7 @@ static void test_limits_that_cannot_be_kept(void)
 
     make_star(60, 60);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(8000000, &o, &made, &peak), where);
-    o.resolution = 0;
+    o.fit.resolution = 0;
     o.solid = 1;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_ERR_BUDGET, build_within(400000, &o, &made, &peak), where);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(where, "limit"), where);
@@ -242,10 +243,10 @@ static void test_limits_name_what_suffices(void)
 
     make_star(60, 60);
     assert_named_limit_suffices(&o);
-    o.measure_samples = 1000;
+    o.targets.samples = 1000;
     assert_named_limit_suffices(&o);
-    o.target_triangles = NULL;
-    o.target_errors = &error;
+    o.targets.triangles = NULL;
+    o.targets.errors = &error;
     assert_named_limit_suffices(&o);
     o = options_at(0);
     open_star(0);

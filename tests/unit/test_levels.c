@@ -75,7 +75,7 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
         bvx_mesh_view view;
         make_shape(&level_shapes[n]);
         view = maker_view(&mesh);
-        o.target_triangles = targets;
+        o.targets.triangles = targets;
         o.position_type = BVX_F64;
         build(&o, 2);
         check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler,
@@ -88,7 +88,7 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
                                          where);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
         TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
-        s.target_triangles = targets;
+        s.targets.triangles = targets;
         s.position_type = BVX_F64;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
         for (int i = 0; i < 2; i++) {
@@ -138,8 +138,8 @@ static void test_levels_face_as_the_mesh_does(void)
         maker_clear(&mesh);
         add_sphere(0, 0.4, rows[row].first_out);
         add_sphere(rows[row].at, rows[row].scale, rows[row].second_out);
-        o.target_triangles = targets;
-        o.measure_samples = 1000;
+        o.targets.triangles = targets;
+        o.targets.samples = 1000;
         o.solid = i % 2;
         build(&o, 1);
         snprintf(where, sizeof where, "row %d, solid %d: %g of %g spheres, turned %lu, normals %g", (int)row,
@@ -226,7 +226,7 @@ static void test_a_solid_of_what_is_not_sound(void)
         if (quick && way % 3 != 0) continue;
         spoil(way);
         view = maker_view(&mesh);
-        o.target_triangles = targets;
+        o.targets.triangles = targets;
         o.solid = 1;
         build(&o, 3);
         check_levels(spoilt_names[way], targets, 3, 2, way == SPOILT_SOUP ? -1 : 1);
@@ -259,7 +259,7 @@ static void test_what_is_not_sound_stays_as_it_is(void)
         uint64_t crossings;
         spoil(way);
         view = maker_view(&mesh);
-        o.target_triangles = &target;
+        o.targets.triangles = &target;
         build(&o, 1);
         c = certificate_of(&level[0]);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &before));
@@ -290,7 +290,7 @@ static void test_a_cube_with_turned_faces_has_twelve_triangles(void)
     maker_box(&mesh, low, high);
     view = maker_view(&mesh);
     maker_flip(&mesh, 0, 5);
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.solid = 1;
     build(&o, 2);
     check_levels("turned cube", targets, 2, 2, 1);
@@ -318,9 +318,9 @@ static void all_defects(int32_t resolution, int32_t sharp)
             defect_begin(&shape, which, &seed, resolution);
             defect_kinds[kind].make(&shape, &seed);
             mesh = shape.mesh;
-            o.resolution = resolution;
+            o.fit.resolution = resolution;
             o.sharp = BVX_SHARP_NEVER + sharp;
-            o.target_triangles = targets;
+            o.targets.triangles = targets;
             o.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
             snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which],
                      defect_kinds[kind].name, (int)resolution, (int)sharp);
@@ -364,27 +364,27 @@ static void test_outer_and_parts_and_cavities(void)
     make_shape(shape_named("shell of a cube"));
     level_round(&mesh, &seed, 0.3, 0, 6); /* a speck in the cavity, which is from 5 to 9 */
     maker_shift(&mesh, mesh.vertices - (size_t)(5 * 9 + 2), -1, -1, -1);
-    o.target_triangles = &target;
-    o.resolution = 60;
+    o.targets.triangles = &target;
+    o.fit.resolution = 60;
     build(&o, 1);
     check_levels("all", &target, 1, 6, 3);
-    o.least_part = 100;
+    o.parts.least_part = 100;
     build(&o, 1);
     check_levels("no speck", &target, 1, 4, 2);
-    o.least_cavity = UINT64_MAX;
+    o.parts.least_cavity = UINT64_MAX;
     build(&o, 1);
     check_levels("no cavity", &target, 1, 2, 1);
-    o.least_part = o.least_cavity = 0;
-    o.keep_largest = 1;
+    o.parts.least_part = o.parts.least_cavity = 0;
+    o.parts.keep_largest = 1;
     build(&o, 1);
     check_levels("the largest", &target, 1, 4, 2);
     TEST_ASSERT_EQUAL_UINT64(1, found.repair.parts_dropped);
     /* It asks for a solid by itself. */
-    o.resolution = 0;
+    o.fit.resolution = 0;
     build(&o, 1);
     TEST_ASSERT_EQUAL_INT32(1, found.solid);
-    o.resolution = 60;
-    o.keep_largest = 0;
+    o.fit.resolution = 60;
+    o.parts.keep_largest = 0;
     o.outer = 1;
     build(&o, 1);
     check_levels("outer", &target, 1, 2, 1);
@@ -401,8 +401,8 @@ static void test_a_lattice_of_the_callers(void)
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &lattice));
     make_shape(shape_named("torus"));
-    o.lattice = &lattice;
-    o.target_triangles = &target;
+    o.fit.lattice = &lattice;
+    o.targets.triangles = &target;
     build(&o, 1);
     check_levels("lattice", &target, 1, 0, 1);
     TEST_ASSERT_EQUAL_INT32(1, found.solid);
@@ -421,8 +421,8 @@ static void test_types_far_from_the_origin(void)
         make_shape(shape_named("sphere"));
         maker_flip(&mesh, 3, 30);
         maker_shift(&mesh, 0, way == 0 ? 0 : 1e7, 0, 0);
-        o.target_triangles = &target;
-        o.resolution = 40;
+        o.targets.triangles = &target;
+        o.fit.resolution = 40;
         build(&o, 1);
         TEST_ASSERT_EQUAL_INT32(way == 0 ? BVX_F32 : BVX_F64, level[0].position_type);
         snprintf(where, sizeof where, "way %d", way);
@@ -452,10 +452,10 @@ static void test_errors_are_of_the_input(void)
         make_shape(shape_named("torus"));
         maker_flip(&mesh, 10, 60);
         view = maker_view(&mesh);
-        o.target_errors = errors;
-        o.error_kind = kind;
-        o.measure_samples = 2000;
-        o.resolution = 70;
+        o.targets.errors = errors;
+        o.targets.error_kind = kind;
+        o.targets.samples = 2000;
+        o.fit.resolution = 70;
         build(&o, 2);
         for (int i = 0; i < 2; i++) {
             bvx_mesh_view level_view;
@@ -481,7 +481,7 @@ static void test_halving_starts_from_the_input(void)
 
     make_shape(shape_named("cylinder"));
     maker_remove(&mesh, 7);
-    o.resolution = 64;
+    o.fit.resolution = 64;
     build(&o, 3);
     TEST_ASSERT_TRUE(found.triangles > 3 * mesh.triangles);
     for (int i = 0; i < 3; i++) {
@@ -500,10 +500,10 @@ static void test_a_solid_has_no_more_triangles_than_the_mesh(void)
 
     make_shape(shape_named("cylinder"));
     maker_remove(&mesh, 7);
-    o.resolution = 64;
+    o.fit.resolution = 64;
     for (int way = 0; way < 2; way++) {
-        o.target_errors = way == 0 ? errors : NULL;
-        o.target_triangles = way == 0 ? NULL : targets;
+        o.targets.errors = way == 0 ? errors : NULL;
+        o.targets.triangles = way == 0 ? NULL : targets;
         build(&o, 2);
         TEST_ASSERT_TRUE(found.triangles > 3 * mesh.triangles);
         for (int i = 0; i < 2; i++) TEST_ASSERT_TRUE(level[i].triangle_count <= mesh.triangles);
@@ -526,7 +526,7 @@ static void test_distances_that_nothing_measured_are_no_numbers(void)
                      isnan(report[0].distance.mean_a_to_b) && isnan(report[0].distance.max_b_to_a));
 
     /* A level by its error has been measured to be found. */
-    o.target_errors = &error;
+    o.targets.errors = &error;
     build(&o, 1);
     view = maker_view(&mesh);
     bvx_mesh_view_of(&level[0], &level_view);
@@ -541,12 +541,12 @@ static void test_strict_refuses_what_cannot_be(void)
     bvx_levels_options o = defaults();
     bvx_mesh_view view;
 
-    o.target_triangles = targets;
-    o.strict = 1;
+    o.targets.triangles = targets;
+    o.targets.strict = 1;
     for (int32_t solid = 0; solid <= 1; solid++) {
         make_shape(shape_named("torus"));
         view = maker_view(&mesh);
-        o.resolution = solid ? 30 : 0;
+        o.fit.resolution = solid ? 30 : 0;
         o.solid = solid;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 2, level));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_build_levels: level 1"),
@@ -570,8 +570,8 @@ static void test_threads_do_not_matter(void)
         make_shape(shape_named("dented torus"));
         if (way == 1) maker_flip(&mesh, 3, 90);
         view = maker_view(&mesh);
-        o.target_triangles = targets;
-        if (way == 1) o.resolution = 80;
+        o.targets.triangles = targets;
+        if (way == 1) o.fit.resolution = 80;
         build(&o, 2);
         c.threads = 4;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
@@ -609,7 +609,7 @@ static void test_the_plan(void)
 
     make_shape(shape_named("sphere"));
     TEST_ASSERT_EQUAL_INT32(256, plan(NULL, 3));
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     for (; target < 1000000; target *= 2) { /* it only rises, between its ends */
         int32_t const now = plan(&o, 1);
         TEST_ASSERT_TRUE(now >= before);
@@ -619,14 +619,14 @@ static void test_the_plan(void)
     {
         uint64_t const up[3] = {10, 50000, 3}, one = 50000;
         int32_t chain;
-        o.target_triangles = up; /* the finest of a chain decides */
+        o.targets.triangles = up; /* the finest of a chain decides */
         chain = plan(&o, 3);
-        o.target_triangles = &one;
+        o.targets.triangles = &one;
         TEST_ASSERT_EQUAL_INT32(plan(&o, 1), chain);
         TEST_ASSERT_TRUE(chain > 256 && chain < 512);
     }
-    o.target_triangles = NULL;
-    o.target_errors = &error;
+    o.targets.triangles = NULL;
+    o.targets.errors = &error;
     plan(&o, 1);
     maker_clear(&mesh);
     maker_vertex(&mesh, 3, 3, 3);
@@ -668,30 +668,30 @@ static void test_contradictions(void)
     view = maker_view(&mesh);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit(ctx, &view, 20, &lattice));
     refuse(BVX_ERR_ARGUMENT, &o, 0, "level_count is 0");
-    o.target_triangles = &triangles;
-    o.target_errors = &error;
+    o.targets.triangles = &triangles;
+    o.targets.errors = &error;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "exclude each other");
-    o.target_errors = NULL;
-    o.target_triangles = &none;
+    o.targets.errors = NULL;
+    o.targets.triangles = &none;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "target_triangles[0] is 0");
-    o.target_triangles = NULL;
-    o.target_errors = &no_error;
+    o.targets.triangles = NULL;
+    o.targets.errors = &no_error;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
     for (int way = 0; way < 11 * 3; way++) { /* a new surface has none of the mesh's vertices */
         static const uint8_t locked[1000] = {0};
 
         o = defaults();
-        if (way / 3 == 0) o.lattice = &lattice;
-        if (way / 3 == 1) o.resolution = 50;
+        if (way / 3 == 0) o.fit.lattice = &lattice;
+        if (way / 3 == 1) o.fit.resolution = 50;
         if (way / 3 == 2) o.sign = BVX_SIGN_VOTE;
-        if (way / 3 == 3) o.least_part = 1;
-        if (way / 3 == 4) o.least_cavity = 1;
+        if (way / 3 == 3) o.parts.least_part = 1;
+        if (way / 3 == 4) o.parts.least_cavity = 1;
         if (way / 3 == 5) o.outer = 1;
         if (way / 3 == 6) o.solid = 1;
         if (way / 3 == 7) o.sharp = BVX_SHARP_NEVER;
         if (way / 3 == 8) o.sharp = BVX_SHARP_ALWAYS;
         if (way / 3 == 9) o.shell = 3;
-        if (way / 3 == 10) o.keep_largest = 1;
+        if (way / 3 == 10) o.parts.keep_largest = 1;
         if (way % 3 == 0) o.lock_border = 1;
         if (way % 3 == 1) o.locked = locked;
         if (way % 3 == 2) o.vertices = BVX_VERTICES_KEPT;
@@ -701,11 +701,11 @@ static void test_contradictions(void)
     }
     o = defaults();
     o.outer = 1;
-    o.least_cavity = 5;
+    o.parts.least_cavity = 5;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "least_cavity");
     o = defaults();
-    o.lattice = &lattice;
-    o.resolution = 50;
+    o.fit.lattice = &lattice;
+    o.fit.resolution = 50;
     {
         bvx_status const status = bvx_build_levels(ctx, &view, &o, 1, level);
         snprintf(where, sizeof where, "a lattice and a resolution: status %d, %s", (int)status,
@@ -727,8 +727,8 @@ static void test_meshes_of_nothing(void)
     maker_triangle(&mesh, 0, 0, 2);
     refuse(BVX_ERR_EMPTY, &o, 2, "has an area");
     make_shape(shape_named("cube"));
-    o.least_part = UINT64_MAX;
-    o.resolution = 20;
+    o.parts.least_part = UINT64_MAX;
+    o.fit.resolution = 20;
     refuse(BVX_ERR_EMPTY, &o, 2, "bvx_");
     mesh.p[100] = (double)NAN;
     refuse(BVX_ERR_RANGE, &o, 2, "vertex 33 has y");
@@ -757,12 +757,12 @@ static double level_of_repaired(const bvx_mesh_view *view, int32_t thin, uint64_
     bvx_mesh_view repaired;
     bvx_distance_report d;
 
-    o.resolution = 64;
+    o.fit.resolution = 64;
     o.thin = thin;
     o.report = r;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_repair(ctx, view, &o, &surface));
     bvx_mesh_view_of(&surface, &repaired);
-    s.target_triangles = &target;
+    s.targets.triangles = &target;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &repaired, &s, 1, &small));
     bvx_mesh_view_of(&small, &repaired);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_distance(ctx, view, &repaired, 5000, 1, &d));
@@ -788,9 +788,9 @@ static void test_thin_walls_do_not_make_handles(void)
         level_of_repaired(&view, BVX_THIN_SHELL, target, &lost);
         TEST_ASSERT_TRUE(kept.thin_kept && kept.after.components == 1 && lost.after.components == 1);
         drop_levels();
-        o.resolution = 64;
-        o.target_triangles = &target;
-        o.measure_samples = 5000;
+        o.fit.resolution = 64;
+        o.targets.triangles = &target;
+        o.targets.samples = 5000;
         o.report = &found;
         o.reports = report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_build_levels(ctx, &view, &o, 1, level));

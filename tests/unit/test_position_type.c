@@ -63,8 +63,8 @@ static bvx_status field_surface(const world *w, int32_t type, int32_t local, bvx
 {
     bvx_field_surface_options o = {.struct_size = sizeof o};
 
-    o.position_type = type;
-    o.local_frame = local;
+    o.placing.position_type = type;
+    o.placing.local_frame = local;
     return bvx_extract_field_surface(ctx, &w->field, &w->view, &o, mesh);
 }
 
@@ -72,9 +72,9 @@ static bvx_status sharp_surface(const world *w, int32_t type, int32_t local, bvx
 {
     bvx_field_surface_options o = {.struct_size = sizeof o};
 
-    o.position_type = type;
-    o.local_frame = local;
-    o.sharp = BVX_SHARP_ALWAYS;
+    o.placing.position_type = type;
+    o.placing.local_frame = local;
+    o.placing.sharp = BVX_SHARP_ALWAYS;
     return bvx_extract_field_surface(ctx, &w->field, &w->view, &o, mesh);
 }
 
@@ -114,9 +114,9 @@ static bvx_status repair(const world *w, int32_t type, int32_t local, bvx_mesh *
 {
     bvx_repair_options o = {.struct_size = sizeof o};
 
-    o.position_type = type;
-    o.local_frame = local;
-    o.lattice = &w->lattice;
+    o.placing.position_type = type;
+    o.placing.local_frame = local;
+    o.fit.lattice = &w->lattice;
     return bvx_repair(ctx, &w->view, &o, mesh);
 }
 
@@ -124,9 +124,9 @@ static bvx_status boolean(const world *w, int32_t type, int32_t local, bvx_mesh 
 {
     bvx_boolean_options o = {.struct_size = sizeof o};
 
-    o.position_type = type;
-    o.local_frame = local;
-    o.lattice = &w->lattice;
+    o.placing.position_type = type;
+    o.placing.local_frame = local;
+    o.fit.lattice = &w->lattice;
     return bvx_boolean(ctx, &w->view, &w->view, BVX_BOOLEAN_UNION, &o, mesh);
 }
 
@@ -138,8 +138,8 @@ static bvx_status levels(const world *w, int32_t type, int32_t local, bvx_mesh *
     (void)local;
     o.position_type = type;
     o.solid = 1;
-    o.target_triangles = &target;
-    o.lattice = &w->lattice;
+    o.targets.triangles = &target;
+    o.fit.lattice = &w->lattice;
     return bvx_build_levels(ctx, &w->view, &o, 1, mesh);
 }
 

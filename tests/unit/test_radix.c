@@ -95,7 +95,7 @@ static bvx_status sort_some(void *user, bvx_context *ctx)
         keys[i] = (MOST - i) * UINT64_C(0x10001);
         numbers[i] = i;
     }
-    return bvxi_radix_sort(ctx, keys, numbers, MOST);
+    return BVXI_SCOPE(ctx, bvxi_radix_sort(ctx, keys, numbers, MOST));
 }
 
 static void test_every_allocation_may_fail(void)

@@ -62,6 +62,17 @@ static void assert_regions_are_oracle(const bvx_lattice *l, region_counts *seen)
     close_scene(&s);
 }
 
+static bvx_status vote_over(const bvx_mesh_view *view, const bvx_lattice *l, int clear, bvx_grid *vote,
+                            bvx_grid *sure)
+{
+    bvx_solid_report unused = {0};
+    bvxi_solid_job job;
+    bvx_status const status = bvxi_solid_open(ctx, "test", view, l, &job);
+
+    if (status != BVX_OK) return status;
+    return bvxi_vote(bvxi_solid_step(ctx, &job, 0, 1), &job, clear, vote, sure->words, &unused);
+}
+
 /* The set of sure centres itself, off the surface. */
 static void test_sure_centres_are_known_one_by_one(void)
 {
@@ -73,8 +84,6 @@ static void test_sure_centres_are_known_one_by_one(void)
         double const centre[3] = {0.5 * l.dims[0], 0.5 * l.dims[1], 0.5 * l.dims[2]};
         double const radius[3] = {0.4 * l.dims[0], 0.4 * l.dims[1], 0.4 * l.dims[2]};
         bvx_mesh_view view;
-        bvx_solid_report r = {0};
-        bvxi_solid_job job;
         bvx_grid sure = {0}, vote = {0};
         fill_scene s;
         maker_clear(&mesh);
@@ -88,10 +97,7 @@ static void test_sure_centres_are_known_one_by_one(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &l, NULL, &sure));
         for (int clear = 0; clear < 2; clear++) {
             int64_t *const q = snapped(&l);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_solid_open(ctx, "test", &view, &l, &job));
-            TEST_ASSERT_EQUAL_INT32(
-                BVX_OK, bvxi_vote(bvxi_solid_step(ctx, &job, 0, 1), &job, clear, &vote, sure.words, &r));
-            bvxi_solid_close(ctx, &job);
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, BVXI_SCOPE(ctx, vote_over(&view, &l, clear, &vote, &sure)));
             assert_same_bits(&s.vote, &vote, "vote");
             for (int32_t z = 0; z < s.n[2]; z++)
                 for (int32_t y = 0; y < s.n[1]; y++)

@@ -23,7 +23,7 @@ static bvx_mesh repaired_by(bvx_context *c, const bvx_mesh_view *view, const bvx
 static bvx_repair_options defaults(int32_t resolution)
 {
     bvx_repair_options o = {.struct_size = sizeof o};
-    o.resolution = resolution;
+    o.fit.resolution = resolution;
     return o;
 }
 
@@ -49,7 +49,7 @@ static double repair_volume(int32_t resolution, int32_t sign)
     bvx_mesh out;
 
     o.sign = sign;
-    o.position_type = BVX_F64;
+    o.placing.position_type = BVX_F64;
     out = repaired_by(ctx, &view, &o);
     assert_certified(&out);
     bvx_mesh_free(ctx, &out);
@@ -365,8 +365,8 @@ static void test_cavities_and_parts(void)
     TEST_ASSERT_EQUAL_UINT64(2, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
     view = maker_view(&mesh);
-    o.least_part = 1000;
-    o.least_cavity = 10000;
+    o.parts.least_part = 1000;
+    o.parts.least_cavity = 10000;
     out = repaired_by(ctx, &view, &o);
     assert_certified(&out);
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
@@ -396,7 +396,7 @@ static void test_the_largest_parts_are_kept(void)
             bvx_certificate c;
             bvx_mesh out;
 
-            o.keep_largest = n;
+            o.parts.keep_largest = n;
             o.report = told ? wanted : NULL;
             out = repaired_by(ctx, &view, &o);
             bvx_mesh_view_of(&out, &made);
@@ -410,8 +410,8 @@ static void test_the_largest_parts_are_kept(void)
 
     /* Of what least_part leaves: the second largest is gone before the largest are counted. */
     o.report = wanted;
-    o.keep_largest = 2;
-    o.least_part = 2500;
+    o.parts.keep_largest = 2;
+    o.parts.least_part = 2500;
     bvx_mesh out = repaired_by(ctx, &view, &o);
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(2, report.parts_dropped);
@@ -432,7 +432,7 @@ static void test_a_part_in_a_cavity_is_not_the_largest(void)
     maker_flip(&mesh, first, mesh.triangles);
     make_ball(a, 0.8);
     view = maker_view(&mesh);
-    o.keep_largest = 1;
+    o.parts.keep_largest = 1;
     out = repaired_by(ctx, &view, &o);
     assert_certified(&out);
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_dropped);
@@ -579,9 +579,9 @@ static void test_anything_is_closed(void)
         make_anything(trial);
         view = maker_view(&mesh);
         o.sign = signs[maker_below(&seed, 4)];
-        o.interpolation = maker_below(&seed, 5);
-        o.face_rule = maker_below(&seed, 2);
-        o.sharp = BVX_SHARP_NEVER + maker_below(&seed, 2);
+        o.placing.interpolation = maker_below(&seed, 5);
+        o.placing.face_rule = maker_below(&seed, 2);
+        o.placing.sharp = BVX_SHARP_NEVER + maker_below(&seed, 2);
         out = repaired_by(ctx, &view, &o);
         assert_certified(&out);
         bvx_mesh_free(ctx, &out);
@@ -599,7 +599,7 @@ static void test_threads_and_code_paths_do_not_show(void)
         maker_clear(&mesh);
         make_anything(trial);
         view = maker_view(&mesh);
-        o.sharp = BVX_SHARP_NEVER + (trial & 1);
+        o.placing.sharp = BVX_SHARP_NEVER + (trial & 1);
         for (int i = 0; i < 6; i++) {
             bvx_context *const c = suite_context(threads[i % 3], cpu[i / 3]);
             bvx_mesh out = repaired_by(c, &view, &o);
@@ -645,8 +645,8 @@ static void test_measured_distances(void)
     view = maker_view(&mesh);
     o.measure = 1;
     o.measure_samples = 5000;
-    for (o.local_frame = 0; o.local_frame < 2; o.local_frame++) {
-        o.position_type = o.local_frame ? BVX_F32 : BVX_F64;
+    for (o.placing.local_frame = 0; o.placing.local_frame < 2; o.placing.local_frame++) {
+        o.placing.position_type = o.placing.local_frame ? BVX_F32 : BVX_F64;
         out = repaired_by(ctx, &view, &o);
         assert_certified(&out);
         TEST_ASSERT_TRUE(report.distance.mean_b_to_a < 0.05 * 4 / 48 &&
@@ -677,18 +677,18 @@ static void test_bad_options(void)
     o.sign = 99, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
     o.sign = BVX_SIGN_NORMAL, assert_refused(&o, BVX_ERR_ARGUMENT, "normals"), o = defaults(16);
     o.sign = BVX_SIGN_NONE, assert_refused(&o, BVX_ERR_ARGUMENT, "sign"), o = defaults(16);
-    o.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
+    o.placing.interpolation = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "interpolation"), o = defaults(16);
     o.shell = 1.0, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
     o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
-    o.sharp = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
-    o.resolution = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
+    o.placing.sharp = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
+    o.fit.resolution = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
     o.measure = 1, o.measure_samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"),
     o = defaults(16);
-    o.reserved0 = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
+    o.fit.reserved = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
-    o.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),
+    o.fit.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),
     o = defaults(16);
-    o.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
+    o.parts.least_part = 1000000, assert_refused(&o, BVX_ERR_EMPTY, "least_part"), o = defaults(16);
     o.target_triangles = 2, assert_refused(&o, BVX_ERR_RANGE, "at most 2");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_repair(ctx, NULL, NULL, NULL));
 }

@@ -24,8 +24,8 @@ static bvx_mesh repaired_shape(int32_t resolution)
     bvx_mesh out;
 
     memset(&out, 0, sizeof out);
-    o.resolution = resolution;
-    o.position_type = BVX_F64;
+    o.fit.resolution = resolution;
+    o.placing.position_type = BVX_F64;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
     return out;

@@ -177,7 +177,7 @@ static void assert_repaired(const body *b, int kind, int trial, int32_t resoluti
     bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out = {0};
 
-    o.resolution = resolution;
+    o.fit.resolution = resolution;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
     bvx_mesh_free(ctx, &out);

@@ -15,10 +15,10 @@ static bvx_mesh surface_of(int32_t resolution, int32_t sharp, int32_t type)
     bvx_repair_options o = {.struct_size = sizeof o};
     bvx_mesh out = {0};
 
-    o.resolution = resolution;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.fit.resolution = resolution;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     o.thin = thin;
-    o.position_type = type;
+    o.placing.position_type = type;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(ctx, &view, &o, &out), bvx_last_message(ctx));
     return out;
 }

@@ -8,8 +8,8 @@ static bvx_repair_report report;
 static bvx_repair_options sharp_options(int32_t resolution, int32_t sharp)
 {
     bvx_repair_options o = {.struct_size = sizeof o};
-    o.resolution = resolution;
-    o.sharp = BVX_SHARP_NEVER + sharp;
+    o.fit.resolution = resolution;
+    o.placing.sharp = BVX_SHARP_NEVER + sharp;
     o.report = &report;
     return o;
 }
@@ -96,7 +96,7 @@ static void test_default_leaves_a_ball_smooth(void)
     make_smooth_star();
     by_default = repaired(&o);
     TEST_ASSERT_EQUAL_INT32(0, report.sharp);
-    o.sharp = BVX_SHARP_NEVER;
+    o.placing.sharp = BVX_SHARP_NEVER;
     plain = repaired(&o);
     TEST_ASSERT_EQUAL_UINT64(plain.vertex_count, by_default.vertex_count);
     TEST_ASSERT_EQUAL_MEMORY(plain.positions, by_default.positions, plain.vertex_count * 12);
@@ -139,9 +139,9 @@ static void test_boolean_is_sharp_where_one_body_is(void)
         view[0] = maker_view(&mesh);
         view[1] = smooth ? view[0] : maker_view(&box);
         o = (bvx_boolean_options){.struct_size = sizeof o};
-        o.resolution = 24;
+        o.fit.resolution = 24;
         o.report = &r;
-        TEST_ASSERT_EQUAL_INT32(BVX_SHARP_AUTO, o.sharp);
+        TEST_ASSERT_EQUAL_INT32(BVX_SHARP_AUTO, o.placing.sharp);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_UNION, &o, &out));
         TEST_ASSERT_EQUAL_INT32(!smooth, r.sharp);
         TEST_ASSERT_EQUAL(!smooth, r.surface.sharp_cells != 0);
@@ -299,7 +299,7 @@ static void test_crumbs_are_counted_and_kept_when_asked(void)
     TEST_ASSERT_TRUE(crumbs > 3 && report.parts_kept == 1 &&
                      report.parts_dropped + report.cavities_dropped == crumbs);
     bvx_mesh_free(ctx, &out);
-    o.keep_crumbs = 1;
+    o.parts.keep_crumbs = 1;
     out = repaired(&o);
     TEST_ASSERT_EQUAL_UINT64(0, report.crumbs);
     TEST_ASSERT_EQUAL_UINT64(crumbs + 1, report.parts_kept + report.cavities_kept);
@@ -349,7 +349,7 @@ static void test_boolean_drops_crumbs(void)
         make_wedge(k);
         view[0] = maker_view(&mesh);
         view[1] = maker_view(&box);
-        o.resolution = 70;
+        o.fit.resolution = 70;
         o.report = &r;
 
         /* A wedge's edge comes apart into crumbs where its walls are lost,
@@ -365,7 +365,7 @@ static void test_boolean_drops_crumbs(void)
             crumbs += r.crumbs;
         }
 
-        o.least_part = 1000000;
+        o.parts.least_part = 1000000;
         TEST_ASSERT_EQUAL_INT32(BVX_OK,
                                 bvx_boolean(ctx, &view[0], &view[1], BVX_BOOLEAN_INTERSECTION, &o, &out));
         TEST_ASSERT_TRUE(out.triangle_count == 0 && r.voxels == 0 && r.parts_dropped == 1);

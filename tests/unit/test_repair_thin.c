@@ -14,7 +14,7 @@ static bvx_mesh repaired_at(bvx_context *c, int32_t resolution, int32_t thin)
 
     memset(&out, 0, sizeof out);
     memset(&report, 0, sizeof report);
-    o.resolution = resolution;
+    o.fit.resolution = resolution;
     o.thin = thin;
     o.report = &report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_repair(c, &view, &o, &out), bvx_last_message(c));

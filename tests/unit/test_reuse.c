@@ -199,7 +199,7 @@ static bvx_status repair(bvx_context *c, const model *m, results *r)
 {
     bvx_repair_options o = {.struct_size = sizeof o};
 
-    o.lattice = &m->lattice;
+    o.fit.lattice = &m->lattice;
     return bvx_repair(c, &m->view, &o, &r->mesh[0]);
 }
 
@@ -207,7 +207,7 @@ static bvx_status boolean(bvx_context *c, const model *m, results *r)
 {
     bvx_boolean_options o = {.struct_size = sizeof o};
 
-    o.lattice = &m->lattice;
+    o.fit.lattice = &m->lattice;
     return bvx_boolean(c, &m->view, &m->view, BVX_BOOLEAN_UNION, &o, &r->mesh[0]);
 }
 

@@ -13,7 +13,7 @@ static void test_the_oracle_sees_crossings(void)
     bvx_mesh m;
     float *p;
 
-    o.interpolation = BVX_EDGE_MIDDLE;
+    o.placing.interpolation = BVX_EDGE_MIDDLE;
     field_maker_noise(ctx, &seed, &l, 8, 16, 1, 0, BVX_F32, &field);
     m = surface_of(ctx, NULL, &o);
     p = m.positions;
@@ -93,7 +93,7 @@ static void check_turned_box(int with_triangles)
     field_maker_measure(ctx, &mesh, &l, 1.5, BVX_F32, &field);
     o.report = &report;
     sharp = surface_of(ctx, with_triangles ? &view : NULL, &o);
-    o.sharp = BVX_SHARP_NEVER;
+    o.placing.sharp = BVX_SHARP_NEVER;
     o.report = &plain_report;
     plain = surface_of(ctx, NULL, &o);
     assert_certificate(&sharp);
@@ -149,7 +149,7 @@ static void test_sharp_leaves_a_smooth_surface_alone(void)
     o.report = &report;
     sharp = surface_of(ctx, &view, &o);
     TEST_ASSERT_EQUAL_UINT64(0, report.sharp_cells + report.sharp_taken_back + report.flipped_edges);
-    o.sharp = BVX_SHARP_NEVER;
+    o.placing.sharp = BVX_SHARP_NEVER;
     plain = surface_of(ctx, NULL, &o);
     TEST_ASSERT_EQUAL_UINT64(plain.vertex_count, sharp.vertex_count);
     TEST_ASSERT_EQUAL_UINT64(plain.triangle_count, sharp.triangle_count);
@@ -170,9 +170,9 @@ static void check_any(const bvx_mesh_view *view, tally *t)
     bvx_field_surface_options o = surface_options(1);
     bvx_mesh m;
 
-    o.interpolation = maker_below(&seed, 5);
-    o.face_rule = maker_below(&seed, 2);
-    o.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
+    o.placing.interpolation = maker_below(&seed, 5);
+    o.placing.face_rule = maker_below(&seed, 2);
+    o.placing.position_type = maker_below(&seed, 2) ? BVX_F32 : BVX_F64;
     o.sharp_angle = 0.99 - 0.2 * maker_below(&seed, 5);
     o.report = &report;
     m = surface_of(ctx, view, &o);

@@ -42,7 +42,7 @@ static bvx_simplify_options defaults(void)
     bvx_simplify_options o = {.struct_size = sizeof o};
     o.reports = report;
     o.position_type = BVX_F64;
-    if (exact) o.even = BVX_NONE;
+    if (exact) o.targets.even = BVX_NONE;
     return o;
 }
 
@@ -50,7 +50,7 @@ static void simplify_to(const uint64_t *targets, uint64_t count)
 {
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_simplify_options o = defaults();
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     drop_levels();
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, count, level),
                                     bvx_last_message(ctx));
@@ -376,7 +376,7 @@ static void build(int32_t solid)
     bvx_mesh_view const view = maker_view(&mesh);
     bvx_levels_options o = {.struct_size = sizeof o};
 
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.solid = solid;
     o.report = &levels_report;
     o.reports = report;

@@ -28,7 +28,7 @@ static void simplify(const bvx_simplify_options *o, uint64_t count)
 static void to_targets(const uint64_t *targets, uint64_t count, int32_t type)
 {
     bvx_simplify_options o = defaults();
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.position_type = type;
     simplify(&o, count);
 }
@@ -66,9 +66,9 @@ static void check_shape(const level_shape *s, int32_t type, double even)
     targets[1] = mesh.triangles / 6;
     targets[2] = mesh.triangles / 24;
     targets[3] = 1;
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.position_type = type;
-    o.even = even > 0 ? even : BVX_NONE;
+    o.targets.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 4);
     for (int i = 0; i < 4; i++) {
         snprintf(where, sizeof where, "%s, type %d, even %g, level %d: %lu of %lu triangles", s->name,
@@ -129,7 +129,7 @@ static void test_surfaces_of_random_bits_keep_the_guarantee(void)
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &noise, NULL, &surface));
             before = certificate_of(&surface);
             bvx_mesh_view_of(&surface, &view);
-            o.target_triangles = targets;
+            o.targets.triangles = targets;
             o.position_type = type;
             simplify_view(&view, &o, 3);
             for (int i = 0; i < 3; i++) {
@@ -173,8 +173,8 @@ static void test_thin_parts_do_not_crumple(void)
 
     make_rods(41, 10, &surface);
     bvx_mesh_view_of(&surface, &view);
-    o.target_triangles = targets;
-    o.measure_samples = 4000;
+    o.targets.triangles = targets;
+    o.targets.samples = 4000;
     simplify_view(&view, &o, 2);
     snprintf(where, sizeof where, "%d triangles, mean %g and %g, max %g", (int)level[1].triangle_count,
              report[1].distance.mean_a_to_b, report[1].distance.mean_b_to_a, report[1].distance.max);
@@ -235,9 +235,9 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
     int exact = 1;
 
     make_shape(s);
-    o.target_triangles = &s->fewest;
+    o.targets.triangles = &s->fewest;
     o.position_type = type;
-    o.even = even > 0 ? even : BVX_NONE;
+    o.targets.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 1);
     view = maker_view(&mesh);
     bvx_mesh_view_of(&level[0], &level_view);
@@ -286,7 +286,7 @@ static void test_planes_keep_their_corners_by_default(void)
 
     for (int n = 0; n < LEVEL_SHAPES; n++) {
         if (level_shapes[n].fewest == 0) continue;
-        if (comes_down_exactly(&level_shapes[n], BVX_F64, o.even)) continue;
+        if (comes_down_exactly(&level_shapes[n], BVX_F64, o.targets.even)) continue;
         TEST_ASSERT_EQUAL_UINT64_MESSAGE(level_shapes[n].fewest, level[0].triangle_count, where);
         TEST_ASSERT_TRUE_MESSAGE(off < 5e-5, where);
     }
@@ -309,9 +309,9 @@ static void check_order_and_types(const uint64_t *targets, const double *errors)
             void *made = NULL, *spread = NULL;
             make_shape(shape_named(names[n]));
             for (size_t i = 0; i < 3 * mesh.vertices; i++) mesh.p[i] = (double)(float)mesh.p[i];
-            o.target_triangles = targets;
-            o.target_errors = errors;
-            o.measure_samples = 300;
+            o.targets.triangles = targets;
+            o.targets.errors = errors;
+            o.targets.samples = 300;
             o.position_type = BVX_F64;
             simplify(&o, 2);
             memcpy(wanted, level, sizeof wanted);
@@ -396,8 +396,8 @@ static void test_threads_do_not_matter(void)
 
     make_shape(shape_named("torus"));
     view = maker_view(&mesh);
-    o.target_triangles = targets;
-    o.measure_samples = 500;
+    o.targets.triangles = targets;
+    o.targets.samples = 500;
     simplify(&o, 3);
     c.threads = 4;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
@@ -427,9 +427,9 @@ static void test_reports_do_not_matter(void)
         maker_star(&mesh, &seed, centre, radius, way < 2 ? 0.1 : 0.3, 30, 40, 1 << 20);
         maker_star(&mesh, &seed, centre, radius, 0.05, 30, 40, 1 << 20);
         view = maker_view(&mesh);
-        if (way % 2 == 0) o.target_triangles = targets;
-        else o.target_errors = errors;
-        o.measure_samples = 500;
+        if (way % 2 == 0) o.targets.triangles = targets;
+        else o.targets.errors = errors;
+        o.targets.samples = 500;
         simplify(&o, 3);
         o.reports = NULL;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 3, plain));
@@ -565,9 +565,9 @@ static void check_errors(const char *name, int32_t kind, const double *errors, u
     make_shape(shape_named(name));
     all = maker_view(&mesh);
     view = &all;
-    o.target_errors = errors;
-    o.error_kind = kind;
-    o.measure_samples = 4000;
+    o.targets.errors = errors;
+    o.targets.error_kind = kind;
+    o.targets.samples = 4000;
     simplify(&o, count);
     for (uint64_t i = 0; i < count; i++) {
         bvx_mesh_view level_view;
@@ -608,14 +608,14 @@ static void test_an_error_below_every_collapse_keeps_the_mesh(void)
     bvx_simplify_options o = defaults();
 
     make_shape(shape_named("spikes"));
-    o.target_errors = &error;
+    o.targets.errors = &error;
     simplify(&o, 1);
     snprintf(where, sizeof where, "%lu of %lu triangles", (unsigned long)level[0].triangle_count,
              (unsigned long)mesh.triangles);
     TEST_ASSERT_EQUAL_UINT64_MESSAGE(mesh.triangles, level[0].triangle_count, where);
     TEST_ASSERT_EQUAL_INT32(1, report[0].met);
-    o.target_errors = &most;
-    o.strict = 1;
+    o.targets.errors = &most;
+    o.targets.strict = 1;
     simplify(&o, 1);
     TEST_ASSERT_EQUAL_INT32(1, report[0].met);
     assert_whole(&level[0], 2, 1);
@@ -632,7 +632,7 @@ static void test_an_error_that_the_way_has_passed_by_gives_the_level_before(void
     make_shape(shape_named("torus"));
     view = maker_view(&mesh);
     for (int k = 0; k < 2; k++) {
-        o.target_errors = k == 0 ? near : less;
+        o.targets.errors = k == 0 ? near : less;
         simplify(&o, 2);
         TEST_ASSERT_EQUAL_INT32(1, report[0].met);
         TEST_ASSERT_EQUAL_INT32(k == 0, report[1].met);
@@ -642,7 +642,7 @@ static void test_an_error_that_the_way_has_passed_by_gives_the_level_before(void
     }
 
     /* The fewest triangles have nothing to do with it. */
-    o.strict = 1;
+    o.targets.strict = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 2, level));
     TEST_ASSERT_EQUAL_INT32(BVX_REASON_TARGET, bvx_last_error(ctx)->reason);
     TEST_ASSERT_EQUAL_INT64(1, bvx_last_error(ctx)->index);
@@ -658,8 +658,8 @@ static void test_an_error_is_used_up(void)
     double part;
 
     make_shape(shape_named("torus"));
-    o.target_errors = errors;
-    o.measure_samples = 20000;
+    o.targets.errors = errors;
+    o.targets.samples = 20000;
     simplify(&o, 1);
     part = report[0].distance.mean / errors[0];
     snprintf(where, sizeof where, "%g of the error", part);
@@ -674,7 +674,7 @@ static void test_a_torus_is_not_reduced_below_its_handle(void)
     bvx_simplify_options o = defaults();
 
     make_shape(shape_named("torus"));
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     simplify(&o, 2);
     for (int i = 0; i < 2; i++) {
         snprintf(where, sizeof where, "level %d: %lu triangles", i, (unsigned long)level[i].triangle_count);
@@ -689,13 +689,13 @@ static void test_a_torus_is_not_reduced_below_its_handle(void)
         bvx_mesh const empty = {0};
         uint64_t const one = 1000, none[3] = {1000, 400, 3};
         drop_levels();
-        o.strict = 1;
-        o.target_triangles = none;
+        o.targets.strict = 1;
+        o.targets.triangles = none;
         TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_mesh_simplify(ctx, &view, &o, 3, level));
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), "bvx_mesh_simplify: level 2"),
                                      bvx_last_message(ctx));
         for (int i = 0; i < 3; i++) TEST_ASSERT_EQUAL_MEMORY(&empty, &level[i], sizeof empty);
-        o.target_triangles = &one;
+        o.targets.triangles = &one;
         simplify(&o, 1);
         TEST_ASSERT_EQUAL_INT32(1, report[0].met);
     }
@@ -728,7 +728,7 @@ static void test_a_flat_body_is_closed_or_refused(void)
     make_shape(shape_named("cube"));
     for (size_t v = 0; v < mesh.vertices; v++) mesh.p[3 * v + 2] = 5;
     view = maker_view(&mesh);
-    o.target_triangles = &one;
+    o.targets.triangles = &one;
     status = bvx_mesh_simplify(ctx, &view, &o, 1, level);
     if (status == BVX_OK) {
         bvx_certificate const c = certificate_of(&level[0]);
@@ -754,7 +754,7 @@ static void test_levels_fill_the_callers_arrays_or_refuse_small_ones(void)
     to_targets(targets, 2, BVX_F64);
     memcpy(wanted, level, sizeof wanted);
     memset(level, 0, sizeof level);
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     for (int small = 0; small < 2; small++) {
         for (int i = 0; i < 2; i++) {
             memset(&level[i], 0, sizeof level[i]);
@@ -808,22 +808,22 @@ static void test_simplify_refuses_options_out_of_range_or_exclusive(void)
 
     make_shape(shape_named("cube"));
     refuse(BVX_ERR_ARGUMENT, &o, 0, "level_count is 0");
-    o.target_triangles = triangles;
+    o.targets.triangles = triangles;
     refuse(BVX_ERR_ARGUMENT, &o, 2, "target_triangles[1] is 0");
-    o.target_errors = errors;
+    o.targets.errors = errors;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "exclude each other");
     o = defaults();
     for (int i = 1; i < 5; i++) {
-        o.target_errors = errors + i;
+        o.targets.errors = errors + i;
         refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
     }
     o = defaults();
-    o.even = (double)NAN;
+    o.targets.even = (double)NAN;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "even");
-    o.even = 1.0000001;
+    o.targets.even = 1.0000001;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "even");
     o = defaults();
-    o.measure_samples = (uint64_t)1 << 31;
+    o.targets.samples = (uint64_t)1 << 31;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "measure_samples");
     for (int i = 0; i < 3; i++) {
         static const double wrong[3] = {-1e-9, 1000.001, (double)NAN};
@@ -892,7 +892,7 @@ static void test_spans_beyond_what_edges_collapse_in_are_refused(void)
     static const uint64_t target = 100;
     bvx_simplify_options o = defaults();
 
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     for (int i = 0; i < 8; i++) {
         make_shape(shape_named("cube"));
         for (uint64_t k = 0; k < 3 * mesh.vertices; k++) mesh.p[k] *= scales[i];
@@ -923,7 +923,7 @@ static double bytes_a_triangle(int loose, int with_reports, double *fixed)
     for (int i = 0; i < 2; i++) {
         bvx_mesh_view view;
         bvx_simplify_options o = defaults();
-        o.target_triangles = &target;
+        o.targets.triangles = &target;
         o.reports = with_reports ? report : NULL;
         shape_torus(&s, i == 0 ? 64 : 120, i == 0 ? 64 : 80, 0.2, 5);
         shape_view(&s, &view);

@@ -28,7 +28,7 @@ static void make_hollow(int32_t rings, int32_t segments)
 static bvx_simplify_options options_for(const uint64_t *targets)
 {
     bvx_simplify_options o = {.struct_size = sizeof o};
-    o.target_triangles = targets;
+    o.targets.triangles = targets;
     o.reports = report;
     return o;
 }
@@ -161,7 +161,7 @@ static int64_t simplify_on(int32_t threads, int backward, uint64_t target, const
         c.parallel_user = &b;
     }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     simplify(other, &o, 1, &made);
     if (same != NULL) assert_same_bytes(same, &made);
     bvx_mesh_free(other, &made);
@@ -209,8 +209,8 @@ static void test_levels_by_error_run_cells(void)
             c.parallel_user = &b;
         }
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-        o.target_errors = errors;
-        o.measure_samples = 2000;
+        o.targets.errors = errors;
+        o.targets.samples = 2000;
         o.reports = report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 2, one));
         for (int i = 0; i < 2; i++) {

@@ -48,9 +48,9 @@ static void simplify_coloured(double weight, uint64_t target)
     bvx_simplify_options o = {.struct_size = sizeof o};
 
     drop_levels();
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     o.attribute_weight = weight > 0 ? weight : BVX_NONE;
-    o.measure_samples = 20000;
+    o.targets.samples = 20000;
     o.reports = report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
                                     bvx_last_message(ctx));
@@ -198,7 +198,7 @@ static void test_without_a_weight_or_colours_nothing_changes(void)
         bvx_simplify_options o = {.struct_size = sizeof o};
 
         drop_levels();
-        o.target_triangles = &target;
+        o.targets.triangles = &target;
         o.attribute_weight = way == 0 ? BVX_NONE : 0.5; /* of colours that are not there */
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));
         snprintf(where, sizeof where, "way %d", way);
@@ -233,7 +233,7 @@ static void test_order_and_threads_do_not_matter(void)
 
         c.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
-        o.target_triangles = &target;
+        o.targets.triangles = &target;
         o.attribute_weight = 1;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 1, &made));
         assert_same_bytes(&wanted, &made);
@@ -256,7 +256,7 @@ static void test_memory_is_as_the_header_says(void)
         bvx_simplify_options o = {.struct_size = sizeof o};
 
         drop_levels();
-        o.target_triangles = &target;
+        o.targets.triangles = &target;
         bvx_memory_reset_peak(ctx);
         before = bvx_memory_used(ctx);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));

@@ -139,7 +139,7 @@ static bvx_mesh level_of(const bvx_mesh *m, uint64_t target)
     bvx_mesh_view view;
     bvx_mesh level = {0};
 
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     o.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view_of(m, &view);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, &level),
@@ -295,7 +295,7 @@ static void test_kept_vertices_are_not_joined(void)
 
             for (int k = 0; k < 6; k++) triangles[n++] = of[k];
         }
-    o.target_triangles = &target;
+    o.targets.triangles = &target;
     o.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view const view = bvx_mesh_view_packed(positions, 2 * VERTICES, triangles, n / 3);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, &level),

@@ -404,8 +404,8 @@ class Bitvox {
                     : {},
             );
 
-            if (targetTriangles) set('targetTriangles', call.list('targetTriangles', 'u64', targetTriangles));
-            if (targetErrors) set('targetErrors', call.list('targetErrors', 'f64', targetErrors));
+            if (targetTriangles) set('triangles', call.list('targetTriangles', 'u64', targetTriangles));
+            if (targetErrors) set('errors', call.list('targetErrors', 'f64', targetErrors));
             if (locked) {
                 const vertices = (mesh.positions ?? mesh.attributes?.position.array)?.length / 3;
                 if (locked.length !== vertices)

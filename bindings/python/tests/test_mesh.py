@@ -367,3 +367,30 @@ def test_a_missed_target_is_said():
 def test_names_of_files_may_be_bytes(knot, tmp_path):
     knot.save(os.fsencode(tmp_path / "k.ply"))
     assert bitvox.read(os.fsencode(tmp_path / "k.ply")) == knot
+
+
+def test_rays_meet_a_box_once_where_triangles_meet():
+    box = bitvox.Closest((V, F))
+    rays = [[4, 3, -5, 0, 0, 1], [0, 0, -5, 8, 6, 9], [4, 3, 9, 0, 0, 1], [-1, 3, 2, 2, 0, 0]]
+    hits = box.cast(rays)
+    assert hits["side"].tolist() == [1, 1, 0, 1]
+    assert hits["position"][[0, 3]].tolist() == [[4, 3, 0], [0, 3, 2]]
+    offsets, found = box.crossings(rays)
+    assert np.diff(offsets.astype(int)).tolist() == [2, 2, 0, 2]
+    assert found["side"].tolist() == [1, -1] * 3 and found["t"][:2].tolist() == [5, 9]
+    assert box.cast(rays, t_max=4.5)["side"].tolist() == [0, 1, 0, 1]
+    with pytest.raises(bitvox.ArgumentError, match="direction"):
+        box.cast([[0, 0, 0, 0, 0, 0]])
+
+
+def test_a_mesh_contains_the_centers_of_its_solid(knot):
+    knot = Mesh.of(knot)
+    grid = bitvox.voxelize(knot, resolution=40)
+    index = np.argwhere(np.ones(grid.shape, bool))
+    points = np.asarray(grid.lattice.corner) + (index + 0.5) * np.asarray(grid.lattice.spacing)
+    asked = bitvox.Closest(knot)
+    inside = asked.contains(points)
+    assert (inside == grid.to_numpy()[tuple(index.T)]).mean() > 0.999  # the mesh is snapped to the lattice there
+    assert np.array_equal(asked.winding(points), inside)
+    distance = asked.find(points, signed=True)["distance"]
+    assert ((distance < 0) == inside).all() and np.array_equal(np.abs(distance), asked.find(points)["distance"])

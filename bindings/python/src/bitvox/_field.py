@@ -226,10 +226,10 @@ class Field:
         True
         """
         options = options_of("field_surface_options")
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-        options.sharp = sharpness(sharp)
-        options.local_frame = int(bool(local_frame))
+        options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+        options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+        options.placing.sharp = sharpness(sharp)
+        options.placing.local_frame = int(bool(local_frame))
         if offset and grid is None:
             raise ArgumentError("offset is taken together with grid")
         if grid is not None:

@@ -114,17 +114,17 @@ class _Targets:
         if error_kind is not None:
             if error is None:
                 raise ArgumentError("error_kind is taken together with error")
-            options.error_kind = choice("error_kind", error_kind, "BVX_ERROR_", ERROR_KINDS)
+            options.targets.error_kind = choice("error_kind", error_kind, "BVX_ERROR_", ERROR_KINDS)
         self.array = None
         if triangles is not None:
             wanted = [_count_in(n) for n in _listed(triangles, "triangles")]
             _falls(wanted, "triangles", rising=False)
-            self.array = options.target_triangles = ffi.new("uint64_t[]", wanted)
+            self.array = options.targets.triangles = ffi.new("uint64_t[]", wanted)
             self.count = len(wanted)
         elif error is not None:
             errors = [_error_of(mesh, e) for e in _listed(error, "error")]
             _falls(errors, "error", rising=True)
-            self.array = options.target_errors = ffi.new("double[]", errors)
+            self.array = options.targets.errors = ffi.new("double[]", errors)
             self.count = len(errors)
         else:
             self.count = _halvings(mesh.n_faces) if count is None else in_range("count", count, 1, 64)
@@ -315,9 +315,9 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
     if samples is None:
         samples = 0 if error is None else ERROR_SAMPLES
     if even is not None:
-        options.even = or_none(float(even), "even")
-    options.strict = int(bool(strict))
-    options.measure_samples = in_range("samples", samples, 0, 2**31 - 1)
+        options.targets.even = or_none(float(even), "even")
+    options.targets.strict = int(bool(strict))
+    options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
     options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
 
 
@@ -526,17 +526,17 @@ def lod(
         if lattice is not None:
             if resolution is not None:
                 raise ArgumentError("resolution and lattice contradict each other; give one of them")
-            options.lattice = lattice._c
+            options.fit.lattice = lattice._c
         if resolution is not None:
-            options.resolution = in_range("resolution", resolution, 1, 2**24)
+            options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
         options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
         options.sharp = sharpness(sharp)
         options.outer = int(bool(outer_hull))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")
-        options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-        options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
-        options.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+        options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+        options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+        options.parts.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
         reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
         options.reports, options.report = reports, report
 

@@ -555,7 +555,7 @@ def compare(a: Any, b: Any, *, samples: int | None = None, seed: int | None = No
 
 
 class Closest:
-    """A mesh made ready for questions about its nearest points; keeps a copy of what it needs.
+    """A mesh made ready for questions about nearest points, rays and inside; keeps a copy of what it needs.
 
     Parameters
     ----------
@@ -592,13 +592,15 @@ class Closest:
     def __repr__(self) -> str:
         return f"Closest({self._mesh.n_vertices} vertices, {self._mesh.n_faces} faces)"
 
-    def find(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+    def find(self, points: Any, *, signed: bool = False, threads: int | None = None, progress: Progress = None) -> Array:
         """The nearest points of the mesh.
 
         Parameters
         ----------
         points
             (n, 3) [world].
+        signed
+            distances are negative inside, where `contains` is True.
 
         Returns
         -------
@@ -616,7 +618,111 @@ class Closest:
         out = ffi.new("bvx_closest_point[]", max(1, given.count))
         with Run(threads, None, progress) as run:
             run.check(lib.bvx_closest_find(run.context, self._c, ffi.cast("double *", given.pointer), given.count, out))
-        return arrays.records_at(out, "bvx_closest_point", given.count, out)
+        found = arrays.records_at(out, "bvx_closest_point", given.count, out)
+        if signed:
+            found = found.copy()
+            found["distance"][self.contains(points, threads=threads)] *= -1
+        return found
+
+    def cast(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None, progress: Progress = None) -> Array:
+        """Where rays first meet the mesh, decided exactly: no ray passes between triangles with a common edge.
+
+        Parameters
+        ----------
+        rays
+            (n, 6) origin and direction, of any length but 0 [world].
+        t_max
+            hits have ``0 <= t <= t_max``, position = origin + t * direction.
+
+        Returns
+        -------
+        Array
+            A record array of n: t, position [world], weight (barycentric), triangle, side (1: the side that the normal points to,
+            -1: the other one, 0: the ray meets nothing).
+
+        Examples
+        --------
+        >>> triangle = bitvox.Closest(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]))
+        >>> float(triangle.cast([[0.25, 0.25, 2, 0, 0, -1]])['t'][0])
+        2.0
+        """
+        given = arrays.numbers_in(rays, "rays", 6)
+        out = ffi.new("bvx_mesh_hit[]", max(1, given.count))
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_cast(run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, out))
+        return arrays.records_at(out, "bvx_mesh_hit", given.count, out)
+
+    def crossings(self, rays: Any, *, t_max: float = float("inf"), threads: int | None = None,
+                  progress: Progress = None) -> tuple[Array, Array]:
+        """All places where rays meet the mesh: an edge or a corner between triangles that lie side by side is one.
+
+        Parameters
+        ----------
+        rays, t_max
+            as in `cast`.
+
+        Returns
+        -------
+        tuple
+            offsets (n + 1,) and the hits as in `cast`, by t: those of ray i are ``hits[offsets[i]:offsets[i + 1]]``.
+
+        Examples
+        --------
+        >>> knot = bitvox.Closest('knot.ply')
+        >>> offsets, hits = knot.crossings([[0, 0, 0, 1, 0, 0]])
+        >>> bool(len(hits) == offsets[1])
+        True
+        """
+        import numpy as np
+
+        given = arrays.numbers_in(rays, "rays", 6)
+        offsets = np.zeros(given.count + 1, np.uint64)
+        starts = ffi.cast("uint64_t *", offsets.ctypes.data)
+        with Run(threads, None, progress) as run:
+            asked = (run.context, self._c, ffi.cast("double *", given.pointer), given.count, t_max, starts)
+            run.check(lib.bvx_closest_crossings(*asked, ffi.NULL, 0))
+            count = int(offsets[-1])
+            out = ffi.new("bvx_mesh_hit[]", max(1, count))
+            run.check(lib.bvx_closest_crossings(*asked, out, count))
+        return offsets, arrays.records_at(out, "bvx_mesh_hit", count, out)
+
+    def winding(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+        """How often the mesh goes around points; exact.
+
+        Parameters
+        ----------
+        points
+            (n, 3) [world].
+
+        Returns
+        -------
+        Array
+            (n,) int64: of a closed, oriented mesh 0 outside and 1 inside. Of an open one it is the signed number of triangles that
+            lie ahead along x: `measure_field` with sign "winding" is for these.
+
+        Examples
+        --------
+        >>> bitvox.Closest('knot.ply').winding([[100, 0, 0]]).tolist()
+        [0]
+        """
+        import numpy as np
+
+        given = arrays.numbers_in(points, "points", 3)
+        turns = np.zeros(given.count, np.int64)
+        with Run(threads, None, progress) as run:
+            run.check(lib.bvx_closest_winding(run.context, self._c, ffi.cast("double *", given.pointer), given.count,
+                                              ffi.cast("int64_t *", turns.ctypes.data)))
+        return turns
+
+    def contains(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Array:
+        """Which points lie inside: (n,) bool, where `winding` is not 0.
+
+        Examples
+        --------
+        >>> bitvox.Closest('knot.ply').contains([[100, 0, 0]]).tolist()
+        [False]
+        """
+        return self.winding(points, threads=threads, progress=progress) != 0
 
 
 def repair(
@@ -720,21 +826,21 @@ def repair(
     if lattice is not None:
         if resolution is not None:
             raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.lattice = lattice._c
+        options.fit.lattice = lattice._c
     elif resolution is not None:
-        options.resolution = in_range("resolution", resolution, 1, 2**24)
+        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
-    options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = sharpness(sharp)
-    options.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
+    options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+    options.placing.sharp = sharpness(sharp)
+    options.placing.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
-    options.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
-    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
-    options.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+    options.parts.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
+    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+    options.parts.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
     targets = level_target(triangles, error, error_kind)
     if measure_samples is not None:
         if not measure:
@@ -865,20 +971,20 @@ def boolean(
     if lattice is not None:
         if resolution is not None:
             raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.lattice = lattice._c
+        options.fit.lattice = lattice._c
     elif resolution is not None:
-        options.resolution = in_range("resolution", resolution, 1, 2**24)
+        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
     number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
     options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
     if interpolation is not None:
-        options.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.sharp = sharpness(sharp)
+        options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
+    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+    options.placing.sharp = sharpness(sharp)
     options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
-    options.local_frame = int(bool(local_frame))
-    options.keep_crumbs = int(least_part is not None)
-    options.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+    options.placing.local_frame = int(bool(local_frame))
+    options.parts.keep_crumbs = int(least_part is not None)
+    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
+    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
     report = ffi.new("bvx_boolean_report *")
     options.report = report
     targets = level_target(triangles, error, error_kind)
