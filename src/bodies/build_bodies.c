@@ -63,7 +63,6 @@ static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t co
     memset(&cut, 0, sizeof cut);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
 
-    /* The same steps as for one body, with kinds in place of signs. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.55, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.55, 0.6, bvxi_oblique_split_planes(o)));
@@ -102,7 +101,6 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     BVXI_TRY(bvxi_sections_check_extent(context, bodies_name, sections));
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));
 
-    /* All scratch goes with the call, whatever step fails. */
     BVXI_TRY(give_normals(context, sections, &with_normals));
     o.given = &with_normals;
     status = make_joint(&o, labels, count, meshes);

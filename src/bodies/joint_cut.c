@@ -46,7 +46,6 @@ static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
 static bvx_status open_plane_faces(bvxi_oblique *o)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        /* Most tetrahedra are next to no contour. */
         if (corners_on_contours(o, &o->tetra[t]) < 2) continue;
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
@@ -100,16 +99,12 @@ static bvx_status give_kinds(bvxi_oblique *o)
 {
     uint32_t *torn = NULL;
     uint64_t count = 0;
-    bvx_status status;
 
-    /* A vertex's kind depends on its place only, so pieces can be made at once. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
-    status = BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
-    bvxi_drop(o->ctx, torn);
-    return status;
+    return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
 }
 
 /* ---- what vertices lie between ---- */

@@ -66,13 +66,6 @@ static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint
     kind[1] = own != other && n == BVXI_NONE ? other : 0;
 }
 
-static void free_list(const bvxi_oblique *o, joint_list *list)
-{
-    bvxi_drop(o->ctx, list->edge);
-    bvxi_drop(o->ctx, list->degree);
-    bvxi_drop(o->ctx, list->face);
-}
-
 /* All tetrahedra are looked at twice, however many bodies there are: to count, then to fill. */
 static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cut, joint_list *list)
 {
@@ -114,15 +107,14 @@ static bvx_status open_faces(joint_faces *f)
     return bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->number);
 }
 
-static void close_faces(joint_faces *f)
+/* Before the next body's: only one body's are needed at a time. */
+static void close_faces(const joint_faces *f)
 {
     bvxi_drop(f->o->ctx, f->number);
     bvxi_drop(f->o->ctx, f->joined);
     bvxi_drop(f->o->ctx, f->next);
     bvxi_drop(f->o->ctx, f->from);
     bvxi_drop(f->o->ctx, f->corner);
-    f->number = f->joined = f->next = f->from = NULL;
-    f->corner = NULL;
 }
 
 /* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
@@ -212,7 +204,6 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
 
-    /* Both halves of a tetrahedron are of its kind. */
     BVXI_TRY(
         bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
     for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
@@ -413,7 +404,6 @@ static void count_unkept_points(const joint_faces *f)
         const bvxi_plane *const q = &o->plane[p].plane;
         uint32_t n = 0, end;
 
-        /* Where the body's points begin on this plane. */
         for (int b = 0; b + 1 < f->kind; b++) n += o->body[b].plane[p].plane.point_count;
         end = n + o->body[f->kind - 1].plane[p].plane.point_count;
         for (; n < end; n++) {
@@ -515,12 +505,7 @@ static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *
         BVXI_TRY(cut_pinched_edge(o, cut, pinched.edge[i][0], pinched.edge[i][1]));
 
     /* Numbers of faces are those of the tetrahedra before the cuts. */
-    if (pinched.count != 0) {
-        free_list(o, list);
-        BVXI_TRY(list_all_faces(o, cut, list));
-    }
-    bvxi_drop(o->ctx, pinched.edge);
-    return BVX_OK;
+    return pinched.count != 0 ? list_all_faces(o, cut, list) : BVX_OK;
 }
 
 bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *meshes)
@@ -535,11 +520,8 @@ bvx_status bvxi_joint_surfaces(bvxi_oblique *o, bvxi_joint_cut *cut, bvx_mesh *m
     f.o = o;
     f.cut = cut;
     BVXI_TRY(find_points(&f));
-    for (int kind = 1; kind <= count; kind++) {
+    for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 0.4 + 0.6 * (kind - 1) / count, 0.4 + 0.6 * kind / count,
-                            make_joint_mesh(&f, &list, kind, &meshes[kind - 1])));
-        close_faces(&f);
-    }
-    free_list(o, &list);
+                            BVXI_SCOPE(o->ctx, make_joint_mesh(&f, &list, kind, &meshes[kind - 1]))));
     return BVX_OK;
 }

@@ -20,7 +20,6 @@ typedef struct lone_count {
 /* What the body has; 0 where it is not in one section alone, or not one body. */
 static int count_lone(const bvx_sections *given, uint32_t section, int32_t label, lone_count *n)
 {
-    /* One pass, which ends as soon as a second section or body is met. */
     n->loops = n->points = 0;
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const l = &given->loops[i];

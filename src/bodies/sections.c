@@ -90,7 +90,6 @@ static bvx_status make_rings(bvxi_stack *s)
     if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-        /* All bits set: no vertex yet. */
         memset(p->ring, 0xff, (size_t)p->point_count * 4);
         s->report.unkept_points += p->point_count;
     }
@@ -112,11 +111,11 @@ static bvx_status make_caps(bvxi_stack *s)
 }
 
 /* The surface between the sections; *crossed slabs have levels that cross. */
-static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count, uint32_t *crossed)
+static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *crossed)
 {
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_nesting_find(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.04, bvxi_nesting_make(s)));
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs, count)));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.04, 0.1, bvxi_slabs_make(s, slabs)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.1, 0.12, make_rings(s)));
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.12, 0.8, bvxi_slabs_fill(s, *slabs, s->slab_count)));
     return BVXI_SHARE(s->ctx, 0.8, 1.0,
@@ -124,21 +123,21 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count
 }
 
 /* As if no surface had been made. */
-static void drop_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t count)
+static void drop_surface(bvxi_stack *s, uint64_t mark)
 {
-    bvxi_section_mesh *const m = &s->mesh, *const all = &s->slab_mesh;
+    (void)bvxi_scratch_end(s->ctx, mark, BVX_OK);
+    memset(&s->slab_mesh, 0, sizeof s->slab_mesh);
+    memset(&s->mesh, 0, sizeof s->mesh);
+    s->nesting.plane = NULL;
+    s->nesting.plane_count = s->nesting.plane_room = 0;
+    /* Cuts of subdivided cells are freed with the cells; those of the grid stay. */
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
 
-    bvxi_slabs_free(s, *slabs, count);
-    *slabs = NULL;
-    bvxi_drop(s->ctx, all->triangle);
-    bvxi_drop(s->ctx, all->position);
-    bvxi_drop(s->ctx, m->triangle);
-    bvxi_drop(s->ctx, m->position);
-    memset(all, 0, sizeof *all);
-    memset(m, 0, sizeof *m);
-    bvxi_nesting_drop(s);
-    /* Cuts of subdivided cells go with the cells; those of the grid stay. */
-    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].cut_count = s->plane[i].grid_cut_count;
+        p->cut = p->shared_cut;
+        p->cut_room = p->shared_room;
+        p->cut_count = p->grid_cut_count;
+    }
 }
 
 static void count_nested(bvxi_stack *s)
@@ -156,25 +155,25 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
     bvx_sections_report before;
     bvxi_slab *slabs = NULL;
-    uint32_t count = 0, crossed = 0;
-    bvx_status status = BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s));
+    uint32_t crossed = 0;
 
-    if (status == BVX_OK) status = bvxi_nesting_open(s);
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s)));
+    BVXI_TRY(bvxi_nesting_open(s));
     before = s->report;
-    for (int times = 0; status == BVX_OK; times++) {
+    for (int times = 0;; times++) {
+        uint64_t const mark = bvxi_scratch_begin(s->ctx);
+
         /* Given up: all slabs that still have levels are joined. */
         for (uint32_t i = 0; i < s->plane_count && times == MOST_TIMES; i++)
             if (s->nesting.count[i] > 1) s->nesting.joined[i] = BVXI_LEVELS_JOINED;
-        status = BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &count, &crossed));
-        if (status != BVX_OK || crossed == 0) break;
-        drop_surface(s, &slabs, count);
+        BVXI_TRY(BVXI_SHARE(s->ctx, 0.02, 0.95, make_surface(s, &slabs, &crossed)));
+        if (crossed == 0) break;
+        drop_surface(s, mark);
         s->report = before;
     }
-    if (status == BVX_OK) count_nested(s);
-    if (status == BVX_OK) status = make_caps(s);
-    if (status == BVX_OK)
-        status = BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
-    return status;
+    count_nested(s);
+    BVXI_TRY(make_caps(s));
+    return BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
 }
 
 /* Mended loops, on the grid that the given ones have. */
@@ -203,11 +202,11 @@ static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
     memset(stack, 0, sizeof *stack);
     stack->ctx = ctx;
     if (options->mend) {
+        uint64_t const mark = bvxi_scratch_begin(ctx);
         bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7,
                                              open_mended(ctx, sections, options, mended, stack));
         /* Only what the loops themselves cause is looked at again with the given ones. */
-        if (status != BVX_ERR_FORMAT) return status;
-        bvxi_stack_close(stack);
+        if (bvxi_scratch_keep(ctx, mark, status) != BVX_ERR_FORMAT) return status;
         return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
     }
     return bvxi_stack_open(ctx, sections_name, sections, options, stack);
@@ -221,7 +220,6 @@ static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
     bvx_mesh_view view;
     bvx_status status;
 
-    /* The mesh is already a result; it is freed where it is refused, unless the caller's arrays hold it. */
     bvx_mesh_view_of(mesh, &view);
     status = bvx_mesh_check(ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
@@ -246,8 +244,6 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
     if (slanted->sections == 0) return BVX_OK;
-    bvxi_stack_close(s);
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.8, 0.85,
                         bvxi_stack_begin(ctx, sections_name, &slanted->body.sections, &options, s)));
     bvxi_stack_take_grid(s, &slanted->body.grid);

@@ -27,7 +27,6 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
     box[2] = box[3] = -1e300;
     if (first >= p->segment_count) return;
     for (uint32_t n = 0; n < BVXI_SEGMENT_GROUP; n++) {
-        /* the last group repeats its first */
         uint32_t const i = segment_at(p, first + n < p->segment_count ? first + n : first);
         const double *const a = p->uv[i], *const b = p->uv[p->next[i]];
         bvxi_segment_group *const g = &p->group[leaf];
@@ -97,7 +96,6 @@ static inline void squares_of_group(const bvxi_segment_group *g, double u, doubl
 {
     for (int i = 0; i < BVXI_SEGMENT_GROUP; i++) {
         double const x = u - g->u[i], y = v - g->v[i];
-        /* The nearest point of the segment: its foot, kept between the ends. */
         double const along = x * g->du[i] + y * g->dv[i];
         double const share = along / (g->square[i] > 0.0 ? g->square[i] : 1.0);
         double const most = along < g->square[i] ? share : 1.0, t = along > 0.0 ? most : 0.0;

@@ -17,10 +17,9 @@ static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *larger, "the crossings of a section", &larger));
     if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
-    if (p->owns_cuts) bvxi_drop(s->ctx, p->cut);
+    if (p->cut != p->shared_cut) bvxi_drop(s->ctx, p->cut);
     p->cut = larger;
     p->cut_room = room;
-    p->owns_cuts = 1;
     return BVX_OK;
 }
 
@@ -55,7 +54,6 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
 
     if (whole == NULL) return add_own_cut(s, p, segment, axis, line, number);
 
-    /* The section's ring must hold it too, so it is added there, and the level sees the same array. */
     BVXI_TRY(add_own_cut(s, whole, segment, axis, line, number));
     p->cut = whole->cut;
     p->cut_count = whole->cut_count;
@@ -82,7 +80,6 @@ void bvxi_plane_count_cuts(const bvxi_stack *s, const bvxi_plane *p, uint64_t *c
             n += (uint64_t)cells_between(s, a[0], b[0]) + (uint64_t)cells_between(s, a[1], b[1]);
         }
         *cuts += n;
-        /* A loop that crosses nothing is one arc. */
         *arcs += n == 0 ? 1 : n;
     }
 }
@@ -186,7 +183,6 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
 static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size,
                      const uint32_t *from, uint32_t *to)
 {
-    /* Counted by cell, counts become places, and arcs go there in their order. */
     memset(x->start, 0, (size_t)size * 4);
     for (uint32_t i = 0; i < p->arc_count; i++) x->start[x->cell[i] >> shift & 0xffff]++;
     bvxi_place_counts32(x->start, (uint64_t)size);

@@ -29,7 +29,6 @@ static int mend_has_three_points(const bvx_sections *given, const bvx_section_lo
 static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const bvx_sections *given,
                                   bvx_sections *kept, uint64_t *dropped)
 {
-    /* Only the list of loops is new; points stay where they are. */
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
@@ -62,7 +61,6 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
     int done;
 
     BVXI_TRY(bvxi_mend_split_plane(w, &done));
-    /* Loops that neither touch nor cross keep their points and their order. */
     for (uint32_t i = 0; i < w->plane->contour_count; i++) {
         if (w->changed[i] && done) changed++;
         else BVXI_TRY(mend_copy_loop(w->s->ctx, w->s->given, w->plane->contour[i].given, m));
@@ -97,17 +95,7 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
-    BVXI_TRY(mend_planes(&w, m));
-    bvxi_drop(s->ctx, w.active);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    bvxi_drop(s->ctx, w.split);
-    bvxi_drop(s->ctx, w.split_edge);
-    bvxi_drop(s->ctx, w.edge);
-    bvxi_drop(s->ctx, w.node);
-    bvxi_drop(s->ctx, w.changed);
-    bvxi_map_free(s, &map);
-    return BVX_OK;
+    return mend_planes(&w, m);
 }
 
 /* The planes of the given stack, for loops of its own. */
@@ -141,10 +129,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
     /* The mended stack is built on this grid, whose fixed point the steps count in. */
     bvxi_stack_give_grid(&s, &m->grid);
-    BVXI_TRY(mend_stack(&s, m));
-    bvxi_stack_close(&s);
-    bvxi_drop(ctx, kept.loops);
-    return BVX_OK;
+    return mend_stack(&s, m);
 }
 
 /* ---- planes of any direction ---- */
@@ -176,9 +161,6 @@ static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx
             BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
         }
     }
-    bvxi_drop(ctx, mended.nudge);
-    bvxi_drop(ctx, mended.sections.loops);
-    bvxi_drop(ctx, mended.sections.points);
     return BVX_OK;
 }
 

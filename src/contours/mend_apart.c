@@ -121,7 +121,6 @@ static void aim_stops(apart_work *w, uint32_t node, uint32_t stays)
         here[j] = x;
     }
 
-    /* From the inside out: a stop's level is one above the deepest that lies in its angle. */
     for (uint32_t i = 0; i < count; i++) {
         apart_stop *const s = &w->stop[here[i]];
         uint32_t a[2];
@@ -158,7 +157,6 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     w->first[nodes] = p->stop_count;
 
     for (uint32_t n = 0; n < nodes; n++) {
-        /* A single stop has nothing to be moved apart from. */
         w->steps[n] = 0.0;
         if (w->first[n + 1] - w->first[n] > 1) aim_stops(w, n, stays[n]);
         else if (w->first[n + 1] != w->first[n])
@@ -196,7 +194,6 @@ static void put_segments(apart_work *w)
     const bvxi_mend_work *const m = p->w;
 
     w->segments = 0;
-    /* Segments of loops that change lie where their stops are put; those of others stay. */
     for (uint32_t i = 0; i < p->stop_count; i++) {
         apart_segment *const s = &w->segment[w->segments++];
         s->stop[0] = i;
@@ -280,7 +277,6 @@ static bvx_status find_collisions(apart_work *w)
 
         for (uint32_t a = 0; a < reach; a++) {
             const apart_segment *const t = &w->segment[w->active[a]];
-            /* It ended before this one begins, and leaves the list. */
             if (larger_of(t->q[0][0], t->q[1][0]) < left) continue;
             w->active[kept++] = w->active[a];
             if (larger_of(t->q[0][1], t->q[1][1]) < low || lesser_of(t->q[0][1], t->q[1][1]) > high) continue;
@@ -328,7 +324,6 @@ static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 
     memset(w, 0, sizeof *w);
     w->paths = paths;
-    /* At most one segment for each stop and each edge. */
     w->room = paths->stop_count + paths->w->edge_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * sizeof *w->stop, "stops at a node", &w->stop));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (nodes + 1) * 4, "the nodes' stops", &w->first));

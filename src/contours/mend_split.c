@@ -37,7 +37,6 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
 
-    /* A place that is new becomes a node; no loop has visited it yet. */
     *number = *found = w->node_count;
     BVXI_TRY(bvxi_slab_grow(w->s, &w->node, w->node_count, &w->node_room, sizeof *w->node,
                             "the points of loops to mend"));
@@ -262,7 +261,6 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
         int32_t left, right;
         uint32_t begin = 0, end = count;
 
-        /* Only loops that change are split. */
         if (!w->changed[w->edge[i].loop]) continue;
         mend_range(w, i, 0, &left, &right);
         /* A pixel farther on both sides, as the squares about points reach that far. */
@@ -317,7 +315,6 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
         BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
     while (w->order_room < n)
         BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
-    /* Splits by edge: those of one edge come together. */
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = w->split[i].edge;
         w->order[i] = i;
@@ -353,7 +350,6 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
 {
     uint64_t most;
 
-    /* All loops as nodes and edges, before any pair is looked at. */
     w->node_count = w->edge_count = 0;
     bvxi_map_clear(w->map);
     memset(w->changed, 0, w->plane->contour_count);

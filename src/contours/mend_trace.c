@@ -5,8 +5,6 @@
 
 /* ---- The stack ---- */
 
-/* The stack that mending makes, loop by loop and point by point. */
-
 static bvx_status mended_room(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item)
 {
     uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
@@ -40,7 +38,6 @@ bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double 
 
     BVXI_TRY(mended_room(ctx, &s->points, s->point_count, &s->point_capacity, 24));
     BVXI_TRY(mended_room(ctx, &m->nudge, s->point_count, &m->nudge_room, sizeof *m->nudge));
-    /* Point and steps go side by side; both belong to the loop that was begun last. */
     memcpy(s->points + 3 * s->point_count, at, 24);
     m->nudge[s->point_count][0] = (int16_t)u;
     m->nudge[s->point_count++][1] = (int16_t)v;
@@ -137,7 +134,6 @@ static void mend_turn_ends(mend_trace *t)
         for (; j > t->start[node] && mend_turns_before(t, i, t->end[j - 1]); j--) t->end[j] = t->end[j - 1];
         t->end[j] = i;
     }
-    /* The rank of an end is its place in the turn of its node. */
     for (uint32_t n = 0; n < nodes; n++) {
         for (uint32_t j = t->start[n]; j < t->start[n + 1]; j++) t->rank[t->end[j]] = j - t->start[n];
         t->place[n] = BVXI_NONE;
@@ -169,7 +165,6 @@ static void mend_follow(mend_trace *t, uint32_t edge)
 {
     uint32_t count = 0, out = 2 * edge;
 
-    /* A path may begin anywhere: it comes back to where it began. */
     t->path[count].node = mend_end_node(t, out);
     t->path[count].in = BVXI_NONE;
     t->place[t->path[count].node] = count;
@@ -189,7 +184,6 @@ static void mend_follow(mend_trace *t, uint32_t edge)
         }
         out = mend_partner(t, in);
     }
-    /* Marks of what is left of the path are taken off for the next one. */
     for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
 }
 
@@ -246,7 +240,6 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
             uint32_t const node = t->stop[i].node;
             int32_t steps[2];
 
-            /* Steps from where the point itself will be snapped to. */
             mend_give_stop(t, node, nudge[i], steps);
             BVXI_TRY(bvxi_mended_add_point(w->s->ctx, t->mended, w->node[node].at, steps[0], steps[1]));
         }
@@ -257,17 +250,14 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *stays)
 {
     bvxi_mend_paths const p = {t->w, t->edge, t->rank, t->stop, t->loop, t->stop_count, t->loop_count};
-    uint64_t const bytes = t->stop_count * sizeof(int16_t[2]);
     int16_t(*nudge)[2];
-    bvx_status status;
 
     /* Who stays is chosen first, as all others move away from it. */
     mend_choose_stay(t, &p, narrowest, stays);
-    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, bytes, "the steps of points", &nudge));
-    status = bvxi_mend_apart(&p, stays, nudge);
-    if (status == BVX_OK) status = mend_give_loops(t, (const int16_t(*)[2])nudge);
-    bvxi_free(t->w->s->ctx, nudge, bytes);
-    return status;
+    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, t->stop_count * sizeof *nudge, "the steps of points",
+                             &nudge));
+    BVXI_TRY(bvxi_mend_apart(&p, stays, nudge));
+    return mend_give_loops(t, (const int16_t(*)[2])nudge);
 }
 
 /* ---- memory ---- */
@@ -323,7 +313,5 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
 
-    BVXI_TRY(mend_trace_in(&t, key, order, narrowest, stays));
-    bvxi_drop(w->s->ctx, block);
-    return BVX_OK;
+    return mend_trace_in(&t, key, order, narrowest, stays);
 }

@@ -115,7 +115,6 @@ void bvxi_loop_box(const bvxi_plane *p, const bvxi_contour *c, int32_t box[4])
 /* The boxes of loops keep most pairs from being looked at. */
 bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
 {
-    /* A loop whose box does not hold a point does not hold it either. */
     for (uint32_t i = 0; i < p->contour_count; i++) bvxi_loop_box(p, &p->contour[i], box[i]);
     for (uint32_t i = 0; i < p->contour_count; i++) {
         bvxi_contour *const c = &p->contour[i];

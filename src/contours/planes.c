@@ -26,11 +26,6 @@ typedef struct planes_job {
     int32_t rows; /* the larger of columns and rows of cells, and one more */
 } planes_job;
 
-typedef struct planes_block {
-    void *block;
-    uint64_t size;
-} planes_block;
-
 static int32_t plane_pieces(const bvxi_stack *s)
 {
     return bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN);
@@ -83,8 +78,7 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
-    BVXI_TRY(place_in_job(&job));
-    return BVX_OK;
+    return place_in_job(&job);
 }
 
 /* ---- fixed point ---- */
@@ -161,11 +155,10 @@ static bvx_status open_cuts(planes_job *job)
                         &all->arc_cell));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
                         &all->asking));
-    /* Each plane has its stretch; the last ones' ends are the arrays' ends. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
-        p->cut = all->cut + cut;
-        p->cut_room = (uint32_t)job->count[2 * (size_t)i] + PLANES_SPARE_CUTS;
+        p->cut = p->shared_cut = all->cut + cut;
+        p->cut_room = p->shared_room = (uint32_t)job->count[2 * (size_t)i] + PLANES_SPARE_CUTS;
         p->arc = all->arc + arc;
         p->ring_arc = all->ring_arc + arc;
         p->arc_cell = all->arc_cell + arc;
@@ -188,17 +181,15 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
 /* ---- all of it ---- */
 
 /* Scratch of all workers in one block. */
-static bvx_status open_snap_scratch(planes_job *job, planes_block *b)
+static bvx_status open_snap_scratch(planes_job *job)
 {
     uint64_t const boxes = job->most_points * sizeof(bvxi_segment_box);
     uint64_t const loops = job->most_loops * sizeof *job->scratch->box;
     unsigned char *at;
 
-    b->size = (uint64_t)job->workers * (2 * boxes + loops);
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of segments", &b->block));
+    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * (2 * boxes + loops),
+                        "the order of segments", &at));
 
-    /* Boxes come first, since they hold the widest items. */
-    at = b->block;
     for (int32_t i = 0; i < job->workers; i++, at += 2 * boxes + loops) {
         job->scratch[i].sorted = (bvxi_segment_box *)(void *)at;
         job->scratch[i].active = (bvxi_segment_box *)(void *)(at + boxes);
@@ -207,14 +198,12 @@ static bvx_status open_snap_scratch(planes_job *job, planes_block *b)
     return BVX_OK;
 }
 
-static bvx_status open_cut_scratch(planes_job *job, planes_block *b)
+static bvx_status open_cut_scratch(planes_job *job)
 {
     uint64_t const n = job->most_arcs, each = n * sizeof(bvxi_arc) + (3 * n + (uint64_t)job->rows) * 4;
     unsigned char *at;
 
-    b->size = (uint64_t)job->workers * each;
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, b->size, "the order of arcs", &b->block));
-    at = b->block;
+    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * each, "the order of arcs", &at));
 
     /* One allocation a worker, cut from the widest items to the narrowest. */
     for (int32_t i = 0; i < job->workers; i++, at += each) {
@@ -232,7 +221,6 @@ static bvx_status open_trees(bvxi_stack *s)
 {
     uint64_t group = 0, box = 0;
 
-    /* Counted first, so that all trees lie in two arrays. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
@@ -256,25 +244,16 @@ static bvx_status open_trees(bvxi_stack *s)
 
 static bvx_status snap_planes(planes_job *job)
 {
-    bvxi_stack *const s = job->s;
-    planes_block block = {NULL, 0};
-    BVXI_TRY(open_snap_scratch(job, &block));
-    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job));
-    BVXI_TRY(settle_planes(job));
-    bvxi_drop(s->ctx, block.block);
-    return BVX_OK;
+    BVXI_TRY(open_snap_scratch(job));
+    BVXI_TRY(bvxi_parallel(job->s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job));
+    return settle_planes(job);
 }
 
 static bvx_status cut_planes(planes_job *job)
 {
-    bvxi_stack *const s = job->s;
-    planes_block block = {NULL, 0};
-
     BVXI_TRY(open_cuts(job));
-    BVXI_TRY(open_cut_scratch(job, &block));
-    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job));
-    bvxi_drop(s->ctx, block.block);
-    return BVX_OK;
+    BVXI_TRY(open_cut_scratch(job));
+    return bvxi_parallel(job->s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
 }
 
 bvx_status bvxi_planes_ready(bvxi_stack *s)
@@ -285,7 +264,6 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     job.workers = bvxi_threads(s->ctx) < job.pieces ? bvxi_threads(s->ctx) : job.pieces;
     job.rows = (s->size[0] > s->size[1] ? s->size[0] : s->size[1]) + 1;
 
-    /* Workers' scratch is made for the largest plane. */
     for (uint32_t i = 0; i < n; i++) {
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
@@ -295,10 +273,6 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
                              "the sections' scratch", &job.scratch));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count));
-    BVXI_TRY(snap_planes(&job));
-    BVXI_TRY(cut_planes(&job));
-    bvxi_drop(s->ctx, job.count);
-    bvxi_drop(s->ctx, job.unsure);
-    bvxi_drop(s->ctx, job.scratch);
-    return BVX_OK;
+    BVXI_TRY(BVXI_SCOPE(s->ctx, snap_planes(&job)));
+    return cut_planes(&job);
 }

@@ -72,7 +72,8 @@ typedef struct bvxi_plane {
     /* first those with lines of the grid, in ring order, then those of subdivided cells */
     bvxi_line_cut *cut;
     uint32_t cut_count, cut_room, grid_cut_count;
-    int owns_cuts;           /* 1: an array of its own, else a stretch of all planes' */
+    bvxi_line_cut *shared_cut; /* its range of all planes' array: cut, until more than was counted is added */
+    uint32_t shared_room;
     bvxi_arc *arc;           /* in the cells of the grid, in the order of the cells */
     bvxi_ring_arc *ring_arc; /* the same; once the ring is known */
     uint32_t *arc_cell;      /* of each, see bvxi_cell_key */
@@ -178,7 +179,6 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *stack);
 bvx_status bvxi_stack_finish(bvxi_stack *stack);
-void bvxi_stack_close(bvxi_stack *stack);
 
 /* stack_grid.c: lay the grid over the bounds; or take that of another stack whose bounds hold this one's. */
 typedef struct bvxi_section_grid {
@@ -405,19 +405,17 @@ bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint
 /* Room for the first of them. */
 bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
 void bvxi_map_clear(bvxi_vertex_map *map);
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *map);
 
 /* ---- slab.c, caps.c ---- */
 
 /* Subdivide cells between two planes where they require it; adds cuts to both. */
 typedef struct bvxi_slab bvxi_slab;
-bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs, uint32_t *count);
+bvx_status bvxi_slabs_make(bvxi_stack *stack, bvxi_slab **slabs);
 /* The surface in all slabs: the exact way each into a mesh of its own, side
  * by side; the field's way into the stack's. */
 bvx_status bvxi_slabs_fill(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The mesh of the rings, then of the slabs, then of what came last. */
 bvx_status bvxi_slabs_join(bvxi_stack *stack, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh);
-void bvxi_slabs_free(bvxi_stack *stack, bvxi_slab *slabs, uint32_t count);
 /* The section's region as triangles; side 1: seen from above, -1: from below. */
 bvx_status bvxi_cap_fill(bvxi_stack *stack, const bvxi_plane *plane, int32_t side);
 /* Twice the area of a loop in fixed point, about; less than 0 for a hole. */

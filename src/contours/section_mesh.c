@@ -63,9 +63,7 @@ void bvxi_section_locate(bvxi_stack *s, double u, double v, double w)
 
 /* ---- Vertices by a key ---- */
 
-/* Vertices by a key: open addressing over a table that is at
- * most half full, so every search ends at a free place. */
-
+/* Open addressing over a table that is at most half full, so every search ends at a free slot. */
 static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
 {
     uint64_t h = key * UINT64_C(0x9e3779b97f4a7c15);
@@ -84,7 +82,6 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex));
 
-    /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)room * 8);
     for (uint32_t i = 0; i < m->room; i++)
         if (m->key[i] != UINT64_MAX) {
@@ -92,7 +89,8 @@ static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
             larger.key[at] = m->key[i];
             larger.vertex[at] = m->vertex[i];
         }
-    bvxi_map_free(s, m);
+    bvxi_drop(s->ctx, m->vertex);
+    bvxi_drop(s->ctx, m->key);
     *m = larger;
     return BVX_OK;
 }
@@ -126,11 +124,4 @@ void bvxi_map_clear(bvxi_vertex_map *m)
 {
     if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
     m->count = 0;
-}
-
-void bvxi_map_free(bvxi_stack *s, bvxi_vertex_map *m)
-{
-    bvxi_drop(s->ctx, m->vertex);
-    bvxi_drop(s->ctx, m->key);
-    memset(m, 0, sizeof *m);
 }

@@ -1,16 +1,15 @@
-/* simple.c - loops of a section neither cross nor touch, themselves or each other: quickly of most,
- * exactly of all. */
+/* simple.c - whether loops of a section cross or touch themselves or each other, decided exactly in fixed point.
+ *
+ * Most sections hold simple loops whose points are some way apart: a quick check finds these good without an
+ * allocation, side by side. Whatever is not surely good goes to the full check, whose message names the points.
+ *
+ * Both compare each segment, in the order of their lowest u, with those that still reach that far. The quick one
+ * sorts by buckets and insertion. Points of a loop that snap to one position count as one.
+ * Cost: O(n log n) and the pairs whose ranges of u overlap. */
 #include "contours/section.h"
 #include "mesh/mesh.h"
 
-/* ---- Most sections ---- */
-
-/* Most sections hold simple loops whose points are some way apart: these are found good
- * without an allocation, side by side. Whatever is not surely good goes to the full check, which finds what
- * is wrong and says so.
- *
- * Segments are put into buckets of their least u and then in order by insertion; each is held against the
- * boxes of those that still reach so far, kept one after the other. */
+/* ---- The quick check ---- */
 
 enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };
 
@@ -92,13 +91,7 @@ int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_seg
     return 1;
 }
 
-/* ---- All sections ---- */
-
-/* Loops of a section neither cross nor touch, themselves or each other; decided exactly in fixed
- * point.
- *
- * Segments in the order of their least u are held against those that still reach so far. Cost: O(n log n) and
- * the pairs whose ranges of u overlap. Points of a loop that snap to one place count as one. */
+/* ---- The full check ---- */
 
 typedef struct simple_work {
     uint64_t *key;
@@ -117,9 +110,7 @@ static void find_places(const bvxi_plane *p, uint32_t *place)
         const bvxi_contour *const c = &p->contour[k];
         uint32_t const last = c->first + c->count - 1;
 
-        /* Points before the run's start belong to the run at the end. */
         uint32_t start = c->first;
-        /* the run that goes over the end */
         while (start < last && at_one_place(p->q[start], p->q[last])) start++;
         for (uint32_t i = c->first; i <= last; i++)
             place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
@@ -202,7 +193,6 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
 {
     uint32_t count = 0, reach = 0;
 
-    /* Segments by their least u; those without length are no segments. */
     find_places(p, w->place);
     for (uint32_t i = 0; i < p->point_count; i++) {
         if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
@@ -215,7 +205,6 @@ static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w
         int32_t const left = least(p->q[i][0], p->q[in][0]);
         int32_t const low = least(p->q[i][1], p->q[in][1]), high = most(p->q[i][1], p->q[in][1]);
 
-        /* What ended before this one begins leaves the list; the rest is kept in place. */
         uint32_t kept = 0;
         for (uint32_t a = 0; a < reach; a++) {
             uint32_t const j = w->active[a], jn = p->next[j];

@@ -1,4 +1,9 @@
-/* slice.c - stacks of contours made from a mesh, and freed. */
+/* slice.c - the contours of a mesh on parallel planes.
+ *
+ * A triangle that a plane cuts gives one piece of contour, from the edge that its boundary comes down by to the
+ * one that it goes up by. Pieces are joined by their edges, the two indices of their ends, so that no comparison
+ * of coordinates decides. Vertices on a plane count as above it, so no plane meets a vertex. On a closed and
+ * oriented mesh every piece has one before and one after it. */
 #include "core/vec3.h"
 #include "contours/section.h"
 #include "mesh/mesh.h"
@@ -6,10 +11,6 @@
 #include "mesh/topology.h"
 
 #include <math.h>
-
-/* ---- Freed ---- */
-
-/* Contour stacks that the library made. */
 
 void bvx_sections_free(bvx_context *context, bvx_sections *sections)
 {
@@ -24,15 +25,6 @@ void bvx_sections_free(bvx_context *context, bvx_sections *sections)
     }
     memset(sections, 0, sizeof *sections);
 }
-
-/* ---- Made ---- */
-
-/* The contours of a mesh on parallel planes.
- *
- * A triangle that a plane parts gives one piece of contour, from the edge that its boundary comes down by to
- * the one that it goes up by. Pieces are joined by their edges, the two numbers of their ends, so that no
- * comparison of coordinates decides; vertices on a plane count as above it, so no plane meets a vertex. On a
- * closed and oriented mesh every piece has one before and one behind. */
 
 static const char slice_name[] = "bvx_slice_mesh";
 
@@ -111,7 +103,6 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
 /* The first plane that does not lie below a height; all vertices at or above a plane count as above it. */
 static uint64_t planes_up_to(const slice_work *w, double height)
 {
-    /* By bisection: the planes lie in order. */
     uint64_t low = 0, high = w->plane_count;
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
@@ -130,7 +121,6 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     *low = 1e308;
     *high = -1e308;
     BVXI_TRY(bvxi_weld(w->ctx, w->view, w->weld, &different));
-    /* Once for each vertex, as several triangles share it. */
     for (uint64_t i = 0; i < w->view->vertex_count; i++) {
         double p[3];
         bvxi_view_position(w->view, i, p);
@@ -143,7 +133,6 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     }
     for (int k = 0; k < 2; k++)
         if (across[k][1] - across[k][0] > reach) reach = across[k][1] - across[k][0];
-    /* How narrow a loop may be is a share of the mesh's size. */
     w->narrow = SLICE_NARROW * reach;
     /* Only vertices of triangles count: others may lie anywhere. */
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
@@ -189,7 +178,6 @@ static bvx_status list_by_plane(slice_work *w)
     BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes",
                              &w->first));
 
-    /* Counted first, so that one array holds all planes' triangles. */
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -315,7 +303,6 @@ static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t
         if (sorted[middle] < key) low = middle + 1;
         else high = middle;
     }
-    /* Of equal keys the first that is not taken yet. */
     while (low < count && sorted[low] == key && w->used[low]) low++; /* several sheets may share an edge */
     return low < count && sorted[low] == key ? low : count;
 }
@@ -327,7 +314,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
     bvx_sections *const s = &w->made;
 
     memset(w->used, 0, (size_t)n);
-    /* Each piece belongs to one loop; those taken already are passed over. */
     for (uint64_t start = 0; start < n; start++) {
         bvx_section_loop l;
         uint64_t const first = w->from[start];
@@ -338,7 +324,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
         l.section = (uint32_t)plane;
         l.label = w->label;
 
-        /* From piece to piece by the edge in common, until the first one comes again. */
         for (uint64_t i = start;;) {
             uint64_t const key = w->to[w->order[i]];
             double p[3];

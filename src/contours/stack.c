@@ -62,7 +62,6 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
     for (first = 0; loops[order[first]] == 0; first++) {}
     for (end = n; loops[order[end - 1]] == 0; end--) {}
 
-    /* In order, so equal positions are neighbours. */
     for (uint32_t i = first + 1; i < end; i++)
         if (!(g->positions[order[i]] > g->positions[order[i - 1]]))
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: sections %u and %u lie at one position, %g",
@@ -193,7 +192,6 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
     memset(loops, 0, (size_t)g->section_count * 4);
     memset(points, 0, (size_t)g->section_count * 8);
 
-    /* Counted by section first. */
     for (uint64_t i = 0; i < g->loop_count; i++) {
         if (g->loops[i].label != s->options.label) continue;
         loops[g->loops[i].section]++;
@@ -225,12 +223,7 @@ static bvx_status gather_planes(bvxi_stack *s)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key));
-    BVXI_TRY(gather(s, loops, points, plane_of, key));
-    bvxi_drop(s->ctx, key);
-    bvxi_drop(s->ctx, points);
-    bvxi_drop(s->ctx, plane_of);
-    bvxi_drop(s->ctx, loops);
-    return BVX_OK;
+    return gather(s, loops, points, plane_of, key);
 }
 
 /* ---- directions ---- */
@@ -283,7 +276,6 @@ bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside",
                              &s->all.inside));
-    /* A bit for each grid point of each plane. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
     return bvxi_planes_ready(s);
@@ -294,32 +286,4 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 {
     BVXI_TRY(bvxi_stack_begin(ctx, function, given, options, s));
     return bvxi_stack_finish(s);
-}
-
-void bvxi_stack_close(bvxi_stack *s)
-{
-    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, s->cap_edge[k]);
-    bvxi_drop(s->ctx, s->slab_mesh.triangle);
-    bvxi_drop(s->ctx, s->slab_mesh.position);
-    bvxi_drop(s->ctx, s->mesh.triangle);
-    bvxi_drop(s->ctx, s->mesh.position);
-    /* Planes whose cuts outgrew the shared array have one of their own. */
-    for (uint32_t i = s->plane_count; i-- > 0;)
-        if (s->plane[i].owns_cuts) bvxi_drop(s->ctx, s->plane[i].cut);
-    bvxi_drop(s->ctx, s->all.box);
-    bvxi_drop(s->ctx, s->all.group);
-    bvxi_drop(s->ctx, s->all.asking);
-    bvxi_drop(s->ctx, s->all.arc_cell);
-    bvxi_drop(s->ctx, s->all.ring_arc);
-    bvxi_drop(s->ctx, s->all.arc);
-    bvxi_drop(s->ctx, s->all.cut);
-    bvxi_drop(s->ctx, s->all.inside);
-    bvxi_drop(s->ctx, s->all.contour);
-    bvxi_drop(s->ctx, s->all.ring);
-    bvxi_drop(s->ctx, s->all.next);
-    bvxi_drop(s->ctx, s->all.uv);
-    bvxi_drop(s->ctx, s->all.q);
-    bvxi_drop(s->ctx, s->all.given);
-    bvxi_drop(s->ctx, s->plane);
-    memset(s, 0, sizeof *s);
 }

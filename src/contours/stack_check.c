@@ -104,7 +104,6 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
     for (int i = 0; i < 3; i++) axis[0][i] = (i == first ? 1.0 : 0.0) - along * axis[2][i];
     length = sqrt((axis[0][0] * axis[0][0] + axis[0][1] * axis[0][1]) + axis[0][2] * axis[0][2]);
     for (int i = 0; i < 3; i++) axis[0][i] /= length;
-    /* Both are unit and square to each other, so their product is too. */
     for (int i = 0; i < 3; i++) {
         int const j = (i + 1) % 3, k = (i + 2) % 3;
         axis[1][i] = axis[2][j] * axis[0][k] - axis[2][k] * axis[0][j];

@@ -72,7 +72,6 @@ static bvx_status open_slab_meshes(slabs_job *job)
     bvxi_section_mesh *const all = &job->s->slab_mesh;
     uint64_t vertex = 0, triangle = 0;
 
-    /* All slabs' arrays are one block, cut by what each may need. */
     for (uint32_t i = 0; i < job->count; i++) {
         all->vertex_room += job->room[2 * (size_t)i];
         all->triangle_room += job->room[2 * (size_t)i + 1];
@@ -132,7 +131,6 @@ static bvx_status fill_again(slabs_job *job)
         if (!job->again[i]) continue;
         BVXI_TRY(bvxi_progress(job->s->ctx, "surface", (double)i / (double)job->count));
         memset(&slab->mesh, 0, sizeof slab->mesh);
-        slab->owns_mesh = 1;
         BVXI_TRY(fill_in_view(w, slab));
     }
     return BVX_OK;
@@ -143,7 +141,6 @@ static bvx_status open_workers(slabs_job *job)
     bvxi_stack *const s = job->s;
     uint32_t lines = 0, loop = 0;
 
-    /* Scratch for the largest slab, once a worker. */
     for (uint32_t i = 0; i < job->count; i++) {
         const bvxi_slab *const slab = &job->slab[i];
         uint32_t const rings = slab->plane[0]->ring_count + slab->plane[1]->ring_count;
@@ -167,7 +164,6 @@ static bvx_status fill_side_by_side(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
     uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
-    bvx_status status;
 
     job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
@@ -177,19 +173,17 @@ static bvx_status fill_side_by_side(slabs_job *job)
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker,
                              "the slabs' scratch", &job->worker));
-    status = open_workers(job);
-    if (status == BVX_OK)
-        status = bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job);
-    if (status == BVX_OK) status = BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
-    for (int32_t i = job->workers; i-- > 0;) bvxi_slab_work_close(&job->worker[i].work);
+    BVXI_TRY(open_workers(job));
+    BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job)));
     /* Sums of whole numbers: the order of workers does not show. */
-    for (uint32_t i = 0; i < job->count && status == BVX_OK; i++) {
+    for (uint32_t i = 0; i < job->count; i++) {
         s->report.distances += job->slab[i].distances;
         s->report.ambiguous_faces += job->slab[i].ambiguous_faces;
         s->report.inner_vertices += job->slab[i].inner_vertices;
         s->report.crossed_cells += job->slab[i].crossed_cells;
     }
-    return status;
+    return BVX_OK;
 }
 
 static bvx_status fill_in_job(slabs_job *job)
@@ -199,11 +193,7 @@ static bvx_status fill_in_job(slabs_job *job)
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again));
 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
-    BVXI_TRY(fill_side_by_side(job));
-    bvxi_drop(s->ctx, job->worker);
-    bvxi_drop(s->ctx, job->room);
-    bvxi_drop(s->ctx, job->again);
-    return BVX_OK;
+    return fill_side_by_side(job);
 }
 
 /* ---- one after the other ---- */
@@ -213,14 +203,13 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     uint32_t const lines = ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1);
     bvxi_slab_work w;
-    bvx_status status = bvxi_slab_work_open(&w, s, lines, SLAB_SPARE);
 
-    for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
-        status = bvxi_progress(s->ctx, "surface", (double)i / count);
-        if (status == BVX_OK) status = bvxi_slab_fill(&w, &slabs[i]);
+    BVXI_TRY(bvxi_slab_work_open(&w, s, lines, SLAB_SPARE));
+    for (uint32_t i = 0; i < count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "surface", (double)i / count));
+        BVXI_TRY(bvxi_slab_fill(&w, &slabs[i]));
     }
-    bvxi_slab_work_close(&w);
-    return status;
+    return BVX_OK;
 }
 
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
@@ -295,7 +284,6 @@ static bvx_status join_in_job(slabs_job *job)
                          s->function, (int64_t)s->size[0], (int64_t)s->size[1]);
     BVXI_TRY(
         bvxi_mesh_open(s->ctx, s->function, s->options.position_type, 0, vertices, triangles, job->mesh));
-    /* Triangles that are no slab's come last. */
     if (own->triangle_count != 0)
         memcpy(job->mesh->triangles + 3 * (triangles - own->triangle_count), own->triangle,
                (size_t)own->triangle_count * 12);
@@ -318,6 +306,5 @@ bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count
     job.mesh = mesh;
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
-    BVXI_TRY(join_in_job(&job));
-    return BVX_OK;
+    return join_in_job(&job);
 }

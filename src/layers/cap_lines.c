@@ -14,12 +14,10 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
 {
     double const unit = (double)(1 << (s->fine - 1));
 
-    /* Each vertex has one line that leaves it, so its next vertex is all there is to keep. */
     for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
     for (uint32_t i = 0; i < count; i++) {
         bvxi_contour *const c = &p->contour[p->contour_count];
         uint32_t v = edge[i][0];
-        /* Followed already, as part of an earlier loop. */
         if (behind[v] == BVXI_NONE) continue;
         c->first = p->point_count;
         while (behind[v] != BVXI_NONE) {
@@ -63,11 +61,5 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
                         &p.contour));
     memset(behind, 0xff, (size_t)vertices * 4);
     BVXI_TRY(follow_lines(s, &p, edge, count, behind));
-    BVXI_TRY(bvxi_cap_fill(s, &p, side));
-    bvxi_drop(s->ctx, p.contour);
-    bvxi_drop(s->ctx, p.ring);
-    bvxi_drop(s->ctx, p.next);
-    bvxi_drop(s->ctx, p.q);
-    bvxi_drop(s->ctx, behind);
-    return BVX_OK;
+    return bvxi_cap_fill(s, &p, side);
 }

@@ -111,7 +111,6 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
     for (;;) {
         uint64_t best = UINT64_MAX;
         uint32_t at = BVXI_NONE;
-        /* The nearest corner after the last one tried; equal ones go by their place. */
         for (uint32_t i = 0; i < w->count; i++) {
             uint64_t const d = cap_square(w, from, w->corner[i]);
             if (d < last || (d == last && last_at != BVXI_NONE && i <= last_at)) continue;
@@ -172,7 +171,6 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
     for (uint32_t h = 0; h < p->contour_count; h++) {
         double best = 0.0;
         owner[h] = BVXI_NONE;
-        /* The smallest outer loop around a hole is its own. */
         if (!p->contour[h].hole) continue;
         for (uint32_t o = 0; o < p->contour_count; o++) {
             double area;
@@ -249,7 +247,6 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
 
     for (;;) {
         uint32_t next = BVXI_NONE, from = 0, corner = 0;
-        /* The hole that reaches farthest to the right comes next. */
         for (uint32_t h = 0; h < p->contour_count; h++) {
             uint32_t r;
             if (owner[h] != outer) continue;
@@ -368,7 +365,6 @@ static bvx_status fill_regions(cap_work *w, uint32_t *owner)
 
     bvxi_plane_owners(p, owner);
     find_corners(w);
-    /* Holes in no loop are filled by themselves. */
     for (uint32_t h = 0; h < p->contour_count; h++)
         if (p->contour[h].hole && owner[h] == BVXI_NONE) owner[h] = CAP_ALONE;
     for (uint32_t o = 0; o < p->contour_count; o++) {
@@ -404,15 +400,7 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
                         "the bridges of a cap", &w.bridge));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
-    BVXI_TRY(fill_regions(&w, owner));
-    bvxi_polygon_free(&w.polygon);
-    bvxi_drop(s->ctx, w.cut);
-    bvxi_drop(s->ctx, w.at);
-    bvxi_drop(s->ctx, w.bridge);
-    bvxi_drop(s->ctx, w.corner);
-    bvxi_drop(s->ctx, w.after);
-    bvxi_drop(s->ctx, owner);
-    return BVX_OK;
+    return fill_regions(&w, owner);
 }
 
 double bvxi_cap_area(const bvxi_plane *p, const bvxi_contour *c)

@@ -53,7 +53,6 @@ static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_
 {
     uint32_t const n = l->count;
 
-    /* Sides of the loop cost nothing: they are there already. */
     for (uint32_t i = 0; i + 1 < n; i++) t->cost[i][i + 1] = 0.0;
     /* From short chords to long ones: each needs only shorter ones. */
     for (uint32_t gap = 2; gap < n; gap++)
@@ -152,7 +151,6 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
         before[i] = i == 0 ? n - 1 : i - 1;
     }
     for (; left > 3; left--) {
-        /* The shortest inner edge of all ears that may be cut. */
         double best = FILL_NEVER;
         uint32_t ear = BVXI_NONE, i = from;
         do {

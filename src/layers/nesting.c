@@ -57,12 +57,10 @@ static void nest_find_parents(const bvxi_plane *p, nest_loop *loop)
         loop[i].parent = BVXI_NONE;
     }
 
-    /* The number of loops that a loop lies in is its depth. */
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n; j++)
             if (j != i && nest_contains(p, j, loop, p->q[p->contour[i].first])) loop[i].depth++;
 
-    /* Of these the one of the depth just below is around it. */
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t j = 0; j < n && loop[i].depth != 0; j++)
             if (j != i && loop[j].depth + 1 == loop[i].depth &&
@@ -141,7 +139,6 @@ static void nest_hold_segment(nest_work *w, uint32_t k, uint32_t i, uint32_t *re
         const int32_t *const c = o->q[j], *const d = o->q[o->next[j]];
         nest_loop *other;
 
-        /* It ended before this segment begins, and leaves the list. */
         if (nest_greater(c[0], d[0]) < left) continue;
         active[kept++] = j;
         if (nest_greater(c[1], d[1]) < low || nest_lesser(c[1], d[1]) > high) continue;
@@ -230,7 +227,6 @@ static bvx_status nest_find_between(nest_work *w, uint32_t number)
     int found = 1;
 
     n->count[number] = 1;
-    /* Both planes' loops, as the pairing sees them: no levels yet. */
     for (uint32_t k = 0; k < 2; k++) {
         uint64_t const first = (uint64_t)(s->plane[number + k].contour - s->all.contour);
         w->plane[k] = &s->plane[number + k];
@@ -294,12 +290,7 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
     for (int k = 0; k < 2; k++)
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]));
-    BVXI_TRY(nest_find_all(&w));
-    for (int k = 2; k-- > 0;) bvxi_drop(s->ctx, w.active[k]);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    bvxi_drop(s->ctx, w.loop);
-    return BVX_OK;
+    return nest_find_all(&w);
 }
 
 /* Stacks without holes, and those of fields, have no levels. */

@@ -65,7 +65,6 @@ static void nest_mark_cells(nest_mesh *m, const bvxi_slab *slab, uint64_t *own)
     uint64_t const words = (uint64_t)m->s->size[1] * (uint64_t)m->s->words;
 
     memset(own, 0, (size_t)words * 8);
-    /* The cells of this level first, then which of them had one before. */
     for (uint64_t t = 0; t < slab->mesh.triangle_count; t++) {
         int32_t first[2], last[2];
         nest_cells_of_triangle(m, slab, t, first, last);
@@ -97,7 +96,6 @@ static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint6
 {
     uint64_t const larger = *room < 256 ? 256 : 2 * *room;
 
-    /* Room is doubled, so that adding one at a time stays cheap. */
     if (m->triangles < *room) return BVX_OK;
     if (larger > INT32_MAX)
         return bvxi_fail_for(m->s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -207,9 +205,5 @@ bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own));
     BVXI_TRY(nest_gather_shared(&m, own));
-    /* The cells' marks are freed before crossings are looked for, which need the room. */
-    bvxi_drop(s->ctx, own);
-    bvxi_drop(s->ctx, m.shared);
-    bvxi_drop(s->ctx, m.seen);
     return nest_find_crossed(&m, found);
 }

@@ -82,7 +82,6 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
         for (uint32_t i = 0; i < p->contour_count; i++)
             if (part[i] == part[c]) p->contour[i].end[0] = p->contour[i].end[1] = 0.0;
     }
-    /* Which sides have parts that end, among the loops of this level. */
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (int k = 0; k < 2; k++) p->ends[k] |= level[c] == number && p->contour[c].end[k] > 0.0;
 }
@@ -111,7 +110,6 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
 
     p->segment_count = p->arc_count = p->asking_count = 0;
 
-    /* Segments and arcs of this level's loops, in the order of the section. */
     for (uint32_t c = 0; c < p->contour_count; c++)
         for (uint32_t i = 0; i < p->contour[c].count && level[c] == number; i++)
             segment[p->segment_count++] = p->contour[c].first + i;
@@ -141,7 +139,6 @@ static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, ui
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, size.bytes, "the levels of loops", &block));
     s->nesting.plane_count++;
 
-    /* All that is shared comes with the copy; what is its own is placed and filled. */
     *p = *whole;
     p->whole = whole;
     p->level_bytes = size.bytes;
@@ -171,7 +168,6 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
 
     if (n->count == NULL) return BVX_OK;
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        /* Two planes for each level between two sections, where there are several levels. */
         if (i + 1 < s->plane_count && n->count[i] > 1) n->plane_room += 2 * (uint32_t)n->count[i];
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
     }
@@ -180,9 +176,7 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     BVXI_TRY(
         bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
-    BVXI_TRY(nest_make_levels(s, part));
-    bvxi_drop(s->ctx, part);
-    return BVX_OK;
+    return nest_make_levels(s, part);
 }
 
 void bvxi_nesting_refresh(bvxi_plane *p)
@@ -194,14 +188,4 @@ void bvxi_nesting_refresh(bvxi_plane *p)
     p->cut_count = whole->cut_count;
     p->ring_count = whole->ring_count;
     p->vertex = whole->vertex;
-}
-
-void bvxi_nesting_drop(bvxi_stack *s)
-{
-    bvxi_nesting *const n = &s->nesting;
-
-    for (uint32_t i = n->plane_count; i-- > 0;) bvxi_drop(s->ctx, n->plane[i].contour);
-    bvxi_drop(s->ctx, n->plane);
-    n->plane = NULL;
-    n->plane_count = n->plane_room = 0;
 }

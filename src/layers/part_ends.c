@@ -74,7 +74,6 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
 
-    /* The part's box, to leave out most of the other plane's points. */
     for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
         for (int k = 0; k < 2; k++) {
             if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];

@@ -17,7 +17,6 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
         if (c->line == d->line) return 0;
         return (c->line < d->line) == (b[c->axis] > a[c->axis]) ? -1 : 1;
     }
-    /* Lines of both axes: which comes first is decided exactly. */
     if (c->axis == 0) return bvxi_x_first(a, b, c->line, d->line) ? -1 : 1;
     return bvxi_x_first(a, b, d->line, c->line) ? 1 : -1;
 }
@@ -25,7 +24,6 @@ static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const b
 /* Cuts by segment in start[], then in order along each; few lie on one. */
 static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
 {
-    /* Counted by segment; counts become places, and cuts go there in their order. */
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
     bvxi_place_counts32(start, p->point_count);
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
@@ -50,7 +48,6 @@ static void number_ring(bvxi_plane *p, const uint32_t *start, const uint32_t *so
 
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
-        /* The segment's own first point, then what lies on it. */
         p->ring[k] = n++;
         for (uint32_t i = start[k]; i < end; i++) {
             bvxi_line_cut *const c = &p->cut[sorted[i]];
@@ -184,9 +181,5 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
         job.first[i] = cuts;
         cuts += s->plane[i].cut_count;
     }
-    BVXI_TRY(make_in_job(&job));
-    bvxi_drop(s->ctx, job.first);
-    bvxi_drop(s->ctx, job.sorted);
-    bvxi_drop(s->ctx, job.start);
-    return BVX_OK;
+    return make_in_job(&job);
 }

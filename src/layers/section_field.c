@@ -146,7 +146,6 @@ double bvxi_field_at(bvxi_field *f, double u, double v, double t)
         for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_at(f, k, u, v);
         return bvxi_blend_value(&f->blend, value, t);
     }
-    /* At an end only that end's plane is measured. */
     double const below = t < 1.0 ? plane_at(f, 0, u, v) : 0.0, above = t > 0.0 ? plane_at(f, 1, u, v) : 0.0;
     return (1.0 - t) * below + t * above;
 }
@@ -252,7 +251,6 @@ static void measure_lines(bvxi_field *f, int k, int ends)
             for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
                  bits &= bits - 1, n++) {
                 int32_t const i = 64 * word + bvxi_lowest(bits);
-                /* Known by the part that ends. */
                 if (ends && d[n] >= 0.0) continue;
                 /* Beside the last place its hint is still near; after
                  * a gap a neighbour in the row below is better. */
@@ -316,7 +314,6 @@ static bvx_status cross_lines(bvxi_field *f)
     size_t const words = (size_t)(f->s->size[1] + 1) * (size_t)f->s->words;
     int const ends = slab->plane[0]->ends[1] || slab->plane[1]->ends[0];
 
-    /* Crossed where both planes differ; before[] is what lines are numbered by. */
     f->lines = 0;
     for (size_t i = 0; i < words; i++) {
         f->crossed[i] = slab->plane[0]->inside[i] ^ slab->plane[1]->inside[i];
@@ -359,7 +356,6 @@ static void index_hanging(bvxi_field *f)
         uint32_t *const start = k == 0 ? f->hanging_column : f->hanging_row;
         uint32_t n = 0;
 
-        /* Where the corners of each column and row of cells begin in their order. */
         for (int32_t i = 0; i < f->s->size[k] + 2; i++) {
             while (n < slab->hanging_count &&
                    slab->hanging[k == 0 ? slab->by_u[n] : n].at[k] >> f->s->fine < i)
@@ -434,22 +430,4 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
                         &f->hanging_row));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
     return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
-}
-
-void bvxi_field_close(bvxi_field *f)
-{
-    bvxi_stack *const s = f->s;
-
-    bvxi_drop(s->ctx, f->crossed);
-    bvxi_drop(s->ctx, f->before);
-    bvxi_drop(s->ctx, f->hanging_row);
-    bvxi_drop(s->ctx, f->hanging_column);
-    bvxi_drop(s->ctx, f->layer);
-    for (int k = BVXI_BLEND_SECTIONS; k-- > 0;) {
-        bvxi_drop(s->ctx, f->plane[k].known);
-        bvxi_drop(s->ctx, f->plane[k].distance);
-        bvxi_drop(s->ctx, f->line[k]);
-        bvxi_drop(s->ctx, f->plane[k].column);
-    }
-    memset(f, 0, sizeof *f);
 }

@@ -63,7 +63,6 @@ typedef struct bvxi_field {
 
 /* lines: the most crossings of a slab. */
 bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines);
-void bvxi_field_close(bvxi_field *f);
 /* Go to a slab: crossings of its lines become vertices. */
 bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab);
 /* The blended field at a place: t 0 is the plane below, 1 the one above. */

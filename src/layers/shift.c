@@ -48,7 +48,6 @@ static bvx_status add_shift_position(bvx_context *ctx, bvxi_shifted *to, double 
     bvx_sections *const body = &to->body.sections;
     uint64_t const room = to->position_room < 16 ? 16 : 2 * to->position_room;
 
-    /* Twice as many each time, as how many there will be is known only at the end. */
     if (body->section_count == to->position_room) {
         BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &to->positions, to->position_room * 8, room * 8,
                              "the positions of sections"));
@@ -74,7 +73,6 @@ static bvx_status put_between(const bvxi_stack *s, const bvxi_plane *pair, bvxi_
         to->parts += g.shifted;
         BVXI_TRY(bvxi_shift_between(s, on, &g, number, &to->body));
     }
-    bvxi_disc_groups_close(s->ctx, &g);
     return BVX_OK;
 }
 
@@ -85,10 +83,7 @@ static bvx_status shift_pair(const bvxi_stack *s, const bvxi_plane *pair, bvxi_s
     memset(on, 0, sizeof on);
     BVXI_TRY(bvxi_discs_open(s, &pair[0], &on[0]));
     BVXI_TRY(bvxi_discs_open(s, &pair[1], &on[1]));
-    BVXI_TRY(put_between(s, pair, on, to));
-    bvxi_discs_close(s->ctx, &on[1]);
-    bvxi_discs_close(s->ctx, &on[0]);
-    return BVX_OK;
+    return put_between(s, pair, on, to);
 }
 
 bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)

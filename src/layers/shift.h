@@ -47,10 +47,8 @@ typedef struct bvxi_disc_groups {
 /* ---- shift_discs.c ---- */
 
 bvx_status bvxi_discs_open(const bvxi_stack *stack, const bvxi_plane *plane, bvxi_discs *discs);
-void bvxi_discs_close(bvx_context *ctx, bvxi_discs *discs);
 /* Which discs of two planes become each other, and by how much they move. */
 bvx_status bvxi_disc_groups_open(const bvxi_stack *stack, bvxi_discs on[2], bvxi_disc_groups *groups);
-void bvxi_disc_groups_close(bvx_context *ctx, bvxi_disc_groups *groups);
 /* Signed distance of a group's discs on plane k, positive inside. */
 double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *group, int k, double u, double v);
 

@@ -108,7 +108,6 @@ static void fill_values(shift_lattice *l, double t)
 {
     size_t const n = (size_t)l->size[0] * (size_t)l->size[1];
 
-    /* Far outside, so that what is in no group's box is outside. */
     clear_values(l, l->value);
     for (uint32_t depth = 0; depth < l->g->depths; depth++) {
         clear_values(l, l->level);
@@ -187,7 +186,6 @@ static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
         return middle > 0.0 ? (from + 1) & 3 : (from + 3) & 3;
     }
 
-    /* Two sides are crossed: the other one of them. */
     for (int n = 1; n < 3; n++)
         if (inside[(from + n) & 3] != inside[(from + n + 1) & 3]) return (from + n) & 3;
     return (from + 3) & 3;

@@ -125,15 +125,6 @@ bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_di
     return BVX_OK;
 }
 
-void bvxi_discs_close(bvx_context *ctx, bvxi_discs *d)
-{
-    bvxi_drop(ctx, d->box);
-    bvxi_drop(ctx, d->group);
-    bvxi_drop(ctx, d->segment);
-    bvxi_drop(ctx, d->disc);
-    memset(d, 0, sizeof *d);
-}
-
 /* ---- which overlap ---- */
 
 /* Discs of both planes in one row: those above follow those below. */
@@ -145,7 +136,6 @@ static bvxi_disc *disc_at(bvxi_discs on[2], uint32_t i)
 static uint32_t find_root(bvxi_discs on[2], uint32_t i)
 {
     while (disc_at(on, i)->root != i) {
-        /* Half of the way goes each time, so that ways stay short. */
         disc_at(on, i)->root = disc_at(on, disc_at(on, i)->root)->root;
         i = disc_at(on, i)->root;
     }
@@ -156,7 +146,6 @@ static void join_discs(bvxi_discs on[2], uint32_t i, uint32_t j)
 {
     uint32_t const a = find_root(on, i), b = find_root(on, j);
 
-    /* The lowest number is the root, whatever came first. */
     if (a < b) disc_at(on, b)->root = a;
     else disc_at(on, a)->root = b;
 }
@@ -313,19 +302,10 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     /* Overlaps first: only what has none is looked for further off. */
     join_overlapping(on, met);
     join_nearest(on, met, near, reach);
-    bvxi_drop(s->ctx, near);
-    bvxi_drop(s->ctx, met);
-
     number_groups(g, on);
     for (uint32_t i = 0; i < g->count; i++)
         if (g->group[i].count[0] == 1 && g->group[i].count[1] == 1) set_shift(g, on, &g->group[i], reach);
     return BVX_OK;
-}
-
-void bvxi_disc_groups_close(bvx_context *ctx, bvxi_disc_groups *g)
-{
-    bvxi_drop(ctx, g->group);
-    memset(g, 0, sizeof *g);
 }
 
 static double disc_box_distance(const double box[4], double u, double v)

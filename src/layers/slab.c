@@ -29,7 +29,6 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
     for (uint32_t i = 0; i < n; i++)
         if (i == 0 || w->key[i] != w->key[i - 1]) w->sorted[kept++] = slab->hanging[w->order[i]];
 
-    /* The other order is only a list of indices into this one. */
     slab->hanging_count = kept;
     for (uint32_t i = 0; i < kept; i++) {
         w->key[i] = hanging_key(&w->sorted[i], 0);
@@ -72,14 +71,13 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 
     if (g->split_count == 0) return BVX_OK;
 
-    /* One block, since slabs are many and most are small: one allocation each, and one to free. */
-    slab->block_size = split + leaf + arc + hanging + by_u;
-    BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, slab->block_size, "the parts of cells", &slab->block));
+    /* One block, since slabs are many and most are small. */
+    BVXI_TRY(
+        bvxi_alloc(w->s->ctx, BVXI_SCRATCH, split + leaf + arc + hanging + by_u, "the parts of cells", &at));
     slab->split_count = g->split_count;
     slab->leaf_count = g->leaf_count;
     slab->arc_count = g->arc_count;
     slab->hanging_count = g->hanging_count;
-    at = slab->block;
     slab->split = (bvxi_split *)(void *)at;
     at = keep_part(at, g->split, split);
     slab->leaf = (bvxi_leaf *)(void *)at;
@@ -127,25 +125,15 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     bvxi_split_work w;
-    bvx_status status = BVX_OK;
 
     memset(&w, 0, sizeof w);
     w.s = s;
-    for (uint32_t i = 0; i < count && status == BVX_OK; i++) {
-        status = bvxi_progress(s->ctx, "subdivide", (double)i / count);
+    for (uint32_t i = 0; i < count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / count));
         w.is_last = slabs[i].below == slabs[count - 1].below;
-        if (status == BVX_OK) status = split_slab(&w, &slabs[i]);
+        BVXI_TRY(split_slab(&w, &slabs[i]));
     }
-    bvxi_drop(s->ctx, w.sorted);
-    bvxi_drop(s->ctx, w.order);
-    bvxi_drop(s->ctx, w.key);
-    bvxi_drop(s->ctx, w.grown.hanging);
-    bvxi_drop(s->ctx, w.grown.arc);
-    bvxi_drop(s->ctx, w.grown.leaf);
-    bvxi_drop(s->ctx, w.grown.split);
-    bvxi_drop(s->ctx, w.piece);
-    bvxi_drop(s->ctx, w.pool);
-    return status;
+    return BVX_OK;
 }
 
 static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, double low, double high)
@@ -229,7 +217,6 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
         }
         slabs[count].below = i;
 
-        /* Two empty neighbours make no slab at all. */
         if (here && there) set_slab(&slabs[count++], &p[i], &p[i + 1], p[i].w, p[i + 1].w);
         else if (here) set_slab(&slabs[count++], &p[i], nothing, p[i].w, half);
         else if (there) set_slab(&slabs[count++], nothing, &p[i + 1], half, p[i + 1].w);
@@ -239,12 +226,11 @@ static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
     return count;
 }
 
-bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
+bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 {
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
 
-    *count = (uint32_t)room;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
 
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
@@ -259,20 +245,4 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs, uint32_t *count)
      * themselves. */
     if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
-}
-
-void bvxi_slabs_free(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
-{
-    if (slabs == NULL) return;
-    for (uint32_t i = count; i-- > 0;) {
-        bvxi_slab *const b = &slabs[i];
-        if (b->owns_mesh) {
-            bvxi_drop(s->ctx, b->mesh.triangle);
-            bvxi_drop(s->ctx, b->mesh.position);
-        }
-        bvxi_drop(s->ctx, b->block);
-    }
-    bvxi_drop(s->ctx, s->nothing.inside);
-    s->nothing.inside = NULL;
-    bvxi_drop(s->ctx, slabs);
 }

@@ -37,14 +37,11 @@ struct bvxi_slab {
     bvxi_hanging *hanging; /* by v, then u */
     uint32_t *by_u;        /* numbers of them by u, then v */
     uint32_t hanging_count, hanging_room;
-    unsigned char *block; /* of all these arrays */
-    uint64_t block_size;
     /* the surface between the planes, when each slab has its own: vertices
      * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
     uint32_t lines; /* grid points whose line is crossed */
     uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
-    int owns_mesh; /* 1: arrays of its own, else stretches of all slabs' */
     /* number of the plane below that has loops, or none; which nesting level it holds */
     uint32_t below, level;
 };
@@ -110,8 +107,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *stack);
 bvx_status bvxi_nesting_make(bvxi_stack *stack);
 /* What has changed in the section since: crossings, or the ring. */
 void bvxi_nesting_refresh(bvxi_plane *level);
-/* Return the levels' arrays. */
-void bvxi_nesting_drop(bvxi_stack *stack);
 
 /* ---- nesting_cross.c ---- */
 

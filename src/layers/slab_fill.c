@@ -39,7 +39,6 @@ static void find_active(bvxi_slab_work *w, int32_t j)
         }
     }
 
-    /* There is one corner more than there are cells. */
     w->row[last] &= (UINT64_C(1) << (s->size[0] & 63)) - 1;
 }
 
@@ -270,17 +269,4 @@ bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines,
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)s->words * 8, "the cells of a row", &w->row));
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, split_bytes(s), "the subdivided cells", &w->split_bit));
     return bvxi_trace_open(&w->trace, loop);
-}
-
-void bvxi_slab_work_close(bvxi_slab_work *w)
-{
-    bvxi_stack *const s = w->s;
-
-    if (s == NULL) return;
-    for (int k = 2; k-- > 0;) bvxi_map_free(s, &w->map[k]);
-    bvxi_trace_free(&w->trace);
-    bvxi_drop(s->ctx, w->split_bit);
-    bvxi_drop(s->ctx, w->row);
-    bvxi_field_close(&w->field);
-    memset(w, 0, sizeof *w);
 }

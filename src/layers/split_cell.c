@@ -34,7 +34,6 @@ static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
 {
     for (int k = 0; k < 2; k++) {
         uint32_t ends[4];
-        /* A loop in the cell, or a side crossed twice. */
         if (count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k], c->low, ends) != 0) return 1;
         if (ends[0] > 1 || ends[1] > 1 || ends[2] > 1 || ends[3] > 1) return 1;
     }
@@ -190,7 +189,6 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
         point = p->next[point];
     }
-    /* No line was passed: the loop lies in one quarter. */
     if (a.last == BVXI_NONE) return add_piece(w, a.quadrant, BVXI_NONE, BVXI_NONE, arc->point, arc->count);
     /* The last piece goes on into what was walked before the first cut. */
     return add_piece(w, a.quadrant, a.last, a.head_to, a.count != 0 ? a.point : a.head_point,
@@ -276,7 +274,6 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
     int32_t const part = (1 << w->s->fine) - 1;
     bvxi_hanging *h;
 
-    /* Grid points are known by their number. */
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
     BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room,
                             sizeof *slab->hanging, "the corners of cells"));
@@ -334,7 +331,6 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
             if (c.depth < w->s->options.depth) {
                 bvxi_split_cell quarter[4];
                 BVXI_TRY(split_in_four(w, &c, quarter));
-                /* The last one first, so that the first is taken next. */
                 for (int j = 4; j-- > 0;) stack[top++] = quarter[j];
                 continue;
             }

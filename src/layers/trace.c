@@ -20,7 +20,6 @@ static bvx_status gather_ends(bvxi_trace *t)
         if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
         for (uint32_t i = 0; i < t->arc_count[k]; i++) {
             const bvxi_arc *const a = &t->arc[k][i];
-            /* A loop inside touches no side. */
             if (a->from == BVXI_NONE) continue;
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
@@ -46,7 +45,6 @@ static bvx_status gather_ends(bvxi_trace *t)
 /* Each end's point goes on along its arc: contours below run forwards, above backwards. */
 static void link_arcs(bvxi_trace *t)
 {
-    /* Ends were gathered in pairs. */
     for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
         const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
         const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;

@@ -102,7 +102,6 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
 /* trace_loops.c: 1 when triangles from a number on cross. */
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
-void bvxi_trace_free(bvxi_trace *t);
 /* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
 /* Where a contour's stretch of the ring that holds a place begins and ends. */
@@ -149,9 +148,8 @@ typedef struct bvxi_slab_work {
 } bvxi_slab_work;
 
 /* lines: the most crossings of lines of a slab; loop: vertices of the
- * longest loop that is likely. Close it also after a failure. */
+ * longest loop that is likely. */
 bvx_status bvxi_slab_work_open(bvxi_slab_work *work, bvxi_stack *stack, uint32_t lines, uint32_t loop);
-void bvxi_slab_work_close(bvxi_slab_work *work);
 /* The surface between two planes, into the mesh of the work's stack. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
 

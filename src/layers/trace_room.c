@@ -89,30 +89,9 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
     BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
     BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
 
-    /* As many as a usual cell has; more are made when they are needed. */
     t->end_count = t->node_count = TRACE_FEW;
     BVXI_TRY(bvxi_trace_open_rows(t));
     t->end_count = t->node_count = 0;
     BVXI_TRY(bvxi_map_open(s, &t->folds));
     return bvxi_trace_open_loop(t, loop);
-}
-
-void bvxi_trace_free(bvxi_trace *t)
-{
-    bvxi_stack *const s = t->s;
-
-    bvxi_drop(s->ctx, t->before);
-    bvxi_drop(s->ctx, t->next);
-    bvxi_drop(s->ctx, (void *)t->at);
-    bvxi_drop(s->ctx, t->faces);
-    bvxi_drop(s->ctx, t->vertex);
-    bvxi_drop(s->ctx, t->insert);
-    for (int k = 2; k-- > 0;) {
-        bvxi_drop(s->ctx, t->cross[k]);
-        bvxi_drop(s->ctx, t->row[k]);
-    }
-    bvxi_drop(s->ctx, t->end);
-    bvxi_drop(s->ctx, t->point);
-    bvxi_drop(s->ctx, t->node);
-    bvxi_map_free(s, &t->folds);
 }

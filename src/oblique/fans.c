@@ -62,13 +62,11 @@ bvx_status bvxi_fans_check(bvx_context *ctx, const uint32_t *triangle, uint64_t 
                            const uint8_t *asked, uint64_t *broken)
 {
     fans_work w = {NULL, NULL};
-    bvx_status const status = fill_fans(ctx, &w, triangle, triangles, vertices, asked);
 
     *broken = 0;
-    for (uint64_t v = 0; v < vertices && status == BVX_OK; v++)
+    BVXI_TRY(fill_fans(ctx, &w, triangle, triangles, vertices, asked));
+    for (uint64_t v = 0; v < vertices; v++)
         if (w.first[v + 1] != w.first[v])
             *broken += !is_one_fan(w.pair + w.first[v], w.first[v + 1] - w.first[v]);
-    bvxi_drop(ctx, w.pair);
-    bvxi_drop(ctx, w.first);
-    return status;
+    return BVX_OK;
 }

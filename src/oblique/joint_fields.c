@@ -170,7 +170,6 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
 {
     bvxi_oblique *const b = &o->body[i];
 
-    /* A body is made as bvx_build_sections makes one, of the loops with its label. */
     b->ctx = o->ctx;
     b->function = o->function;
     b->given = o->given;
@@ -321,7 +320,6 @@ static bvx_status join_contours(bvxi_oblique *o)
     uint64_t *count, at = 0;
 
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
-    /* Points first, then contours, as the arrays are opened with both. */
     for (uint32_t b = 0; b < o->body_count; b++)
         for (uint64_t p = 0; p < n; p++) {
             count[p] += o->body[b].plane[p].plane.point_count;

@@ -296,7 +296,7 @@ uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3]);
 bvx_status bvxi_oblique_contours(bvxi_oblique *o);
 
 /* oblique_regions.c: signs on planes by their regions; *torn: vertices of which two planes say different
- * things, to be dropped by the caller. */
+ * things. */
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count);
 
 /* oblique_signs.c */
@@ -345,15 +345,29 @@ bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_
 
 /* ---- oblique_look.c: by several threads at once ---- */
 
-enum { BVXI_LOOK_TETRA = 512, BVXI_LOOK_VERTICES = 512, BVXI_LOOK_SEEN = 2048 };
+enum { BVXI_LOOK_MOST = 512, BVXI_LOOK_WORDS = 16 };
 
-/* The tetrahedra round a vertex, and the vertices of those; tables of numbers beside. */
+/* The tetrahedra round a vertex, and the vertices of those; hash tables of their indices. */
 typedef struct bvxi_look {
-    uint32_t tetra[BVXI_LOOK_TETRA], count, vertices;
-    uint32_t joined[BVXI_LOOK_VERTICES];
-    int8_t sign[BVXI_LOOK_VERTICES];
-    uint32_t seen[BVXI_LOOK_SEEN], key[BVXI_LOOK_SEEN], place[BVXI_LOOK_SEEN];
+    uint32_t *tetra, *vertex, *joined;
+    int8_t *sign;
+    uint32_t *seen, *key, *place; /* [4 * most] */
+    uint32_t count, vertices, most;
 } bvxi_look;
+
+/* block: [BVXI_LOOK_WORDS * most] */
+static inline bvxi_look bvxi_look_in(uint32_t *block, uint32_t most)
+{
+    bvxi_look const look = {.tetra = block,
+                            .vertex = block + most,
+                            .joined = block + 2 * (size_t)most,
+                            .sign = (int8_t *)(block + 3 * (size_t)most),
+                            .seen = block + 4 * (size_t)most,
+                            .key = block + 8 * (size_t)most,
+                            .place = block + 12 * (size_t)most,
+                            .most = most};
+    return look;
+}
 
 /* 0: there are too many. */
 int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
@@ -371,7 +385,6 @@ int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t 
 bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
 bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *map, uint64_t count);
 uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
-void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *map);
 
 static inline uint64_t *bvxi_tetra_on(const bvxi_oblique *o, uint32_t vertex)
 {

@@ -317,7 +317,6 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     static const char what[] = "the tetrahedra";
     uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
-    /* What splitting makes of a cell as a rule: arrays that grow are copied. */
     BVXI_TRY(bvxi_oblique_reserve(o, &o->tetra, tetra, &o->tetra_room[0], sizeof *o->tetra, what));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->chain, tetra, &o->tetra_room[1], 4, what));
     BVXI_TRY(bvxi_oblique_reserve(o, &o->twin, tetra, &o->tetra_room[2], 4, what));
@@ -348,7 +347,6 @@ static bvx_status order_touches(bvxi_oblique *o)
     BVXI_TRY(
         bvxi_alloc(o->ctx, BVXI_SCRATCH, o->touch_count * 4, "the cells that planes touch", &o->touch_cell));
 
-    /* A counting sort: how many cells each plane touches, then where its cells begin. */
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     bvxi_place_counts32(o->plane_touch, n);
     for (uint64_t i = 0; i < o->touch_count; i++)
@@ -379,16 +377,13 @@ static bvx_status open_cells(bvxi_oblique *o)
 bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 {
     uint64_t const bytes = (uint64_t)bvxi_threads(o->ctx) * sizeof(oblique_block);
-    bvx_status status;
     cells_job job;
 
     BVXI_TRY(open_cells(o));
     job.o = o;
     job.pieces = bvxi_piece_count(o->known_count, CELL_GRAIN);
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the planes of blocks", &job.block));
-    status = find_cells(&job);
-    bvxi_drop(o->ctx, job.block);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(find_cells(&job));
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);
 }

@@ -121,7 +121,6 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     search->crowded = 0;
     if (cell != BVXI_NONE) search->crowded = judge_cell_faces(o, plane, cell, uv, &best) > CROWDED_CELL;
 
-    /* Only when the own cell does not hold it, which is seldom. */
     for (int n = 0; n < 27 && best.least < 0.0; n++) {
         int32_t const d[3] = {c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
         cell = n == 13 ? BVXI_NONE : bvxi_oblique_cell_at(o, d);
@@ -317,7 +316,6 @@ static bvx_status insert_segment(bvxi_oblique *o, uint32_t plane, uint32_t from,
             o->report.unkept_edges++;
             return BVX_OK;
         }
-        /* The plane and the direction are kept, from which the sides of the edge follow. */
         o->vertex[step.vertex].sign = 0;
         BVXI_TRY(bvxi_edge_add(o, &o->contour_edge, from, step.vertex, &value));
         *value = 2 * plane + (from > step.vertex);

@@ -39,7 +39,8 @@ typedef struct handle_work {
     uint64_t tetra_room, member_room, joined_room, flip_room, back_room, loose_room, loose_count;
     uint32_t tetras, members, flips;
     int strict; /* contours hold at every step, else at the end */
-    bvxi_look look;
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look look; /* in the block */
     uint32_t looks; /* around vertices, so far */
     double done;    /* of the patches */
 } handle_work;
@@ -109,7 +110,6 @@ static bvx_status count_surface_patches(handle_work *w)
         if (c % 3 == 0) ++*euler;
         if (bvxi_root(w->fan, c) == c) ++*euler;
         if (w->side[c] != 2) --*euler;
-        /* Border edges that share a vertex of the patch are one loop. */
         if (w->side[c] == 0)
             bvxi_join(w->loop, bvxi_root(w->fan, c), bvxi_root(w->fan, handle_next_corner(c)));
     }
@@ -498,31 +498,16 @@ static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
     handle_work w;
-    bvx_status status;
     uint64_t found = 0;
 
     memset(&w, 0, sizeof w);
     w.o = o;
     w.triangles = o->triangle_count;
-    status = settle_handles(&w, owner, &found);
+    w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
+    BVXI_TRY(settle_handles(&w, owner, &found));
     *settled = w.settled[0] + w.settled[1];
     o->report.handles_filled += w.settled[0];
     o->report.handles_cut += w.settled[1];
     o->report.handles_left = found > *settled ? found - *settled : 0;
-    bvxi_edge_free(o, &w.pair);
-    bvxi_drop(o->ctx, w.loose);
-    bvxi_drop(o->ctx, w.back);
-    bvxi_drop(o->ctx, w.flip);
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.member);
-    bvxi_drop(o->ctx, w.tetra);
-    bvxi_drop(o->ctx, w.number);
-    bvxi_drop(o->ctx, w.loops);
-    bvxi_drop(o->ctx, w.euler);
-    bvxi_drop(o->ctx, w.side);
-    bvxi_drop(o->ctx, w.loop);
-    bvxi_drop(o->ctx, w.fan);
-    bvxi_drop(o->ctx, w.patch);
-    bvxi_drop(o->ctx, w.vertex_of);
-    return status;
+    return BVX_OK;
 }

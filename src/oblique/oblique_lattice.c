@@ -148,7 +148,6 @@ static void first_vertex_piece(void *user, uint64_t begin, uint64_t end)
 
 static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 {
-    /* Blocks are numbered as they come, so that values are held for those alone that are known. */
     if (o->block_at[block] >= 0) return BVX_OK;
     BVXI_TRY(bvxi_oblique_grow(o, &o->known, o->known_count, &o->known_room, 4, "the blocks of the lattice"));
     o->block_at[block] = (int32_t)o->known_count;
@@ -438,7 +437,6 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
         if (known) BVXI_TRY(know_block(o, i));
     }
 
-    /* The mark has done its work. */
     for (uint64_t i = 0; i < n; i++) o->block_kind[i] &= (uint8_t)~BLOCK_CONTRADICTED;
     return BVX_OK;
 }
@@ -451,7 +449,6 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
     BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
 
-    /* All bits set: no block is known yet. */
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));
     return BVXI_SHARE(o->ctx, 0.4, 1.0, follow_surface(o));

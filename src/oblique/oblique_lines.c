@@ -99,7 +99,6 @@ static void join_knots(bvxi_oblique *o, uint32_t a, uint32_t b, double share)
     uint32_t x = bvxi_knot_root(o, a), y = bvxi_knot_root(o, b);
     bvxi_knot *keep, *gone;
 
-    /* The lower number is the root, whatever came first. */
     if (x == y) return;
     if (y < x) {
         uint32_t const swap = x;
@@ -346,6 +345,5 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
     for (uint32_t a = 0; a < o->plane_count; a++) BVXI_TRY(order_plane(o, &w, a));
-    bvxi_drop(o->ctx, w.event);
     return BVX_OK;
 }

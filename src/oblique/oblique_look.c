@@ -1,25 +1,25 @@
-/* oblique_look.c - what lies round vertices and edges, looked at by several threads at once.
+/* oblique_look.c - the surroundings of vertices and edges, read by several threads at once.
  *
- * tetrahedra.c walks with scratch arrays that there is one of. Here all that is gathered lies in the
- * caller's frame, so that many vertices can be judged side by side; what is larger than that is left to
- * the walk. Nothing is changed. */
+ * tetrahedra.c walks with one set of scratch arrays. Here all arrays are the caller's, so that many vertices
+ * can be judged side by side. */
 #include "oblique/oblique.h"
 
-/* A free place in a table of numbers that is never full, or the number's own. */
-static uint32_t look_slot(const uint32_t *table, uint32_t size, uint32_t number)
+/* The slot of an index, or a free one; tables are at most a quarter full. */
+static uint32_t look_slot(const bvxi_look *l, const uint32_t *table, uint32_t number)
 {
-    uint32_t at = number * UINT32_C(0x9e3779b1) >> 7 & (size - 1);
+    uint32_t const mask = 4 * l->most - 1;
+    uint32_t at = number * UINT32_C(0x9e3779b1) >> 7 & mask;
 
-    while (table[at] != BVXI_NONE && table[at] != number) at = (at + 1) & (size - 1);
+    while (table[at] != BVXI_NONE && table[at] != number) at = (at + 1) & mask;
     return at;
 }
 
 static int look_add_tetra(bvxi_look *l, uint32_t tetra)
 {
-    uint32_t const at = look_slot(l->seen, BVXI_LOOK_SEEN, tetra);
+    uint32_t const at = look_slot(l, l->seen, tetra);
 
     if (l->seen[at] == tetra) return 1;
-    if (l->count == BVXI_LOOK_TETRA) return 0;
+    if (l->count == l->most) return 0;
     l->seen[at] = tetra;
     l->tetra[l->count++] = tetra;
     return 1;
@@ -27,8 +27,7 @@ static int look_add_tetra(bvxi_look *l, uint32_t tetra)
 
 static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
-    /* All bits set: a free place, as no tetrahedron has that number. */
-    memset(l->seen, 0xff, sizeof l->seen);
+    memset(l->seen, 0xff, (size_t)l->most * 16);
     l->count = 0;
     if (!look_add_tetra(l, o->vertex[vertex].tetra)) return 0;
     for (uint32_t i = 0; i < l->count; i++) {
@@ -42,22 +41,23 @@ static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 /* The number of a vertex among those of the star. */
 static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
 {
-    return l->place[look_slot(l->key, BVXI_LOOK_SEEN, vertex)];
+    return l->place[look_slot(l, l->key, vertex)];
 }
 
 int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     if (!look_star(o, l, vertex)) return 0;
-    memset(l->key, 0xff, sizeof l->key);
+    memset(l->key, 0xff, (size_t)l->most * 16);
     l->vertices = 0;
     for (uint32_t i = 0; i < l->count; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const v = o->tetra[l->tetra[i]].v[k];
-            uint32_t const at = look_slot(l->key, BVXI_LOOK_SEEN, v);
+            uint32_t const at = look_slot(l, l->key, v);
             if (v == vertex || l->key[at] == v) continue;
-            if (l->vertices == BVXI_LOOK_VERTICES) return 0;
+            if (l->vertices == l->most) return 0;
             l->key[at] = v;
             l->place[at] = l->vertices;
+            l->vertex[l->vertices] = v;
             l->sign[l->vertices] = o->vertex[v].sign;
             l->joined[l->vertices] = l->vertices;
             l->vertices++;
@@ -70,7 +70,6 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     uint32_t stretches[2] = {0, 0};
 
-    /* Each vertex is a stretch of its own at first, and each join takes one away. */
     for (uint32_t i = 0; i < l->vertices; i++)
         if (l->sign[i] != 0) stretches[l->sign[i] > 0]++;
     for (uint32_t i = 0; i < l->count; i++) {
@@ -79,16 +78,10 @@ int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
         for (int k = 0; k < 4; k++) number[k] = t->v[k] == vertex ? BVXI_NONE : look_vertex(l, t->v[k]);
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
-                uint32_t x, y;
                 if (number[a] == BVXI_NONE || number[b] == BVXI_NONE || l->sign[number[a]] == 0 ||
                     l->sign[number[a]] != l->sign[number[b]])
                     continue;
-                x = bvxi_root(l->joined, number[a]);
-                y = bvxi_root(l->joined, number[b]);
-                if (x == y) continue;
-                /* The lower number becomes the root: the same whatever comes first. */
-                l->joined[x > y ? x : y] = x > y ? y : x;
-                stretches[l->sign[x] > 0]--;
+                stretches[l->sign[number[a]] > 0] -= (uint32_t)bvxi_join(l->joined, number[a], number[b]);
             }
     }
     return stretches[0] > 1 || stretches[1] > 1;
@@ -104,17 +97,14 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, u
 
         /* Of a tetrahedron's three other corners those on one side hang together. */
         for (int k = 0; k < 4; k++) {
-            uint32_t own, x, y;
+            uint32_t own;
             int inside;
             if (v[k] == vertex) continue;
             own = look_vertex(l, v[k]);
             inside = l->sign[own] > 0;
-            x = bvxi_root(l->joined, own);
-            y = last[inside] == BVXI_NONE ? x : bvxi_root(l->joined, last[inside]);
+            if (last[inside] != BVXI_NONE)
+                stretches[inside] -= (uint32_t)bvxi_join(l->joined, own, last[inside]);
             last[inside] = own;
-            if (x == y) continue;
-            l->joined[x > y ? x : y] = x > y ? y : x;
-            stretches[inside]--;
         }
     }
 }

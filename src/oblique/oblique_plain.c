@@ -425,12 +425,9 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
 {
     uint64_t const n = o->known_count;
     plain_job *job = NULL;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * sizeof *o->crossed, "the crossed edges", &o->crossed));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, sizeof *job + (n + 1) * 4, "the crossed edges", &job));
     job->triangles = (uint32_t *)(void *)(job + 1);
-    status = make_plain_surface(o, job, more);
-    bvxi_drop(o->ctx, job);
-    return status;
+    return make_plain_surface(o, job, more);
 }

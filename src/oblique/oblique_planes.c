@@ -29,7 +29,6 @@ static bvx_status choose_oblique_label(bvxi_oblique *o)
                     o->function, (int64_t)o->options.label, (int64_t)g->loops[i].label);
     }
 
-    /* A label that no loop has would give a body of nothing. */
     for (uint64_t i = 0; i < g->loop_count; i++) found += g->loops[i].label == o->options.label;
     if (found != 0) return BVX_OK;
     return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: no loop has the label %d", o->function,
@@ -86,7 +85,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
         o->near_high[k] = o->side[k];
     }
 
-    /* One number for both, as cells are cubes; the report has two for grids over sections. */
     o->report.cell[0] = o->report.cell[1] = o->step;
     o->report.grid[0] = o->side[0] - 1;
     o->report.grid[1] = o->side[1] - 1;
@@ -127,7 +125,6 @@ static bvx_status frame_plane(bvxi_oblique *o, uint32_t i)
     world = (p->normal[0] * o->origin[0] + p->normal[1] * o->origin[1]) + p->normal[2] * o->origin[2];
     p->offset = (o->given->positions[i] - world) / o->step;
 
-    /* Crossings with other planes are found later, when all planes are known. */
     p->knot = BVXI_NONE;
     p->plane.section = i;
     p->plane.w = o->given->positions[i];
@@ -213,7 +210,6 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
     double const side = wide > tall ? wide : tall;
     int32_t(*box)[4] = NULL;
     uint64_t const boxes = (uint64_t)f->plane.contour_count * sizeof *box;
-    bvx_status status;
 
     if (f->plane.contour_count == 0) return BVX_OK;
 
@@ -237,11 +233,8 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
     bvxi_plane_snap(s, &f->plane);
     BVXI_TRY(bvxi_plane_check_simple(s, &f->plane));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, boxes, "the boxes of loops", &box));
-    status = bvxi_plane_direct(s, &f->plane, box);
-    bvxi_drop(o->ctx, box);
-    if (status != BVX_OK) return status;
+    BVXI_TRY(bvxi_plane_direct(s, &f->plane, box));
 
-    /* Which loops are holes is known from here on; distances follow last, as they need the directed loops. */
     for (uint32_t i = 0; i < f->plane.contour_count; i++)
         o->report.holes += (uint64_t)f->plane.contour[i].hole;
     bvxi_plane_tree(&f->plane);
@@ -299,7 +292,6 @@ static bvx_status gather_oblique(bvxi_oblique *o, uint64_t *points, uint64_t *lo
     memset(points, 0, (size_t)o->plane_count * 8);
     memset(loops, 0, (size_t)o->plane_count * 8);
 
-    /* Counted first, so that the arrays are taken once and never grow. */
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == o->options.label) {
             loops[g->loops[i].section]++;
@@ -374,14 +366,11 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
 {
     uint64_t const n = o->given->section_count;
     uint64_t *count = NULL;
-    bvx_status status;
 
     BVXI_TRY(choose_oblique_label(o));
     BVXI_TRY(bvxi_oblique_lay_planes(o));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
-    status = gather_oblique(o, count, count + n);
-    bvxi_drop(o->ctx, count);
-    return status;
+    return gather_oblique(o, count, count + n);
 }
 
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3])

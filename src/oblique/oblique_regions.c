@@ -44,10 +44,7 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
         uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
         if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
             vote_for(o, w, plane, x, y, z);
-        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) {
-            uint32_t const a = bvxi_root(w->joined, x), b = bvxi_root(w->joined, y);
-            w->joined[a > b ? a : b] = a > b ? b : a;
-        }
+        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
     }
 }
 
@@ -209,11 +206,8 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
 
 static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
 {
-    int32_t const pieces = bvxi_piece_count(o->tetra_count, REGION_GRAIN);
-
-    BVXI_TRY(BVXI_SHARE(
-        o->ctx, 0.0, 0.3,
-        bvxi_for_ranges(o->ctx, "surface", 0.0, 1.0, pieces, o->tetra_count, mark_faces_piece, o)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
+                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
     BVXI_TRY(list_plane_faces(o, w));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the regions of planes", &w->joined));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 8, "the regions of planes", &w->vote));
@@ -230,16 +224,10 @@ static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count)
 {
     oblique_region_work w;
-    bvx_status status;
 
     memset(&w, 0, sizeof w);
-    status = find_regions(o, &w);
-    bvxi_drop(o->ctx, w.kind);
-    bvxi_drop(o->ctx, w.vote);
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.face);
-    bvxi_drop(o->ctx, w.first);
+    BVXI_TRY(find_regions(o, &w));
     *torn = w.torn;
     *torn_count = w.torn_count;
-    return status;
+    return BVX_OK;
 }

@@ -100,117 +100,60 @@ static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
     return BVX_OK;
 }
 
-/* ---- the vertices round a vertex ---- */
-
-/* Each once, and which of them hang together with the same sign. */
-typedef struct link_work {
-    uint32_t *vertex, *joined, *number; /* number: [vertex of the tetrahedra] */
-    uint64_t room[2], number_room;
-    uint32_t count;
-} link_work;
-
-static bvx_status link_add(bvxi_oblique *o, link_work *w, uint32_t v)
-{
-    /* The number says that it is there already, without a search. */
-    if (w->number[v] != BVXI_NONE) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &w->vertex, w->count, &w->room[0], 4, "the vertices round a vertex"));
-    BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->count, &w->room[1], 4, "the vertices round a vertex"));
-    w->number[v] = w->count;
-    w->vertex[w->count] = v;
-    w->joined[w->count] = w->count;
-    w->count++;
-    return BVX_OK;
-}
-
-static bvx_status open_link(bvxi_oblique *o, link_work *w, uint32_t v)
-{
-    /* First all vertices around, so that each has a number before any two are joined. */
-    w->count = 0;
-    BVXI_TRY(bvxi_tetra_star(o, v));
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        for (int k = 0; k < 4; k++)
-            if (t->v[k] != v) BVXI_TRY(link_add(o, w, t->v[k]));
-    }
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        for (int a = 0; a < 4; a++)
-            for (int b = a + 1; b < 4; b++) {
-                uint32_t x, y;
-                if (t->v[a] == v || t->v[b] == v || o->vertex[t->v[a]].sign == 0 ||
-                    o->vertex[t->v[a]].sign != o->vertex[t->v[b]].sign)
-                    continue;
-                /* The lower number is the root, whatever came first. */
-                x = bvxi_root(w->joined, w->number[t->v[a]]);
-                y = bvxi_root(w->joined, w->number[t->v[b]]);
-                w->joined[x > y ? x : y] = x > y ? y : x;
-            }
-    }
-    return BVX_OK;
-}
-
-static void close_link(link_work *w)
-{
-    for (uint32_t i = 0; i < w->count; i++) w->number[w->vertex[i]] = BVXI_NONE;
-}
-
 /* ---- signs that nothing else decides ---- */
 
-static int has_inside(const bvxi_oblique *o, const link_work *w)
-{
-    for (uint32_t i = 0; i < w->count; i++)
-        if (o->vertex[w->vertex[i]].sign > 0) return 1;
-    return 0;
-}
+/* For what is settled one by one: large, when it is needed, for stars that are no frame's size. */
+typedef struct link_work {
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look small, large;
+} link_work;
 
-/* The Euler number of what is inside round a vertex: 1 where its own sign opens and closes nothing. *all:
- * there is nothing else. */
-static bvx_status euler_round(bvxi_oblique *o, link_work *w, uint32_t v, int64_t *euler, int *all)
+/* The link of a vertex, however large it is. */
+static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look **look)
 {
-    int64_t corners = 0, edges = 0, faces = 0;
+    *look = &w->small;
+    while (!bvxi_look_link(o, *look, v)) {
+        /* Doubled where the large one is too small as well. */
+        if (w->large.most == 0 || *look == &w->large) {
+            uint32_t const most = 2 * (*look)->most;
+            uint32_t *block = NULL;
 
-    *all = 1;
-    BVXI_TRY(open_link(o, w, v));
-    for (uint32_t i = 0; i < w->count; i++) {
-        corners += o->vertex[w->vertex[i]].sign > 0;
-        *all &= o->vertex[w->vertex[i]].sign > 0;
+            BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)most * BVXI_LOOK_WORDS * 4,
+                                "the vertices round a vertex", &block));
+            w->large = bvxi_look_in(block, most);
+        }
+        *look = &w->large;
     }
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        int n = 0;
-        for (int k = 0; k < 4; k++) n += t->v[k] != v && o->vertex[t->v[k]].sign > 0;
-        edges += n == 3 ? 3 : n == 2; /* each is in two of them */
-        faces += n == 3;
-    }
-    *euler = corners - edges / 2 + faces;
     return BVX_OK;
 }
 
-static int has_whole_star(const bvxi_oblique *o, uint32_t v)
+static void open_link(link_work *w)
 {
-    for (uint64_t i = 0; i < o->star_count; i++) {
-        const bvxi_tetra *const t = &o->tetra[o->star[i]];
-        for (int k = 0; k < 4; k++)
-            if (t->v[k] != v && t->n[k] == BVXI_NONE) return 0;
-    }
-    return 1;
+    w->small = bvxi_look_in(w->block, BVXI_LOOK_MOST);
+    w->large.most = 0;
 }
 
-/* The sign that makes no bridge and no hole, where one does and the other does not. Those around a vertex
- * that gets another sign are to be looked at again. */
+/* 1: the vertex's sign makes a bridge or a hole, and the other one does not. Inside around the vertex has the
+ * Euler number 1 where its sign changes nothing. */
+static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t v)
+{
+    int any, all, inside;
+    int64_t const euler = bvxi_look_euler(o, look, v, &any, &all);
+
+    inside = all || (euler <= 0 && any);
+    return euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, look, v);
+}
+
+/* Vertices around one that gets another sign are to be looked at again. */
 static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
-    int64_t euler = 1;
-    int all = 0, inside;
-    bvx_status const status = euler_round(o, w, v, &euler, &all);
+    bvxi_look *look;
 
-    inside = all || (euler <= 0 && has_inside(o, w));
-    if (status == BVX_OK && euler != 1 && inside != (o->vertex[v].sign > 0) && has_whole_star(o, v)) {
-        bvxi_flip_sign(o, v);
-        for (uint32_t i = 0; i < w->count; i++) change_round(job, w->vertex[i]);
-    }
-    close_link(w);
-    return status;
+    BVXI_TRY(look_any(o, w, v, &look));
+    if (!is_wrong_sign(o, look, v)) return BVX_OK;
+    bvxi_flip_sign(o, v);
+    for (uint32_t i = 0; i < look->vertices; i++) change_round(job, look->vertex[i]);
+    return BVX_OK;
 }
 
 /* Vertices on no plane that the smooth number has next to no say of. */
@@ -222,26 +165,18 @@ static int is_loose_sign(const bvxi_oblique *o, uint32_t v)
     return !x->lattice || (x->value < FREE_VALUE && x->value > -FREE_VALUE);
 }
 
-/* The same verdict as settle_sign, for all vertices as they are. */
+/* All vertices as they are; one with a star too large to be looked at here is judged when its turn comes. */
 static void judge_loose_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
-    const bvxi_oblique *const o = job->o;
-    bvxi_look look;
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
 
     for (uint64_t i = begin; i < end; i++) {
         uint32_t const v = (uint32_t)i;
-        int any, all, inside;
-        int64_t euler;
 
-        job->wrong[i] = 0;
-        if (!is_loose_sign(o, v)) continue;
-        job->wrong[i] = 1;
-        /* A star too large to be looked at here is judged when its turn comes. */
-        if (!bvxi_look_link(o, &look, v)) continue;
-        euler = bvxi_look_euler(o, &look, v, &any, &all);
-        inside = all || (euler <= 0 && any);
-        job->wrong[i] = euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, &look, v);
+        job->wrong[i] = is_loose_sign(job->o, v) &&
+                        (!bvxi_look_link(job->o, &look, v) || is_wrong_sign(job->o, &look, v));
     }
 }
 
@@ -251,19 +186,12 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
 {
     link_work w;
 
-    memset(&w, 0, sizeof w);
-    w.number_room = o->vertex_count;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
-    memset(w.number, 0xff, (size_t)w.number_room * 4);
+    open_link(&w);
     for (uint64_t i = 0; i < torn_count; i++) BVXI_TRY(settle_sign(o, &w, torn[i], job));
-    /* All are judged at once; what changes from here on is marked, to be looked at again. */
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_loose_piece, job));
     for (uint32_t v = 0; v < job->vertices; v++)
         if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.vertex);
-    bvxi_drop(o->ctx, w.number);
     return BVX_OK;
 }
 
@@ -276,9 +204,7 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 
     /* Vertices that planes contradict each other of come first: others look at their signs. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count)));
-    bvxi_drop(o->ctx, torn);
-    return BVX_OK;
+    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
 }
 
 /* ---- contours' edges ---- */
@@ -286,7 +212,6 @@ static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
 /* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
 static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
 {
-    /* Half as far on the other side; a value of 0 would have no crossing beside it. */
     o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
     o->vertex[m].value = -0.5F * o->vertex[of].value;
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
@@ -402,7 +327,8 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
     const bvxi_edge_map *const m = &o->contour_edge;
-    bvxi_look look;
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
 
     for (uint64_t i = begin; i < end; i++) {
         uint32_t changes;
@@ -432,39 +358,45 @@ static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
 
 /* ---- contours' vertices ---- */
 
-/* The stretch of a sign that the vertex keeps: one on its first plane, where the contour bounds it. */
-static uint32_t main_root(const bvxi_oblique *o, const link_work *w, int sign, uint32_t plane)
+/* The root of the vertices of a sign that the vertex keeps: of one on its first plane, where the contour bounds
+ * it. */
+static uint32_t main_root(const bvxi_oblique *o, const bvxi_look *l, int sign, uint32_t plane)
 {
     uint32_t found = BVXI_NONE;
 
-    for (uint32_t i = 0; i < w->count; i++) {
-        if (o->vertex[w->vertex[i]].sign != sign) continue;
-        if (found == BVXI_NONE) found = bvxi_root(w->joined, i);
-        if (plane != BVXI_NONE && bvxi_is_on(o, w->vertex[i], plane)) return bvxi_root(w->joined, i);
+    for (uint32_t i = 0; i < l->vertices; i++) {
+        if (l->sign[i] != sign) continue;
+        if (found == BVXI_NONE) found = bvxi_root(l->joined, i);
+        if (plane != BVXI_NONE && bvxi_is_on(o, l->vertex[i], plane)) return bvxi_root(l->joined, i);
     }
     return found;
 }
 
-static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+/* A vertex that is not connected with those of its sign that are kept, or BVXI_NONE. Those inside come first: to
+ * split them off opens and closes nothing. */
+static uint32_t find_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t v)
 {
     uint32_t const plane = bvxi_first_plane(o, v);
-    uint32_t keep[2], wrong = BVXI_NONE, t, m;
-    double at[3];
 
-    do {
-        bvx_status const status = open_link(o, w, v);
-        wrong = BVXI_NONE;
-        if (status == BVX_OK) {
-            keep[0] = main_root(o, w, -1, plane);
-            keep[1] = main_root(o, w, 1, plane);
-            /* those inside first: to part them opens and closes nothing, to part others may */
-            for (int sign = 1; sign >= -1 && wrong == BVXI_NONE; sign -= 2)
-                for (uint32_t i = 0; i < w->count && wrong == BVXI_NONE; i++)
-                    if (o->vertex[w->vertex[i]].sign == sign && bvxi_root(w->joined, i) != keep[sign > 0])
-                        wrong = w->vertex[i];
-        }
-        close_link(w);
-        if (status != BVX_OK) return status;
+    if (!bvxi_look_torn(o, l, v)) return BVXI_NONE;
+    for (int sign = 1; sign >= -1; sign -= 2) {
+        uint32_t const keep = main_root(o, l, sign, plane);
+
+        for (uint32_t i = 0; i < l->vertices; i++)
+            if (l->sign[i] == sign && bvxi_root(l->joined, i) != keep) return l->vertex[i];
+    }
+    return BVXI_NONE;
+}
+
+static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
+{
+    for (;;) {
+        bvxi_look *look;
+        uint32_t wrong, t, m;
+        double at[3];
+
+        BVXI_TRY(look_any(o, w, v, &look));
+        wrong = find_torn(o, look, v);
         if (wrong == BVXI_NONE) return BVX_OK;
         for (int k = 0; k < 3; k++) at[k] = 0.75 * o->vertex[v].at[k] + 0.25 * o->vertex[wrong].at[k];
         BVXI_TRY(bvxi_tetra_with_edge(o, v, wrong, &t));
@@ -473,46 +405,31 @@ static bvx_status oblique_settle_vertex(bvxi_oblique *o, link_work *w, uint32_t 
         for (uint64_t i = 0; i < o->star_count; i++) change_corners(o, o->star[i], job);
         BVXI_TRY(bvxi_tetra_split_edge(o, t, v, wrong, at, &m));
         set_opposite(o, m, wrong);
-        if (w->number_room <= m) {
-            uint64_t const room = o->vertex_room;
-            BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, &w->number, w->number_room * 4, room * 4,
-                                 "the vertices round a vertex"));
-            memset(w->number + w->number_room, 0xff, (size_t)(room - w->number_room) * 4);
-            w->number_room = room;
-        }
-    } while (wrong != BVXI_NONE);
-    return BVX_OK;
+    }
 }
 
 static void judge_vertex_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    bvxi_look look;
+    uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
+    bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
 
-    for (uint64_t i = begin; i < end; i++) {
-        job->wrong[i] = 0;
-        if (o->vertex[i].sign != 0) continue;
-        job->wrong[i] = !bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i);
-    }
+    for (uint64_t i = begin; i < end; i++)
+        job->wrong[i] = o->vertex[i].sign == 0 &&
+                        (!bvxi_look_link(o, &look, (uint32_t)i) || bvxi_look_torn(o, &look, (uint32_t)i));
 }
 
 static bvx_status settle_vertices(bvxi_oblique *o, signs_job *job)
 {
     link_work w;
 
-    memset(&w, 0, sizeof w);
-    w.number_room = o->vertex_room;
+    open_link(&w);
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", job->vertices, 256, judge_vertex_piece, job));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, w.number_room * 4, "the vertices round a vertex", &w.number));
-    memset(w.number, 0xff, (size_t)w.number_room * 4);
     for (uint64_t v = 0; v < job->vertices; v++)
         if (o->vertex[v].sign == 0 && (job->wrong[v] || job->again[v]))
             BVXI_TRY(oblique_settle_vertex(o, &w, (uint32_t)v, job));
-    bvxi_drop(o->ctx, w.joined);
-    bvxi_drop(o->ctx, w.vertex);
-    bvxi_drop(o->ctx, w.number);
     return BVX_OK;
 }
 
@@ -555,7 +472,6 @@ static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
 
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
-    bvx_status status;
     signs_job job;
 
     memset(&job, 0, sizeof job);
@@ -564,8 +480,5 @@ bvx_status bvxi_oblique_signs(bvxi_oblique *o)
         BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
     job.vertices = o->vertex_count;
-    status = BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
-    bvxi_drop(o->ctx, job.again);
-    bvxi_drop(o->ctx, job.wrong);
-    return status;
+    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
 }

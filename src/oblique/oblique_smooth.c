@@ -175,7 +175,6 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
     const double *const plate_y = w->plate[1][j], *const plate_z = w->plate[2][k];
     const double *const slope_y = w->slope[1][j], *const slope_z = w->slope[2][k];
 
-    /* Zeros beside the row stand for nodes beyond the grid, so that the loops need no test for its ends. */
     memset(own, 0, sizeof own);
     memset(across, 0, sizeof across);
     memset(out, 0, (size_t)n * 8);
@@ -376,9 +375,7 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
-    bvx_status status;
     smooth_work w;
-    uint64_t mark;
 
     memset(&w, 0, sizeof w);
     w.o = o;
@@ -388,10 +385,7 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
     BVXI_TRY(
         bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, w.nodes * 8, "the nodes of the smooth number", &w.grid.node));
     o->smooth = w.grid;
-    mark = bvxi_scratch_begin(o->ctx);
-    status = bvxi_scratch_end(o->ctx, mark, solve_smooth_level(&w, &coarser));
-    bvxi_drop(o->ctx, coarser.node);
-    return status;
+    return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));
 }
 
 bvx_status bvxi_oblique_smooth(bvxi_oblique *o)

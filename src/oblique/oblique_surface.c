@@ -47,7 +47,6 @@ static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
 
     if (!x->lattice || !y->lattice || one == BVXI_NONE || two == BVXI_NONE) return BVXI_NONE;
 
-    /* The place of each in the lattice, from the slot of its block. */
     for (int e = 0; e < 2; e++) {
         slot = e == 0 ? one : two;
         bvxi_oblique_block_place(o, o->known[slot / BVXI_BLOCK_SIZE], place[e]);
@@ -162,7 +161,6 @@ static bvx_status march_all(bvxi_oblique *o)
 
     job.o = o;
 
-    /* Counted first, so that the arrays of triangles are taken once. */
     job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
@@ -171,7 +169,6 @@ static bvx_status march_all(bvxi_oblique *o)
     for (int32_t i = 0; i < job.pieces; i++) more += job.triangles[i];
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, bvxi_oblique_plain(o, more)));
 
-    /* The tetrahedra's own after those of plain cells, whose vertices they share. */
     /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
     o->crossing.near = o->point_count < o->vertex_count / 8;
     BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
@@ -198,7 +195,6 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++)
             parts -= bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
-    bvxi_drop(o->ctx, joined);
     *handles = parts - ((int64_t)o->position_count - (int64_t)(o->triangle_count / 2)) / 2;
     return BVX_OK;
 }
@@ -207,11 +203,13 @@ static bvx_status march_again(bvxi_oblique *o)
 {
     bvx_context *const ctx = o->ctx;
 
-    bvxi_edge_free(o, &o->crossing);
+    bvxi_drop(ctx, o->crossing.key);
+    bvxi_drop(ctx, o->crossing.value);
     bvxi_drop(ctx, o->position);
     bvxi_drop(ctx, o->triangle);
     bvxi_drop(ctx, o->kept);
     bvxi_drop(ctx, o->crossed);
+    memset(&o->crossing, 0, sizeof o->crossing);
     o->position = NULL;
     o->triangle = NULL;
     o->kept = NULL;
@@ -233,7 +231,7 @@ static bvx_status close_handles(bvxi_oblique *o)
     for (int round = 0; round < HANDLE_ROUNDS && settled > 0; round++) {
         uint64_t const vertices = o->vertex_count;
 
-        BVXI_TRY(count_handles(o, &handles));
+        BVXI_TRY(BVXI_SCOPE(o->ctx, count_handles(o, &handles)));
         if (handles <= 0 || o->triangle_count == o->plain_triangles) return BVX_OK;
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
                             bvxi_oblique_handles(o, o->owner, &settled)));
@@ -341,7 +339,6 @@ static bvx_status keep_bodies(bvxi_oblique *o, uint32_t *joined, uint64_t *verti
 {
     uint64_t kept = 0;
 
-    /* What hangs together by triangles is one body. */
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++) bvxi_join(joined, o->triangle[3 * t], o->triangle[3 * t + (uint64_t)k]);
@@ -379,7 +376,8 @@ static bvx_status refuse_torn(bvxi_oblique *o)
      * looked at. */
     memset(o->kept, 0, (size_t)o->position_count);
     for (uint64_t c = 3 * o->plain_triangles; c < 3 * o->triangle_count; c++) o->kept[o->triangle[c]] = 1;
-    BVXI_TRY(bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count, o->kept, &broken));
+    BVXI_TRY(BVXI_SCOPE(o->ctx, bvxi_fans_check(o->ctx, o->triangle, o->triangle_count, o->position_count,
+                                                o->kept, &broken)));
     if (broken == 0) return BVX_OK;
     return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
                          "%s: the contours contradict each other too much for a closed, manifold mesh; move "

@@ -10,7 +10,6 @@
 bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
                              const char *what)
 {
-    /* Half as much again, so that adding one at a time stays cheap. */
     uint64_t const larger = *room < 256 ? 256 : *room + *room / 2;
 
     if (count < *room) return BVX_OK;
@@ -54,7 +53,6 @@ static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
 
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra", &larger.key));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 4, "the edges of tetrahedra", &larger.value));
-    /* All bits set: a free place. */
     memset(larger.key, 0xff, (size_t)(larger.room * 8));
     for (uint64_t i = 0; i < m->room; i++)
         if (m->key[i] != UINT64_MAX) {
@@ -62,7 +60,8 @@ static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
             larger.key[at] = m->key[i];
             larger.value[at] = m->value[i];
         }
-    bvxi_edge_free(o, m);
+    bvxi_drop(o->ctx, m->value);
+    bvxi_drop(o->ctx, m->key);
     *m = larger;
     return BVX_OK;
 }
@@ -80,7 +79,6 @@ bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *m, uint32_t a, uint32_t
     uint64_t const key = oblique_edge_key(a, b);
     uint64_t at;
 
-    /* At most half full, so that searches are short and always end. */
     if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m, m->room == 0 ? 1024 : 2 * m->room));
     at = edge_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
@@ -99,13 +97,6 @@ uint32_t bvxi_edge_find(const bvxi_edge_map *m, uint32_t a, uint32_t b)
     if (m->room == 0) return BVXI_NONE;
     at = edge_slot(m, oblique_edge_key(a, b));
     return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
-}
-
-void bvxi_edge_free(bvxi_oblique *o, bvxi_edge_map *m)
-{
-    bvxi_drop(o->ctx, m->value);
-    bvxi_drop(o->ctx, m->key);
-    memset(m, 0, sizeof *m);
 }
 
 /* ---- vertices and tetrahedra ---- */
@@ -310,7 +301,6 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
 
         /* What lay beyond the face opposite a is the twin's neighbour now. */
         relink_neighbour(o, half_a->n[corner_a], kept, twin);
-        /* The halves meet at the cut. */
         half_a->v[corner_b] = half_b->v[corner_a] = *m;
         half_b->n[corner_b] = kept;
         half_a->n[corner_a] = twin;
@@ -336,7 +326,6 @@ static bvx_status split_side(bvxi_oblique *o, uint32_t t, const uint32_t face[3]
     for (int k = 0; k < 3; k++) corner[k] = bvxi_corner_of(&old, face[k]);
     part[0] = t;
     for (int k = 1; k < 3; k++) BVXI_TRY(bvxi_tetra_add(o, old.v, old.n, t, &part[k]));
-    /* Each part has the new vertex in place of one corner of the face. */
     for (int k = 0; k < 3; k++) {
         bvxi_tetra *const p = &o->tetra[part[k]];
         p->v[corner[k]] = m;
@@ -362,13 +351,11 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
     on = bvxi_tetra_on(o, *m);
 
-    /* On the planes that all three corners lie on. */
     for (int k = 0; k < 3; k++)
         for (uint32_t w = 0; w < o->plane_words; w++) {
             uint64_t const set = bvxi_tetra_on(o, face[k])[w];
             on[w] = k == 0 ? set : on[w] & set;
         }
-    /* The corner of each side that faces the other. */
     across[0] = corner;
     across[1] = 0;
     for (int k = 0; k < 4 && beside != BVXI_NONE; k++)
