@@ -291,9 +291,11 @@ def table(head, rows, file):
 
 
 def nearer(rows, peer, times=1.0):
-    """How often ours is at most so many times as far, with no more triangles than asked for; and of how many."""
+    """How often ours is at most so many times as far, with no more triangles than asked for; and of how many. One that keeps more
+    triangles than asked for is no nearer level of that count, whoever made it."""
     both = [r for r in rows if usable(r, peer)]
-    good = [r for r in both if reached(r, OURS) and r["by"][OURS]["mean"] <= max(SAME, times * r["by"][peer]["mean"])]
+    good = [r for r in both if reached(r, OURS)
+            and (not reached(r, peer) or r["by"][OURS]["mean"] <= max(SAME, times * r["by"][peer]["mean"]))]
     return len(good), len(both)
 
 
