@@ -217,10 +217,25 @@ static int find_near_box(far_points *f)
     return 1;
 }
 
+static int is_beyond(const far_points *f, const double p[3])
+{
+    return p[0] < f->low[0] || p[0] > f->high[0] || p[1] < f->low[1] || p[1] > f->high[1] ||
+           p[2] < f->low[2] || p[2] > f->high[2];
+}
+
 /* Far points by number: a vertex counts once for each triangle that uses
  * it, which does not matter for a share. */
 static void count_far(far_points *f)
 {
+    double p[3];
+    uint64_t v = 0;
+
+    /* Most meshes have no vertex there; then corners, six times as many, need no look. */
+    for (; v < f->view->vertex_count; v++) {
+        position_of(f->view->positions, f->view->position_type, v, p);
+        if (is_beyond(f, p)) break;
+    }
+    if (v == f->view->vertex_count) return;
     for (int a = 0; a < 3; a++) {
         f->near_low[a] = HUGE_VAL;
         f->near_high[a] = -HUGE_VAL;
@@ -228,10 +243,9 @@ static void count_far(far_points *f)
     /* Far is what lies beyond along any axis; the box of the others grows by all that is not. */
     for (uint64_t i = 0; i < f->count; i++) {
         uint64_t const vertex = vertex_of(f, i);
-        double p[3];
-        int beyond = 0;
+        int beyond;
         position_of(f->view->positions, f->view->position_type, vertex, p);
-        for (int a = 0; a < 3; a++) beyond |= p[a] < f->low[a] || p[a] > f->high[a];
+        beyond = is_beyond(f, p);
         /* The first one is named in messages: one can look it up in the file. */
         if (beyond && f->far++ == 0) {
             f->first = vertex;

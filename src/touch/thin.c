@@ -193,25 +193,6 @@ static int least_corner(const int32_t q[3][3])
     return least;
 }
 
-/* Does the only line of a triangle's range pass outside? Where it has one edge on the left and another one on the
- * right it does, whichever way round the triangle is; on an edge the rule of ties decides. */
-static int misses_only_line(const thin_lines *l, const int32_t q[3][3])
-{
-    int64_t const step = (int64_t)1 << l->tile->job->fraction_bits, half = step >> 1;
-    int left = 0, right = 0;
-
-    if (l->low[1] != l->high[1] || l->low[2] != l->high[2]) return 0;
-    for (int i = 0; i < 3; i++) {
-        const int32_t *const a = q[i], *const b = q[i == 2 ? 0 : i + 1];
-        int64_t const e = ((int64_t)b[1] - a[1]) * (l->low[2] * step + half - a[2]) -
-                          ((int64_t)b[2] - a[2]) * (l->low[1] * step + half - a[1]);
-
-        left |= e > 0;
-        right |= e < 0;
-    }
-    return left & right;
-}
-
 /* Triangle i of the batch along an axis; low and high: the voxels of the tile by axis. */
 static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint32_t i, int axis,
                         const int32_t low[3], const int32_t high[3])
@@ -235,7 +216,6 @@ static void cross_along(bvxi_surface_tile *tile, const bvxi_touch_batch *b, uint
         if (l.low[a] > l.high[a]) return;
         for (int c = 0; c < 3; c++) q[c][a] = b->p[c][from][i] + (a == 0 ? shift : 0);
     }
-    if (misses_only_line(&l, (const int32_t(*)[3])q)) return;
     /* Beside a solid places are summed: from the least corner on they have the same bits for any order of
      * corners. */
     first = tile->job->solid != NULL ? least_corner((const int32_t(*)[3])q) : 0;
