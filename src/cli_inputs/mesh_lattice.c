@@ -9,24 +9,40 @@
 
 enum { LATTICE_RESOLUTION = 256 };
 
-static double coordinate_of(const void *positions, int is_f32, uint64_t vertex, int axis)
+static inline void position_of(const void *positions, uint32_t type, uint64_t vertex, double p[3])
 {
-    size_t const at = (size_t)vertex * 3 + (size_t)axis;
-    return is_f32 ? (double)((const float *)positions)[at] : ((const double *)positions)[at];
+    const float *const f = (const float *)positions + 3 * (size_t)vertex;
+    const double *const d = (const double *)positions + 3 * (size_t)vertex;
+
+    /* Unrolled by hand: the program, unlike the library, is built with -O1. */
+    p[0] = type == BVX_F32 ? (double)f[0] : d[0];
+    p[1] = type == BVX_F32 ? (double)f[1] : d[1];
+    p[2] = type == BVX_F32 ? (double)f[2] : d[2];
+}
+
+static inline void widen(double x, double *low, double *high)
+{
+    *low = x < *low ? x : *low;
+    *high = x > *high ? x : *high;
 }
 
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box)
 {
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = box->high[a] = 0.0;
-        /* By triangles: a vertex that no triangle uses takes no room. */
-        for (uint64_t i = 0; i < mesh->triangle_count * 3; i++) {
-            double const p = coordinate_of(mesh->positions, mesh->position_type == BVX_F32,
-                                           mesh->triangles[i], a);
-            box->low[a] = i == 0 || p < box->low[a] ? p : box->low[a];
-            box->high[a] = i == 0 || p > box->high[a] ? p : box->high[a];
-        }
+    cli_box b = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    double p[3];
+
+    if (mesh->triangle_count != 0) {
+        position_of(mesh->positions, (uint32_t)mesh->position_type, mesh->triangles[0], b.low);
+        memcpy(b.high, b.low, sizeof b.high);
     }
+    /* By triangles: a vertex that no triangle uses takes no room. */
+    for (uint64_t i = 0; i < mesh->triangle_count * 3; i++) {
+        position_of(mesh->positions, (uint32_t)mesh->position_type, mesh->triangles[i], p);
+        widen(p[0], &b.low[0], &b.high[0]);
+        widen(p[1], &b.low[1], &b.high[1]);
+        widen(p[2], &b.low[2], &b.high[2]);
+    }
+    *box = b;
 }
 
 void cli_join_boxes(cli_box *box, const cli_box *other)
@@ -164,12 +180,6 @@ static uint64_t vertex_of(const far_points *f, uint64_t i)
     return f->cloud || f->view->indices == NULL ? i : ((const uint32_t *)f->view->indices)[i];
 }
 
-static void position_of(const far_points *f, uint64_t vertex, double p[3])
-{
-    for (int a = 0; a < 3; a++)
-        p[a] = coordinate_of(f->view->positions, f->view->position_type == BVX_F32, vertex, a);
-}
-
 static int compare_values(const void *a, const void *b)
 {
     double const x = *(const double *)a, y = *(const double *)b;
@@ -187,7 +197,8 @@ static int find_near_box(far_points *f)
     /* A sample, evenly over the file, is enough to find where most points lie. */
     for (uint64_t i = 0; i < n; i++) {
         double p[3];
-        position_of(f, vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
+        position_of(f->view->positions, f->view->position_type,
+                    vertex_of(f, (uint64_t)((double)i * (double)f->count / (double)n)), p);
         for (uint64_t a = 0; a < 3; a++) value[a * n + i] = p[a];
     }
     for (uint64_t a = 0; a < 3; a++) {
@@ -206,10 +217,25 @@ static int find_near_box(far_points *f)
     return 1;
 }
 
+static int is_beyond(const far_points *f, const double p[3])
+{
+    return p[0] < f->low[0] || p[0] > f->high[0] || p[1] < f->low[1] || p[1] > f->high[1] ||
+           p[2] < f->low[2] || p[2] > f->high[2];
+}
+
 /* Far points by number: a vertex counts once for each triangle that uses
  * it, which does not matter for a share. */
 static void count_far(far_points *f)
 {
+    double p[3];
+    uint64_t v = 0;
+
+    /* Most meshes have no vertex there; then corners, six times as many, need no look. */
+    for (; v < f->view->vertex_count; v++) {
+        position_of(f->view->positions, f->view->position_type, v, p);
+        if (is_beyond(f, p)) break;
+    }
+    if (v == f->view->vertex_count) return;
     for (int a = 0; a < 3; a++) {
         f->near_low[a] = HUGE_VAL;
         f->near_high[a] = -HUGE_VAL;
@@ -217,10 +243,9 @@ static void count_far(far_points *f)
     /* Far is what lies beyond along any axis; the box of the others grows by all that is not. */
     for (uint64_t i = 0; i < f->count; i++) {
         uint64_t const vertex = vertex_of(f, i);
-        double p[3];
-        int beyond = 0;
-        position_of(f, vertex, p);
-        for (int a = 0; a < 3; a++) beyond |= p[a] < f->low[a] || p[a] > f->high[a];
+        int beyond;
+        position_of(f->view->positions, f->view->position_type, vertex, p);
+        beyond = is_beyond(f, p);
         /* The first one is named in messages: one can look it up in the file. */
         if (beyond && f->far++ == 0) {
             f->first = vertex;

@@ -50,9 +50,6 @@ typedef struct bvxi_walls {
     uint32_t *corner; /* of the triangles nearby, each from its first corner to its last, by place */
     uint64_t corner_bytes;
     uint8_t *against; /* of those triangles, 1: the mesh has them the other way round */
-    uint8_t *blocks;  /* 1: triangles there are wanted */
-    int32_t block_size[3];
-    int32_t *block_of; /* three of each vertex, cut to the window [Size: vertices * 3] */
     bvx_mesh_view near;
     bvx_closest closest;
     int32_t pieces;
@@ -69,6 +66,13 @@ typedef struct bvxi_wall_report {
 /* Make the grid of places. bvxi_walls_close frees everything. */
 bvx_status bvxi_walls_open(bvxi_walls *t);
 void bvxi_walls_close(bvxi_walls *t);
+
+/* The triangles of a mesh that may lie within reach of the listed centres of a grid, in their order: all that do,
+ * and some more. with_area: 1 leaves out those without. near is a view of *corner [Size: triangles * 3], scratch
+ * of the caller's to drop. [Units: world] */
+bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *grid,
+                               const uint64_t *at, uint64_t count, double reach, int32_t with_area,
+                               bvx_mesh_view *near, uint32_t **corner);
 
 /* Mark the places where the lattice may lose the surface; list them; take the
  * triangles around them and make a search of these (near has none where there

@@ -18,9 +18,18 @@ enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECE
 
 /* What is done to vertices or triangles piece by piece. */
 typedef struct near_job {
-    bvxi_walls *walls;
+    bvx_context *ctx;
+    const bvx_mesh_view *mesh;
+    const bvx_grid *grid; /* of the places */
+    int32_t with_area;    /* 1: triangles without area are left out */
+    uint8_t *blocks;      /* what they hold */
+    int32_t block_size[3];
+    int32_t *block_of; /* three of each vertex, cut to the window [Size: vertices * 3] */
+    uint32_t *corner;  /* of the triangles taken [Size: triangles * 3] */
     int32_t pieces;
-    uint64_t *keys; /* of the triangles nearby, by which they are sorted */
+
+    bvxi_walls *walls; /* from here on: their order */
+    uint64_t *keys;    /* of the triangles nearby, by which they are sorted */
     uint32_t *numbers, *sorted;
     uint64_t taken[NEAR_PIECES];                      /* triangles of a piece that are near */
     double low[NEAR_PIECES][3], high[NEAR_PIECES][3]; /* bounds of those of a piece */
@@ -28,7 +37,7 @@ typedef struct near_job {
 
 static bvx_status run_near(near_job *job, uint64_t count, bvxi_range_fn *body)
 {
-    bvx_context *const ctx = job->walls->ctx;
+    bvx_context *const ctx = job->ctx;
 
     return BVXI_SHARE(ctx, 0.2, 0.2, bvxi_for(ctx, "thin", count, NEAR_TRIANGLES, body, job));
 }
@@ -37,7 +46,7 @@ static bvx_status run_near_pieces(near_job *job, uint64_t count, bvxi_piece_fn *
 {
     job->pieces = bvxi_piece_count(count, NEAR_TRIANGLES);
     if (job->pieces > NEAR_PIECES) job->pieces = NEAR_PIECES;
-    return bvxi_for_pieces(job->walls->ctx, "thin", 0.2, 0.2, job->pieces, count, body, job);
+    return bvxi_for_pieces(job->ctx, "thin", 0.2, 0.2, job->pieces, count, body, job);
 }
 
 /* ---- which are near ---- */
@@ -54,7 +63,7 @@ static void view_triangles(const bvx_mesh_view *mesh, const uint32_t *corner, ui
 }
 
 /* Blocks of voxels that hold [low, high], cut to the window. */
-static void block_range(const bvxi_walls *t, const double low[3], const double high[3], int32_t from[3],
+static void block_range(const near_job *t, const double low[3], const double high[3], int32_t from[3],
                         int32_t to[3])
 {
     for (int a = 0; a < 3; a++) {
@@ -66,7 +75,7 @@ static void block_range(const bvxi_walls *t, const double low[3], const double h
     }
 }
 
-static uint8_t *block_row(const bvxi_walls *t, int32_t y, int32_t z)
+static uint8_t *block_row(const near_job *t, int32_t y, int32_t z)
 {
     return t->blocks + ((size_t)z * (size_t)t->block_size[1] + (size_t)y) * (size_t)t->block_size[0];
 }
@@ -74,23 +83,22 @@ static uint8_t *block_row(const bvxi_walls *t, int32_t y, int32_t z)
 /* What blocks hold: a mark, or one in the next block along some of the axes. */
 enum { BESIDE_MARK = 1, MARK = 2 };
 
-/* The blocks around all places, or also those just before them. */
-static void mark_blocks(bvxi_walls *t, uint8_t mark)
+/* The blocks within reach of all places, or also those just before them. */
+static void mark_blocks(near_job *t, const uint64_t *at, uint64_t count, double reach, uint8_t mark)
 {
-    const bvx_grid *const g = &t->places;
+    const bvx_grid *const g = t->grid;
 
-    for (uint64_t n = 0; n < t->count; n++) {
+    for (uint64_t n = 0; n < count; n++) {
         double low[3], high[3];
-        int32_t at[3], from[3], to[3];
+        int32_t centre[3], from[3], to[3];
 
-        bvxi_bit_centre(g, t->at[n], at);
+        bvxi_bit_centre(g, at[n], centre);
         for (int a = 0; a < 3; a++) {
-            /* How far from a place triangles may matter, a little more for rounding. */
-            double const far = 1.0 + 2 * BVXI_WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0);
-            double const reach = 1.01 * far * t->unit / g->lattice.spacing[a];
+            /* A little more for rounding. */
+            double const far = 1.01 * reach / g->lattice.spacing[a];
 
-            low[a] = (double)at[a] + 0.5 - reach;
-            high[a] = (double)at[a] + 0.5 + reach;
+            low[a] = (double)centre[a] + 0.5 - far;
+            high[a] = (double)centre[a] + 0.5 + far;
         }
         block_range(t, low, high, from, to);
         for (int a = 0; a < 3; a++) from[a] -= mark == BESIDE_MARK && from[a] > 0;
@@ -104,22 +112,21 @@ static void mark_blocks(bvxi_walls *t, uint8_t mark)
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
 static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
-    const near_job *const job = user;
-    const bvxi_walls *const t = job->walls;
-    const bvx_lattice *const l = &t->places.lattice;
+    const near_job *const t = user;
+    const bvx_lattice *const l = &t->grid->lattice;
 
     for (uint64_t v = begin; v < end; v++) {
         double p[3];
         int32_t to[3];
 
         bvxi_view_position(t->mesh, v, p);
-        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->places.low[a];
+        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->grid->low[a];
         /* from and to are one block for a point: only from is kept. */
         block_range(t, p, p, t->block_of + 3 * v, to);
     }
 }
 
-static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
+static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 {
     const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
     const int32_t *const r = t->block_of + 3 * (size_t)c[2];
@@ -148,44 +155,63 @@ static int is_in_marked_block(const bvxi_walls *t, const uint32_t c[3])
 /* Each piece writes where its own triangles would stand if all were taken. */
 static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
-    near_job *const job = user;
-    const bvxi_walls *const t = job->walls;
-    uint32_t *to;
+    near_job *const t = user;
+    uint32_t *to = t->corner + 3 * begin;
 
-    to = t->corner + 3 * begin;
     for (uint64_t n = begin; n < end; n++) {
         double p[3][3], normal[3];
         uint32_t c[3];
 
         bvxi_view_triangle(t->mesh, n, c);
         if (!is_in_marked_block(t, c)) continue;
-        for (int k = 0; k < 3; k++) bvxi_view_position(t->mesh, c[k], p[k]);
-        /* Without area there is no side that it could face. */
-        if (!(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
+        for (int k = 0; k < 3 && t->with_area; k++) bvxi_view_position(t->mesh, c[k], p[k]);
+        if (t->with_area && !(bvxi_facet_normal((const double(*)[3])p, normal) > 0)) continue;
         memcpy(to, c, sizeof c);
         to += 3;
     }
-    job->taken[piece] = (uint64_t)(to - t->corner) / 3 - begin;
+    t->taken[piece] = (uint64_t)(to - t->corner) / 3 - begin;
 }
 
-static bvx_status take_triangles_nearby(near_job *job)
+/* Blocks, so that a triangle is judged by few bytes. */
+static bvx_status take_triangles_nearby(near_job *t, const uint64_t *at, uint64_t count, double reach)
 {
-    bvxi_walls *const t = job->walls;
-    uint64_t count = 0;
+    uint64_t bytes = 1;
 
-    mark_blocks(t, BESIDE_MARK);
-    mark_blocks(t, MARK);
-    BVXI_TRY(run_near(job, t->mesh->vertex_count, place_piece_in_blocks));
-    BVXI_TRY(run_near_pieces(job, t->mesh->triangle_count, take_piece_nearby));
+    for (int a = 0; a < 3; a++) {
+        t->block_size[a] = t->grid->size[a] / NEAR_BLOCK + 1;
+        bytes *= (uint64_t)t->block_size[a];
+    }
+    BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
+    BVXI_TRY(
+        bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of));
+    mark_blocks(t, at, count, reach, BESIDE_MARK);
+    mark_blocks(t, at, count, reach, MARK);
+    BVXI_TRY(run_near(t, t->mesh->vertex_count, place_piece_in_blocks));
+    BVXI_TRY(run_near_pieces(t, t->mesh->triangle_count, take_piece_nearby));
+    bvxi_drop(t->ctx, t->block_of);
+    bvxi_drop(t->ctx, t->blocks);
+    return BVX_OK;
+}
 
-    for (int32_t i = 0; i < job->pieces; i++) {
+bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *grid,
+                               const uint64_t *at, uint64_t count, double reach, int32_t with_area,
+                               bvx_mesh_view *near, uint32_t **corner)
+{
+    near_job job = {.ctx = ctx, .mesh = mesh, .grid = grid, .with_area = with_area};
+    uint64_t taken = 0;
+
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles at thin places", corner));
+    job.corner = *corner;
+    BVXI_TRY(take_triangles_nearby(&job, at, count, reach));
+    for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t begin, end;
 
-        bvxi_piece(t->mesh->triangle_count, job->pieces, i, &begin, &end);
-        memmove(t->corner + 3 * count, t->corner + 3 * begin, (size_t)job->taken[i] * 12);
-        count += job->taken[i];
+        bvxi_piece(mesh->triangle_count, job.pieces, i, &begin, &end);
+        memmove(job.corner + 3 * taken, job.corner + 3 * begin, (size_t)job.taken[i] * 12);
+        taken += job.taken[i];
     }
-    view_triangles(t->mesh, t->corner, count, &t->near);
+    view_triangles(mesh, job.corner, taken, near);
     return BVX_OK;
 }
 
@@ -274,7 +300,7 @@ static bvx_status sort_triangles_nearby(near_job *job, double low[3], double hig
             high[a] = job->high[i][a] > high[a] ? job->high[i][a] : high[a];
         }
     }
-    BVXI_TRY(bvxi_radix_sort(job->walls->ctx, job->keys, job->numbers, count));
+    BVXI_TRY(bvxi_radix_sort(job->ctx, job->keys, job->numbers, count));
     BVXI_TRY(run_near(job, count, side_piece_nearby));
     return run_near(job, count, move_piece_nearby);
 }
@@ -304,50 +330,21 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
 
 /* ---- the search ---- */
 
-/* Blocks, so that a triangle is judged by few bytes. */
-static bvx_status open_blocks(bvxi_walls *t)
-{
-    uint64_t bytes = 1;
-
-    for (int a = 0; a < 3; a++) {
-        t->block_size[a] = t->places.size[a] / NEAR_BLOCK + 1;
-        bytes *= (uint64_t)t->block_size[a];
-    }
-    return bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks);
-}
-
-static bvx_status choose_triangles(near_job *job)
-{
-    bvxi_walls *const t = job->walls;
-    bvx_context *const ctx = t->ctx;
-
-    t->corner_bytes = t->mesh->triangle_count * 12;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->corner_bytes, "the triangles at thin places", &t->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->triangle_count, "the sides of thin places", &t->against));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of));
-    BVXI_TRY(take_triangles_nearby(job));
-
-    /* Both tables served the choice only. */
-    bvxi_drop(ctx, t->block_of);
-    t->block_of = NULL;
-    bvxi_drop(ctx, t->blocks);
-    t->blocks = NULL;
-    return BVX_OK;
-}
-
-/* Take the triangles near enough to matter to a listed place (with beside: also to the centres around it),
- * and build a search among them. Enough: the nearest within one spacing, then the nearest to a point
- * BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
-    near_job job = {.walls = t};
+    near_job job = {.ctx = t->ctx, .walls = t};
+    double const reach = (1.0 + 2 * BVXI_WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0)) * t->unit;
     double low[3], high[3];
 
-    BVXI_TRY(open_blocks(t));
-    BVXI_TRY(choose_triangles(&job));
+    /* Without area a triangle has no side that it could face. Enough are those of the nearest point within one
+     * spacing, then of the nearest to a point BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
+    BVXI_TRY(
+        bvxi_triangles_near(t->ctx, t->mesh, &t->places, t->at, t->count, reach, 1, &t->near, &t->corner));
     /* No triangle is near: nothing is searched. */
     if (t->near.triangle_count == 0) return BVX_OK;
 
+    BVXI_TRY(
+        bvxi_alloc(t->ctx, BVXI_SCRATCH, t->near.triangle_count, "the sides of thin places", &t->against));
     BVXI_TRY(order_triangles_nearby(&job, low, high));
     return bvxi_closest_build(bvxi_call_of(t->ctx, NULL, "thin", 0.3, 0.4), &t->near, low, high,
                               bvxi_unit_scale(low, high), &t->closest.tree);

@@ -5,10 +5,13 @@
  * that a piece of a mesh has for itself stays. */
 #include "pipeline/steps.h"
 #include "components/room.h"
+#include "fill/thin_walls.h"
 #include "nearest/closest.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 #include "pipeline/repair.h"
+
+#include <math.h>
 
 /* ---- By size ---- */
 
@@ -108,6 +111,7 @@ enum { CRUMB_VOXELS = 64 };
 
 /* What is known of a piece, by its least vertex. */
 typedef struct crumb_piece {
+    uint32_t triangles;    /* of all; 0 where no part is nearest to it */
     uint32_t large, small; /* triangles before voxels of large parts, and of small ones */
     uint32_t best;         /* 1 + the small part of most voxels among those that are nearest to the piece */
 } crumb_piece;
@@ -266,8 +270,9 @@ static int find_only_piece(const crumb_job *job, uint32_t *only)
     return 1;
 }
 
-/* Count until a piece has `enough` triangles before voxels of large parts. */
-static void count_beside(crumb_job *job, int32_t s, uint64_t enough)
+/* Count what lies behind the triangles of the pieces that parts are nearest to. Where more than half of a piece's
+ * have been seen before voxels of one kind, the rest change nothing. */
+static void count_beside(crumb_job *job, int32_t s)
 {
     const bvx_mesh_view *const mesh = job->source[s].mesh;
 
@@ -278,19 +283,37 @@ static void count_beside(crumb_job *job, int32_t s, uint64_t enough)
         int found;
 
         bvxi_view_triangle(mesh, t, v);
-        for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
         /* By the piece of the first corner, as all three are of one. */
         piece = &job->piece[s][job->source[s].piece[v[0]]];
+        if (2 * (uint64_t)piece->large > piece->triangles || 2 * (uint64_t)piece->small >= piece->triangles)
+            continue;
+        for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
         found = crumb_beside(job, (const double(*)[3])p);
         piece->large += found == 1;
         piece->small += found == 2;
-        if (piece->large == enough) return;
     }
 }
 
-/* The piece of a mesh that is nearest to a part's first voxel; *distance is known already of another mesh. */
-static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest *closest, crumb_part *p,
-                              uint32_t *hint, double *distance)
+/* The pieces that small parts are nearest to get the number of their triangles. */
+static void size_pieces(crumb_job *job)
+{
+    for (uint64_t n = 0; n < job->spaces.count; n++)
+        if (job->part[n].small) job->piece[job->part[n].source][job->part[n].piece].triangles = 1;
+    for (int32_t s = 0; s < job->sources; s++)
+        for (uint64_t t = 0; t < job->source[s].mesh->triangle_count; t++) {
+            crumb_piece *piece;
+            uint32_t v[3];
+
+            bvxi_view_triangle(job->source[s].mesh, t, v);
+            piece = &job->piece[s][job->source[s].piece[v[0]]];
+            piece->triangles += piece->triangles != 0;
+        }
+}
+
+/* The piece of some of a mesh's triangles that is nearest to a part's first voxel; *distance is that of what is
+ * known already. */
+static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_mesh_view *triangles,
+                              const bvx_closest *closest, crumb_part *p, uint32_t *hint, double *distance)
 {
     const bvx_lattice *const l = &job->inside->lattice;
     bvx_closest_point found;
@@ -301,34 +324,75 @@ static void ask_nearest_piece(const crumb_job *job, int32_t s, const bvx_closest
         centre[a] = l->origin[a] + ((double)(job->inside->low[a] + p->at[a]) + 0.5) * l->spacing[a];
     bvxi_closest_ask(closest, centre, hint, &found);
     /* Of two meshes the nearer one decides. */
-    if (s > 0 && !(found.distance < *distance)) return;
+    if (!(found.distance < *distance)) return;
     *distance = found.distance;
-    bvxi_view_triangle(job->source[s].mesh, found.triangle, v);
+    bvxi_view_triangle(triangles, found.triangle, v);
     p->source = (uint32_t)s;
     p->piece = job->source[s].piece[v[0]];
 }
 
-static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, double *distance)
+/* Of the small parts whose distance is not known yet to be within reach. */
+static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_view *triangles, double reach,
+                                      double *distance)
 {
+    double low[3], high[3];
     bvx_closest closest;
     uint32_t hint = 0;
 
-    BVXI_TRY(bvxi_closest_open(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), job->source[s].mesh,
-                               &closest));
+    if (triangles->triangle_count == 0) return BVX_OK;
+    bvxi_view_used_bounds(triangles, low, high);
+    BVXI_TRY(bvxi_closest_build(bvxi_call_of(job->ctx, job->function, "crumbs", 0.0, 1.0), triangles, low,
+                                high, bvxi_unit_scale(low, high), &closest.tree));
     /* Parts in their order: the hint of one serves the next. */
     for (uint64_t n = 0; n < job->spaces.count; n++)
-        if (job->part[n].small) ask_nearest_piece(job, s, &closest, &job->part[n], &hint, &distance[n]);
+        if (job->part[n].small && !(distance[n] <= reach))
+            ask_nearest_piece(job, s, triangles, &closest, &job->part[n], &hint, &distance[n]);
     bvxi_closest_shut(job->ctx, &closest);
+    return BVX_OK;
+}
+
+/* Among the triangles beside small parts: nearly every part has its piece there, and what lies within reach is
+ * nearer than all that is not there. */
+static bvx_status find_pieces_beside(crumb_job *job, double reach, double *distance)
+{
+    uint64_t *at, count = 0;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->small_parts * 8, "the small parts' voxels", &at));
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        const int32_t *const first = job->part[n].at;
+
+        if (job->part[n].small) at[count++] = bvxi_centre_bit(job->inside, first[0], first[1], first[2]);
+    }
+    for (int32_t s = 0; s < job->sources; s++) {
+        bvx_mesh_view near;
+        uint32_t *corner;
+
+        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, job->inside, at, count, reach, 0, &near,
+                                     &corner));
+        BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
+        bvxi_drop(job->ctx, corner);
+    }
+    bvxi_drop(job->ctx, at);
     return BVX_OK;
 }
 
 static bvx_status ask_meshes(crumb_job *job)
 {
+    double const reach = 2.0 * bvxi_largest_spacing(&job->inside->lattice);
     double *distance;
+    uint64_t far = 0;
 
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->spaces.count * 8, "the parts' distances", &distance));
-    BVXI_TRY(find_nearest_pieces(job, 0, distance));
-    if (job->sources > 1) BVXI_TRY(find_nearest_pieces(job, 1, distance));
+    for (uint64_t n = 0; n < job->spaces.count; n++) distance[n] = HUGE_VAL;
+    BVXI_TRY(find_pieces_beside(job, reach, distance));
+    for (uint64_t n = 0; n < job->spaces.count; n++) {
+        int const is_far = job->part[n].small && !(distance[n] <= reach);
+
+        if (is_far) distance[n] = HUGE_VAL;
+        far += (uint64_t)is_far;
+    }
+    for (int32_t s = 0; s < job->sources && far != 0; s++)
+        BVXI_TRY(find_nearest_pieces(job, s, job->source[s].mesh, reach, distance));
     bvxi_drop(job->ctx, distance);
     return BVX_OK;
 }
@@ -375,13 +439,12 @@ static bvx_status find_pieces(crumb_job *job)
 
     if (find_only_piece(job, &only)) {
         for (uint64_t n = 0; n < job->spaces.count; n++) job->part[n].piece = only;
-        /* more than the small ones can have */
-        count_beside(job, 0, job->source[0].mesh->triangle_count / 2 + 1);
-        return BVX_OK;
+    } else {
+        BVXI_TRY(ask_meshes(job));
     }
-    /* Triangles of all pieces are counted, as parts may be nearest to any. */
-    for (int32_t s = 0; s < job->sources; s++) count_beside(job, s, UINT64_MAX);
-    return ask_meshes(job);
+    size_pieces(job);
+    for (int32_t s = 0; s < job->sources; s++) count_beside(job, s);
+    return BVX_OK;
 }
 
 static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)

@@ -156,15 +156,24 @@ static bvx_status keep_reach(thin_job *t)
 
 /* Mend until nothing is lost; *mended: 1 when centres went inside that may
  * lie beyond the reach of their wall. */
-static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
+static bvx_status mend_all(thin_job *t, uint64_t *near, const bvxi_walls *asked, int *mended)
 {
+    const bvx_mesh_view *const mesh = t->walls->mesh;
+    bvx_mesh_view beside;
+    uint32_t *corner;
     int more = 1;
 
+    /* What a centre of near may lose is half a voxel off it: no other triangle can mark it. */
+    BVXI_TRY(bvxi_triangles_near(t->walls->ctx, mesh, &t->walls->places, asked->at, asked->count,
+                                 t->walls->unit, 0, &beside, &corner));
+    if (beside.triangle_count != 0) t->walls->mesh = &beside;
     *mended = 0;
     for (int round = 0; more && round < THIN_MENDS; round++) {
         BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.4 + 0.1 * round, 0.5 + 0.1 * round, mend_walls(t, near, &more)));
         *mended |= more;
     }
+    t->walls->mesh = mesh;
+    bvxi_drop(t->walls->ctx, corner);
     memcpy(t->walls->places.words, near, (size_t)t->walls->bytes);
     return BVX_OK;
 }
@@ -191,7 +200,7 @@ static bvx_status widen(thin_job *t)
     t->walls->at = NULL;
     t->walls->point = NULL;
     t->walls->count = 0;
-    status = mend_all(t, near, &mended);
+    status = mend_all(t, near, &asked, &mended);
     bvxi_drop(t->walls->ctx, near);
 
     /* Without that, the first answers are still those of all centres. */
