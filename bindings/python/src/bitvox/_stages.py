@@ -673,8 +673,7 @@ class Closest:
         >>> bool(len(hits) == offsets[1])
         True
         """
-        import numpy as np
-
+        np = arrays.numpy("crossings")
         given = arrays.numbers_in(rays, "rays", 6)
         offsets = np.zeros(given.count + 1, np.uint64)
         starts = ffi.cast("uint64_t *", offsets.ctypes.data)
@@ -705,8 +704,7 @@ class Closest:
         >>> bitvox.Closest('knot.ply').winding([[100, 0, 0]]).tolist()
         [0]
         """
-        import numpy as np
-
+        np = arrays.numpy("winding")
         given = arrays.numbers_in(points, "points", 3)
         turns = np.zeros(given.count, np.int64)
         with Run(threads, None, progress) as run:
