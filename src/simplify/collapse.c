@@ -131,7 +131,7 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
         if (cost < c->least[w]) {
             c->least[w] = cost;
             c->edge[w] = edge;
-        } else if ((old == edge) | (old == bvxi_corner_opposite(m, edge)) |
+        } else if (old == edge || old == bvxi_corner_opposite(m, edge) ||
                    ((i == 0 || i == star->of_v) && old >= 0 && bvxi_corner_gone(m, old))) {
             bvxi_edge_find_least(c, w);
         }
