@@ -20,7 +20,8 @@ static uint64_t broken_of(const uint32_t *triangle, uint64_t triangles, uint64_t
     uint64_t broken = 99;
 
     memset(ask, asked, sizeof ask);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_fans_check(ctx, triangle, triangles, vertices, ask, &broken));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, BVXI_SCOPE(ctx, bvxi_fans_check(ctx, triangle, triangles, vertices, ask, &broken)));
     return broken;
 }
 
