@@ -67,12 +67,11 @@ typedef struct bvxi_wall_report {
 bvx_status bvxi_walls_open(bvxi_walls *t);
 void bvxi_walls_close(bvxi_walls *t);
 
-/* The triangles of a mesh that may lie within reach of the listed centres of a grid, in their order: all that do,
- * and some more. with_area: 1 leaves out those without. near is a view of *corner [Size: triangles * 3], scratch
- * of the caller's to drop. [Units: world] */
-bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *grid,
-                               const uint64_t *at, uint64_t count, double reach, int32_t with_area,
-                               bvx_mesh_view *near, uint32_t **corner);
+/* The triangles of a mesh that may lie within reach of the set centres of places, in their order: all that do, and
+ * some more. with_area: 1 leaves out those without. near is a view of *corner, scratch of the caller's to drop
+ * [Size: triangles * 3]. reach: [Units: world] */
+bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *places,
+                               double reach, int32_t with_area, bvx_mesh_view *near, uint32_t **corner);
 
 /* Mark the places where the lattice may lose the surface; list them; take the
  * triangles around them and make a search of these (near has none where there

@@ -83,30 +83,36 @@ static uint8_t *block_row(const near_job *t, int32_t y, int32_t z)
 /* What blocks hold: a mark, or one in the next block along some of the axes. */
 enum { BESIDE_MARK = 1, MARK = 2 };
 
-/* The blocks within reach of all places, or also those just before them. */
-static void mark_blocks(near_job *t, const uint64_t *at, uint64_t count, double reach, uint8_t mark)
+static void mark_around(near_job *t, uint64_t bit, double reach, uint8_t mark)
 {
     const bvx_grid *const g = t->grid;
+    int32_t at[3], from[3], to[3];
+    double low[3], high[3];
 
-    for (uint64_t n = 0; n < count; n++) {
-        double low[3], high[3];
-        int32_t centre[3], from[3], to[3];
+    bvxi_bit_centre(g, bit, at);
+    for (int a = 0; a < 3; a++) {
+        /* A little more for rounding. */
+        double const far = 1.01 * reach / g->lattice.spacing[a];
 
-        bvxi_bit_centre(g, at[n], centre);
-        for (int a = 0; a < 3; a++) {
-            /* A little more for rounding. */
-            double const far = 1.01 * reach / g->lattice.spacing[a];
-
-            low[a] = (double)centre[a] + 0.5 - far;
-            high[a] = (double)centre[a] + 0.5 + far;
-        }
-        block_range(t, low, high, from, to);
-        for (int a = 0; a < 3; a++) from[a] -= mark == BESIDE_MARK && from[a] > 0;
-        /* Rows of blocks, so that each is set at once. */
-        for (int32_t z = from[2]; z <= to[2]; z++)
-            for (int32_t y = from[1]; y <= to[1]; y++)
-                memset(block_row(t, y, z) + from[0], mark, (size_t)(to[0] - from[0]) + 1);
+        low[a] = (double)at[a] + 0.5 - far;
+        high[a] = (double)at[a] + 0.5 + far;
     }
+    block_range(t, low, high, from, to);
+    for (int a = 0; a < 3; a++) from[a] -= mark == BESIDE_MARK && from[a] > 0;
+    /* Rows of blocks, so that each is set at once. */
+    for (int32_t z = from[2]; z <= to[2]; z++)
+        for (int32_t y = from[1]; y <= to[1]; y++)
+            memset(block_row(t, y, z) + from[0], mark, (size_t)(to[0] - from[0]) + 1);
+}
+
+/* The blocks within reach of all places, or also those just before them. */
+static void mark_blocks(near_job *t, double reach, uint8_t mark)
+{
+    uint64_t const words = bvxi_grid_words(t->grid);
+
+    for (uint64_t i = 0; i < words; i++)
+        for (uint64_t bits = t->grid->words[i]; bits != 0; bits &= bits - 1)
+            mark_around(t, i * 64 + (uint64_t)bvxi_lowest(bits), reach, mark);
 }
 
 /* The block of each vertex; of those that no triangle uses too, whatever they are. */
@@ -173,7 +179,7 @@ static void take_piece_nearby(void *user, int32_t piece, uint64_t begin, uint64_
 }
 
 /* Blocks, so that a triangle is judged by few bytes. */
-static bvx_status take_triangles_nearby(near_job *t, const uint64_t *at, uint64_t count, double reach)
+static bvx_status take_triangles_nearby(near_job *t, double reach)
 {
     uint64_t bytes = 1;
 
@@ -184,8 +190,8 @@ static bvx_status take_triangles_nearby(near_job *t, const uint64_t *at, uint64_
     BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
     BVXI_TRY(
         bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of));
-    mark_blocks(t, at, count, reach, BESIDE_MARK);
-    mark_blocks(t, at, count, reach, MARK);
+    mark_blocks(t, reach, BESIDE_MARK);
+    mark_blocks(t, reach, MARK);
     BVXI_TRY(run_near(t, t->mesh->vertex_count, place_piece_in_blocks));
     BVXI_TRY(run_near_pieces(t, t->mesh->triangle_count, take_piece_nearby));
     bvxi_drop(t->ctx, t->block_of);
@@ -193,17 +199,16 @@ static bvx_status take_triangles_nearby(near_job *t, const uint64_t *at, uint64_
     return BVX_OK;
 }
 
-bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *grid,
-                               const uint64_t *at, uint64_t count, double reach, int32_t with_area,
-                               bvx_mesh_view *near, uint32_t **corner)
+bvx_status bvxi_triangles_near(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *places,
+                               double reach, int32_t with_area, bvx_mesh_view *near, uint32_t **corner)
 {
-    near_job job = {.ctx = ctx, .mesh = mesh, .grid = grid, .with_area = with_area};
+    near_job job = {.ctx = ctx, .mesh = mesh, .grid = places, .with_area = with_area};
     uint64_t taken = 0;
 
     BVXI_TRY(
         bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles at thin places", corner));
     job.corner = *corner;
-    BVXI_TRY(take_triangles_nearby(&job, at, count, reach));
+    BVXI_TRY(take_triangles_nearby(&job, reach));
     for (int32_t i = 0; i < job.pieces; i++) {
         uint64_t begin, end;
 
@@ -338,8 +343,7 @@ bvx_status bvxi_walls_near(bvxi_walls *t)
 
     /* Without area a triangle has no side that it could face. Enough are those of the nearest point within one
      * spacing, then of the nearest to a point BVXI_WALL_DEPTH behind it, at most BVXI_WALL_DEPTH further. */
-    BVXI_TRY(
-        bvxi_triangles_near(t->ctx, t->mesh, &t->places, t->at, t->count, reach, 1, &t->near, &t->corner));
+    BVXI_TRY(bvxi_triangles_near(t->ctx, t->mesh, &t->places, reach, 1, &t->near, &t->corner));
     /* No triangle is near: nothing is searched. */
     if (t->near.triangle_count == 0) return BVX_OK;
 

@@ -355,24 +355,14 @@ static bvx_status find_nearest_pieces(crumb_job *job, int32_t s, const bvx_mesh_
  * nearer than all that is not there. */
 static bvx_status find_pieces_beside(crumb_job *job, double reach, double *distance)
 {
-    uint64_t *at, count = 0;
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->small_parts * 8, "the small parts' voxels", &at));
-    for (uint64_t n = 0; n < job->spaces.count; n++) {
-        const int32_t *const first = job->part[n].at;
-
-        if (job->part[n].small) at[count++] = bvxi_centre_bit(job->inside, first[0], first[1], first[2]);
-    }
     for (int32_t s = 0; s < job->sources; s++) {
         bvx_mesh_view near;
         uint32_t *corner;
 
-        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, job->inside, at, count, reach, 0, &near,
-                                     &corner));
+        BVXI_TRY(bvxi_triangles_near(job->ctx, job->source[s].mesh, &job->small, reach, 0, &near, &corner));
         BVXI_TRY(find_nearest_pieces(job, s, &near, -1.0, distance));
         bvxi_drop(job->ctx, corner);
     }
-    bvxi_drop(job->ctx, at);
     return BVX_OK;
 }
 

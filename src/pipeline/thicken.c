@@ -156,7 +156,7 @@ static bvx_status keep_reach(thin_job *t)
 
 /* Mend until nothing is lost; *mended: 1 when centres went inside that may
  * lie beyond the reach of their wall. */
-static bvx_status mend_all(thin_job *t, uint64_t *near, const bvxi_walls *asked, int *mended)
+static bvx_status mend_all(thin_job *t, uint64_t *near, int *mended)
 {
     const bvx_mesh_view *const mesh = t->walls->mesh;
     bvx_mesh_view beside;
@@ -164,8 +164,8 @@ static bvx_status mend_all(thin_job *t, uint64_t *near, const bvxi_walls *asked,
     int more = 1;
 
     /* What a centre of near may lose is half a voxel off it: no other triangle can mark it. */
-    BVXI_TRY(bvxi_triangles_near(t->walls->ctx, mesh, &t->walls->places, asked->at, asked->count,
-                                 t->walls->unit, 0, &beside, &corner));
+    BVXI_TRY(
+        bvxi_triangles_near(t->walls->ctx, mesh, &t->walls->places, t->walls->unit, 0, &beside, &corner));
     if (beside.triangle_count != 0) t->walls->mesh = &beside;
     *mended = 0;
     for (int round = 0; more && round < THIN_MENDS; round++) {
@@ -200,7 +200,7 @@ static bvx_status widen(thin_job *t)
     t->walls->at = NULL;
     t->walls->point = NULL;
     t->walls->count = 0;
-    status = mend_all(t, near, &asked, &mended);
+    status = mend_all(t, near, &mended);
     bvxi_drop(t->walls->ctx, near);
 
     /* Without that, the first answers are still those of all centres. */
