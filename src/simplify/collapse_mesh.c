@@ -81,10 +81,10 @@ static bvx_status collapse_crumpling(bvxi_collapse *c, uint64_t target, double f
 
     for (c->crumpled = first;; c->crumpled *= CRUMPLED_STEP) {
         if (c->crumpled > CRUMPLED_MOST) c->crumpled = CRUMPLED_MOST;
+        if (bvxi_any_marked(c->stale, c->mesh.vertices)) BVXI_TRY(bvxi_collapse_evaluate(c));
         BVXI_TRY(collapse_within(c, target, from, to));
         if (c->mesh.left <= target) return BVX_OK;
         if (c->crumpled == CRUMPLED_MOST) break;
-        BVXI_TRY(bvxi_collapse_evaluate(c));
     }
     bvxi_collapse_undo_since(c, order);
     memset(c->stale, 1, (size_t)c->mesh.vertices);
