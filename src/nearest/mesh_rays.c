@@ -21,7 +21,7 @@ enum {
     RAY_GRAIN = 16, /* least rays a piece */
     RAY_STACK = 3 * BVXI_CLOSEST_LEVELS + BVXI_CLOSEST_WIDTH
 };
-/* Origins so many of the mesh's units away leave no digits for the mesh. */
+/* Further away an origin has no digits left for the mesh [Units: the mesh's size]. */
 #define RAY_FARTHEST 0x1p200
 
 typedef struct mesh_ray {
@@ -204,7 +204,7 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
 
 /* ---- The tree ---- */
 
-/* Bits of the children whose boxes the ray meets, and where it enters them. */
+/* Bits of the children with boxes on the ray; enter: where each box begins. */
 static uint32_t meet_boxes(const ray_visit *w, const bvxi_closest_node *node,
                            double enter[BVXI_CLOSEST_WIDTH])
 {
@@ -239,7 +239,7 @@ static uint32_t meet_boxes(const ray_visit *w, const bvxi_closest_node *node,
 
 typedef struct ray_step {
     double enter;
-    int32_t level; /* of the node whose children come next */
+    int32_t level; /* of the node */
     uint32_t node;
 } ray_step;
 

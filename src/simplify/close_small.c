@@ -6,7 +6,7 @@
  * Collapses keep handles and holes, so three edges that are no triangle remain around each handle, and three border
  * edges around each hole. A loop that does not separate the surface is cut: its three vertices become one on either
  * side, and edges collapse on from there. What such a loop separates, a knob with handles of its own or none, becomes
- * a triangle where that costs no more than the edges that have collapsed. A hole becomes a triangle.
+ * a triangle where that lies near the planes of its vertices. A hole becomes a triangle.
  *
  * Guarantee: what is closed, manifold and oriented stays so; no triangles cross that did not before; no part goes,
  * and none becomes two. */
@@ -19,7 +19,7 @@ enum {
     LOOP_REACH = 1 << 16 /* triangles within which both sides of a loop meet or one ends, or it is kept */
 };
 
-/* Mean edges that what is closed may lie from its planes. */
+/* Mean edges from a vertex's planes within which it may be closed. */
 #define CLOSE_NEAR 0.67
 
 /* Three edges by their vertices; ghost: a triangle of the hole that they are around, or -1. */
@@ -243,7 +243,7 @@ static int sides_meet(loop_work *w, const loop_side side[2])
     return 0;
 }
 
-/* 1: a position is no further from the planes of a vertex than those of levels that look like their source are. */
+/* 1: a position is no further from the planes of a vertex than levels that crumple the most may lie. */
 static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 {
     const bvxi_corner_vertex *const at = &c->mesh.at[v];
