@@ -2273,7 +2273,7 @@ typedef struct bvx_read_volume_options {
     size_t struct_size;
     const void *data;   /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
     uint64_t data_size; /**< [Units: bytes] [Limit: any] [Default: 0] */
-    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip [Default: NULL, refused] */
+    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip, VTI with blocks of zlib [Default: NULL, refused] */
     void *inflate_user;      /**< first argument of inflate [Default: NULL] */
     int32_t sample_type;     /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
     int32_t big_endian;      /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
@@ -2293,7 +2293,7 @@ typedef struct bvx_read_volume_options {
  *  BVX_FORMAT_NRRD  three axes, x fastest, any scalar type; raw, ascii, or gzip with options.inflate; samples
  *                   in other files come by bvx_volume_data_name and options.data
  *  BVX_FORMAT_NPY   any whole-number or float type, three axes [x,y,z]
- *  BVX_FORMAT_VTI   raw, base64 or ascii without compression, cell or point data
+ *  BVX_FORMAT_VTI   raw, base64 or ascii, cell or point data; blocks of zlib with options.inflate
  *  BVX_FORMAT_RAW   samples only, of the options' size, type and byte order
  *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (dims beyond the limits),
  *  BVX_ERR_UNSUPPORTED (a format or encoding that is not read, turned axes, gzip without inflate),

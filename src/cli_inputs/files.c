@@ -289,20 +289,6 @@ int cli_open_input(cli_run *run, const char *path, cli_bytes *b)
     return cli_make_context(run, b->size);
 }
 
-int cli_open_samples(cli_run *run, const char *path, cli_bytes *b)
-{
-    if (cli_input_format(run, path) != BVX_FORMAT_VTI) return cli_open_input(run, path, b);
-
-    /* One stage: to unpack the blocks is a part of reading. */
-    cli_stage_begin(run, "read");
-    cli_stage_calls(run, 2);
-    CLI_TRY(cli_read_bytes(run, path, 0, b));
-    CLI_TRY(cli_unpack_vti(run, path, b));
-    cli_note_peak(run, b->size);
-    cli_stage_end(run);
-    return cli_make_context(run, b->size);
-}
-
 void cli_end_parse(cli_run *run, uint64_t bytes)
 {
     cli_stage_end(run);

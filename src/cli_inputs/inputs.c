@@ -66,7 +66,7 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
     else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
     cli_end_parse(run, b->size);
-    if (read == BVX_ERR_UNSUPPORTED && format == BVX_FORMAT_NRRD &&
+    if (read == BVX_ERR_UNSUPPORTED && (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VTI) &&
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
     if (read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL && has_vox_colours(b))
@@ -120,7 +120,7 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
     in->path = path;
     /* What was chosen by its samples is a grid from here on. */
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
-    status = cli_open_samples(run, path, &b);
+    status = cli_open_input(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);

@@ -85,15 +85,16 @@ int cli_check_selection(cli_run *run, const char *path)
 
 /* ---- packed samples ---- */
 
-/* A bvx_inflate_fn. Data files that end in .gz are unpacked when they are read. */
+/* A bvx_inflate_fn; user is set where the bytes may be plain. Data files that end in .gz are unpacked when
+ * they are read. */
 static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_size, void *plain,
                                uint64_t plain_size)
 {
     const unsigned char *const bytes = packed;
 
-    (void)user;
     /* Some files say gzip and hold plain bytes. */
-    if (packed_size == plain_size && (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
+    if (user != NULL && packed_size == plain_size &&
+        (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
         memcpy(plain, packed, (size_t)plain_size);
         return 0;
     }
@@ -316,6 +317,7 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
 #else
     if (v->data.bytes != NULL) o.inflate = inflate_samples; /* plain bytes, as it turns out, or a refusal */
 #endif
+    o.inflate_user = format == BVX_FORMAT_NRRD ? v : NULL;
     /* NULL where the samples follow the head in the same file. */
     o.data = v->data.bytes;
     o.data_size = v->data.size;
@@ -325,7 +327,7 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     cli_end_parse(run, (uint64_t)v->file.size + v->data.size);
 #ifndef BVX_HAVE_ZLIB
     if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
-        return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib",
+        return cli_fail(run, "%s: packed samples, which this build cannot unpack: it was made without zlib",
                         cli_input_name(path));
 #endif
     CLI_TRY(cli_check_call(run, read, cli_input_name(path)));
@@ -337,7 +339,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
 {
     memset(v, 0, sizeof *v);
     CLI_TRY(cli_check_selection(run, path));
-    CLI_TRY(cli_open_samples(run, path, &v->file));
+    CLI_TRY(cli_open_input(run, path, &v->file));
     return cli_take_volume(run, path, window, v);
 }
 

@@ -127,6 +127,7 @@ bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *d
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
                          "%s: the packed samples are damaged or do not make %u bytes", d->format, d->size);
     }
+    if (d->encoding == BVXI_DENSE_BLOCKS) return bvxi_unpack_blocks(source, d, bytes);
     if (!bvxi_base64_take(&b, bytes, d->size))
         return bvxi_fail_short_array(&d->source, d->array, d->size, b.p);
     /* An array in a tag must end where its text does; appended data goes on with other arrays. */

@@ -7,7 +7,7 @@
 
 /* VTK's XML image data: where the samples of one array stand.
  *
- * Source: VTK File Formats (docs.vtk.org), versions 0.1, 1.0 and 2.x, without compression. Of several arrays
+ * Source: VTK File Formats (docs.vtk.org), versions 0.1, 1.0 and 2.x; compressed by zlib where the caller unpacks. Of several arrays
  * the one that is the active scalars is read, of cells before points; where none is active, the first with
  * one number each. Cells are voxels. Points are voxels' centres, so there is one more along each axis and the
  * corner is half a voxel lower.
@@ -30,7 +30,7 @@ typedef struct vti_file {
     bvxi_xml_text active;     /* name of the section's active scalars */
     const char *appended;     /* after the underscore */
     int32_t big, header_size; /* bytes of a count before data */
-    int8_t compressed, has_active, has_image, has_piece, appended_base64;
+    int8_t compressed, unpacks, has_active, has_image, has_piece, appended_base64;
 } vti_file;
 
 /* ---- attributes ---- */
@@ -111,6 +111,7 @@ static bvx_status vti_take_file(vti_file *f)
     }
     /* Whether that matters depends on the array: a text is never compressed. */
     f->compressed = (int8_t)(bvxi_xml_attribute(&f->xml, "compressor", &v) && v.p != v.end);
+    if (f->compressed && !bvxi_xml_is(v, "vtkZLibDataCompressor")) f->unpacks = 0;
     return BVX_OK;
 }
 
@@ -267,7 +268,7 @@ static bvx_status vti_read_head(vti_file *f)
     if (f->array.format == VTI_APPENDED && f->appended == NULL)
         return vti_fail(f, BVX_ERR_FORMAT, f->array.tag,
                         "the array is appended, but the file has no AppendedData");
-    if (f->array.format != VTI_ASCII && f->compressed)
+    if (f->array.format != VTI_ASCII && f->compressed && !f->unpacks)
         return bvxi_fail_for(
             f->xml.source.ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_COMPRESSED,
             "VTI: the data is compressed; write it without (vtkXMLImageDataWriter, SetCompressorTypeToNone)");
@@ -295,13 +296,18 @@ static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense 
                      bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(d->end - d->begin));
 }
 
-static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
+static bvx_status vti_check_size(const vti_file *f, uint64_t n, uint64_t size)
 {
-    uint64_t const n = f->header_size == 4 ? bvxi_load_u32(length, f->big) : bvxi_load_u64(length, f->big);
     if (n == size) return BVX_OK;
     return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT,
                      "VTI: line %u: the array has %u bytes, its extent asks for %u",
                      bvxi_source_line(&f->xml.source, f->array.tag), n, size);
+}
+
+static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
+{
+    uint64_t const n = f->header_size == 4 ? bvxi_load_u32(length, f->big) : bvxi_load_u64(length, f->big);
+    return vti_check_size(f, n, size);
 }
 
 static BVXI_COLD bvx_status vti_fail_short(const vti_file *f, uint64_t size, const char *at)
@@ -338,6 +344,19 @@ static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inlin
     return BVX_OK;
 }
 
+static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text, bvxi_dense *d)
+{
+    uint64_t size = 0;
+
+    bvxi_base64_start(&d->base64, p, is_text ? vti_text_end(f, p) : f->xml.source.end);
+    d->encoding = BVXI_DENSE_BLOCKS;
+    d->array = f->array.tag;
+    d->is_text = is_text;
+    d->number_size = f->header_size;
+    BVXI_TRY(bvxi_check_blocks(d, &size));
+    return vti_check_size(f, size, d->size);
+}
+
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
 {
     vti_file f;
@@ -346,6 +365,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     int fits = 1;
 
     memset(&f, 0, sizeof f);
+    f.unpacks = source->volume != NULL && source->volume->inflate != NULL;
     bvxi_xml_start(&f.xml, source->ctx, "VTI", source->begin, source->end);
     BVXI_TRY(vti_read_head(&f));
     int const is_point = f.array.rank == VTI_POINTS_ACTIVE || f.array.rank == VTI_POINTS_FIRST;
@@ -370,12 +390,18 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     dense->samples.big = f.big;
     bvxi_pack_strides(&dense->samples, &dense->box);
     if (f.array.format == VTI_ASCII) return vti_find_ascii(&f, voxels, dense);
-    if (f.array.format == VTI_BINARY) return vti_find_base64(&f, f.array.text, 1, dense);
-    /* The offset is checked before it is added to a pointer. */
-    if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended))
-        return vti_fail_short(&f, dense->size, f.xml.source.end);
-    const char *const data = f.appended + f.array.offset;
-    return f.appended_base64 ? vti_find_base64(&f, data, 0, dense) : vti_find_raw(&f, data, dense);
+    const char *data = f.array.text;
+    int const is_text = f.array.format == VTI_BINARY || f.appended_base64;
+
+    if (f.array.format == VTI_APPENDED) {
+        /* The offset is checked before it is added to a pointer. */
+        if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended))
+            return vti_fail_short(&f, dense->size, f.xml.source.end);
+        data = f.appended + f.array.offset;
+    }
+    if (f.compressed) return vti_find_blocks(&f, data, is_text, dense);
+    return is_text ? vti_find_base64(&f, data, f.array.format == VTI_BINARY, dense)
+                   : vti_find_raw(&f, data, dense);
 }
 
 /* ---- Written ---- */
