@@ -35,7 +35,6 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     int32_t const format = bvx_format_of_name(o->output);
     int const to = format == BVX_FORMAT_VTU ? CLI_TREE : cli_kind_of_format(format);
 
-    /* Names that mean another command are told which one. */
     CLI_TRY(cli_input_kind(run, o->input[0], kind));
     if (format == BVX_FORMAT_PNG)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);

@@ -72,7 +72,6 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
     faces_job *const job = work;
     int status = check_faces_options(run);
 
-    /* Opened before the input is read: a folder that cannot be written costs no time. */
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
     if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);

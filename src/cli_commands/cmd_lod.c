@@ -144,7 +144,6 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     c->asked = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
-    /* How many levels there are is known now, and so how many names. */
     CLI_TRY(cli_check_level_names(run, c->asked));
     /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
@@ -166,12 +165,10 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
     int const number = run->report.mesh[i].number;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
-    /* No saving: the level costs more than what it stands for. */
     if (c->lod[i].exceeds_source)
         cli_advise(made, BVX_WARN_UNMET,
                    "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
                    c->mesh[i].triangle_count, c->input_triangles);
-    /* A grid has no parts or volume of its own besides its voxels. */
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
         cli_advise(made, BVX_WARN_PARTS,
@@ -202,12 +199,10 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
     char *const path = c->path[i];
     int const own_file = cli_has_number(run->options->output);
 
-    /* The last one, and none before it: nothing would be written. */
     if (i == 0 && others == 0)
         return cli_fail_advised(
             run, status, NULL,
             status == BVX_ERR_EMPTY && number != 0 ? "; no level before it keeps anything either" : advice);
-    /* Where all levels share a file, that of the others is this one's too. */
     cli_advise(made, BVX_WARN_UNMET, "%s%s; %s%s", bvx_last_error(run->context)->text, advice, path,
                own_file ? " is not written" : " is written without it");
     if (own_file) {
@@ -227,7 +222,6 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     bvx_lod_options l = own->samples;
 
     if (own->method != 0) l.method = own->method - METHOD_OF;
-    /* One of the two says how fine the level is. */
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
@@ -251,14 +245,12 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", number);
-        /* the message names it */
         return cli_fail_status(run, status, bvx_last_error(run->context)->index == number ? NULL : about);
     }
     if (run->options->carry) {
         cli_stage_begin(run, "carry %d", number);
         CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
     }
-    /* What the file of this level can show, beside its shape. */
     entry->number = number;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
@@ -292,7 +284,6 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
 {
     const bvx_lattice *const l = &run->report.lattice;
 
-    /* A grid is the solid already: there is no mesh to describe and no rule that filled it. */
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
         cli_tell(made,
@@ -302,7 +293,6 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
                  c->input_triangles, c->diagonal);
         return;
     }
-    /* Of a mesh both are told, since the levels are those of its solid. */
     cli_tell_input(run, c->input.triangle_count, &c->certificate, c->diagonal, made);
     cli_tell(made,
              "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64
@@ -321,7 +311,6 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
         const bvx_lod_report *const l = &c->lod[i];
         const cli_mesh_entry *const m = &run->report.mesh[i];
         char size[48];
-        /* In one word, so that the column has one width. */
         snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
                  l->resolution[2]);
         cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
@@ -350,7 +339,6 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
     if (status == CLI_DONE) status = cli_open_levels(run, c->asked, c->path);
     if (status == CLI_DONE) status = cli_open_chain(run, c);
     for (int i = 0; i < c->asked && status == CLI_DONE; i++) status = make_level(run, c, i, made);
-    /* Only what is there is measured and written. */
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     made->write = write_chain;
     return status;
@@ -361,9 +349,7 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
 
-    /* Warnings are collected here and said after all lines. */
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
-    /* All levels have one format, so one warning is enough. */
     tell_chain_head(run, c, made);
     tell_chain_levels(run, c, made);
     cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",

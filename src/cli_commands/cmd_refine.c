@@ -81,7 +81,6 @@ static int check_levels(cli_run *run)
 
     CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
     if (levels == REFINE_AUTO) return CLI_DONE;
-    /* Beyond the window voxels are at most as fine as inside it. */
     if (own->tree.outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
                          own->tree.outer_levels, levels);
@@ -94,7 +93,6 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 
     CLI_TRY(cli_check_tree_output(run, t));
     CLI_TRY(cli_input_kind(run, path, kind));
-    /* Only .bvx may hold a tree; which it is shows when it is read. */
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
@@ -149,7 +147,6 @@ static int read_tree(cli_run *run, cli_tree *t)
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, NULL, &in);
 
-    /* Now the bytes have said which of the two it is. */
     if (status == CLI_DONE && in.kind != CLI_TREE)
         status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (status == CLI_DONE) {
@@ -181,7 +178,6 @@ static int make_refine(cli_run *run, void *work, cli_made *made)
     cli_tree *const t = work;
     int kind;
 
-    /* The first line is the tree's own: it says how long refining took. */
     made->write = write_refined;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));
@@ -194,7 +190,6 @@ static void tell_refine(const cli_run *run, const void *work, cli_made *made)
     const cli_tree *const t = work;
     const char *const path = cli_input_name(run->options->input[0]);
 
-    /* A tree that was read has no time to tell. */
     if (t->triangles == 0) cli_tell(made, "%s\n\n", path);
     else
         cli_tell(made, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,

@@ -77,7 +77,6 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "nonmanifold_edges", r->before.nonmanifold_edges);
     cli_json_count(t, "duplicates", r->before.duplicates);
-    /* Triangles that have lost their area, by whatever they lost it. */
     cli_json_count(t, "degenerate", r->before.degenerate + r->before.collapsed);
     cli_json_count(t, "components_before", r->before.components);
     cli_json_count(t, "parts_kept", r->parts_kept);
@@ -127,7 +126,6 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
     if (r->needs == BVX_NEEDS_NOTHING)
         cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
                  r->copied ? "; copied" : " (--if-needed copies it)");
-    /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0 && c->boundary_edges == 0)
         cli_tell(made, "  holes       %" PRIu64 " where junctions part, length %.6g, the longest %.6g\n",
@@ -153,7 +151,6 @@ static void tell_thin(const bvx_repair_report *r, cli_made *made)
 {
     double box[6];
 
-    /* Walls that voxels hold need no word. */
     if (r->thin_voxels == 0) return;
     thin_box(r, box);
     cli_tell(made,
@@ -169,7 +166,6 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     const bvx_repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
-    /* A copy was not measured: no lattice, no rule for inside. */
     if (!r->copied)
         cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
                  (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
@@ -203,7 +199,6 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     const bvx_repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
-    /* What several commands share is filled in beside what is repair's own. */
     *o = *own;
     if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
@@ -248,9 +243,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
-    /* The report is of the mesh that is written. */
     report->after = reduction->level.certificate;
-    /* The distances were of the mesh before it collapsed, so they are measured anew. */
     if (!own->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);
@@ -334,7 +327,6 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
 
-    /* The report's entry is made of what the library has certified; nothing is checked twice. */
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;
     entry->path = run->options->output;

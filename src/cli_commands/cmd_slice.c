@@ -65,7 +65,6 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     bvx_mesh_view view;
     bvx_status status;
 
-    /* Planes across one axis: its unit vector. */
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;
     bvx_mesh_view_of(mesh, &view);
@@ -89,7 +88,6 @@ static int write_contours(cli_run *run, void *work)
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    /* Made in memory as a whole, so that nothing half is ever in the folder. */
     status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
     result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);

@@ -167,7 +167,6 @@ static int check_second(cli_run *run)
     /* Standard input can be read once, and IN may be it. */
     if (strcmp(second, "-") == 0)
         return cli_usage(run, "--second takes a file with a name, not standard input");
-    /* Its kind is known by its name, so nothing has to be read to refuse it. */
     status = cli_input_kind(run, second, &kind);
     if (status == CLI_DONE && kind == CLI_GRID)
         return cli_usage(run, "--second takes a mesh; %s is a grid", second);
@@ -210,7 +209,6 @@ static int choose_box(cli_run *run, voxel_job *job)
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
-    /* Where nothing widens it, the lattice is fitted to the mesh itself. */
     if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
@@ -222,7 +220,6 @@ static int choose_box(cli_run *run, voxel_job *job)
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
-    /* Columns go down to the base, which may lie below the terrain. */
     if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
     job->boxed = 1;
     return CLI_DONE;
@@ -296,7 +293,6 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
     v.report = report;
     v.window = job->window;
     v.has_base = cli_given(run, "--base");
-    /* Two terrains: what lies between them. */
     if (own->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
@@ -321,7 +317,6 @@ static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_ma
 
     cli_text_add(&made->text, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
-    /* Only samples have a number that says how dense they were. */
     if (own->mode == CLI_MODE_SAMPLED) {
         cli_text_add(&made->text,
                      "  samples     %" PRIu64 " of %" PRIu64
@@ -351,7 +346,6 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
     cli_json_count(t, "pockets", r->pockets);
     cli_text_add(t, "}");
 
-    /* Empty, or hollow where a body was requested: different remedies. */
     if (made->set == 0)
         cli_advise(made, BVX_WARN_EMPTY, "the result is empty: no voxel holds so many points");
     else if (own->cloud.body && r->pockets == 0)
@@ -368,7 +362,6 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
 {
     cli_text *const t = &made->members;
 
-    /* A field without a sign has no inside to count. */
     cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
                  o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
     if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
@@ -392,13 +385,11 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
     bvx_status status;
     uint64_t inside = 0;
 
-    /* --half-width 0: the band has no end. */
     if (o.half_width == 0.0) o.half_width = (double)INFINITY;
     o.sign = run->options->sign;
     o.no_vectors = !run->options->vectors;
     o.window = job->window;
     status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
-    /* Without a sign nothing is known to be inside. */
     if (status == BVX_OK && field->inside.words != NULL)
         status = bvx_grid_count(run->context, &field->inside, &inside);
     if (status != BVX_OK) return status;
@@ -470,7 +461,6 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     status = make_voxels(run, job, &reports, made);
     cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
-    /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     if (made->field != NULL || result != CLI_DONE) return result;
@@ -505,7 +495,6 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
     voxel_job *const job = work;
 
     CLI_TRY(check_voxelize_options(run, &job->window));
-    /* The lattice is wider than the mesh by what lies around its surface. */
     if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
     else make_room_for_surface(run);
     CLI_TRY(cli_open_voxels(run));

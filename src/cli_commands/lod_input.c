@@ -40,7 +40,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
         return CLI_DONE;
     }
 
-    /* The library plans by what the levels shall be: the finest one decides. */
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
     for (int i = 0; i < c->asked; i++) {
@@ -52,7 +51,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
                            bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->asked, options->padding,
                                          &c->resolution, &limited),
                            cli_input_name(options->input[0])));
-    /* What is told of the resolution is why it is this one. */
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
@@ -78,9 +76,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     int result;
 
     cli_stage_begin(run, "check input");
-    /* the solid asks for places, not for numbers */
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
-    /* From here on all distances are told in percent of it too. */
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
     CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
@@ -98,7 +94,6 @@ static int make_solid(cli_run *run, cli_chain *c)
 static int open_mesh(cli_run *run, cli_chain *c)
 {
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
-    /* Nothing to carry is found before the solid is made. */
     CLI_TRY(cli_check_carry(run, &c->input));
     c->input_triangles = c->input.triangle_count;
     bvx_mesh_view_of(&c->input, &c->view);
@@ -111,7 +106,6 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
     uint64_t vertices;
     bvx_status status;
 
-    /* Nothing is measured from the surface then, so it need not exist. */
     if (run->options->samples == 0)
         return bvx_extract_count(run->context, &c->solid, NULL, &vertices, &c->input_triangles);
     status = bvx_extract_surface(run->context, &c->solid, NULL, &c->input);

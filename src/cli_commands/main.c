@@ -51,7 +51,6 @@ static void print_help(const cli_command *c, int all)
     printf("usage: bitvox %s %s\n\n%s\n%s", c->name, c->usage, c->details, all ? "" : "\noptions:\n");
     cli_print_options(c, all);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
-    /* One command line a line, moved in so that it can be copied. */
     for (const char *p = c->example; *p != 0 && left-- > 0;) {
         size_t const n = strcspn(p, "\n");
         printf("  %.*s\n", (int)n, p);
@@ -93,7 +92,6 @@ static int run_command(cli_run *run, int count, char **word)
 
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
-    /* The library's defaults, before any row changes one of them. */
     if (run->command->start != NULL) run->command->start(run->own);
     status = cli_parse(run, count, word);
 
@@ -105,7 +103,6 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) status = cli_check_line(run);
     if (status == CLI_DONE) {
         run->start = cli_seconds();
-        /* From here on there is something to measure, to interrupt and to tidy up. */
         cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
             return cli_run_batch(run);
@@ -151,7 +148,6 @@ static int run_words(cli_run *run, int count, char **word)
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
-    /* The error of an unknown command is reported in the form that was requested. */
     run->options->general.json = is_asked_for("--json", count, word);
     return cli_end_of_run(run, refuse_command(run, word[0]));
 }

@@ -15,7 +15,6 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     bvx_lattice_options fit = {.struct_size = sizeof fit};
 
     cli_mesh_box(&in[0].mesh, &box);
-    /* Of one mesh the second box is the first again. */
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     fit.resolution = resolution;
@@ -33,7 +32,6 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
     for (int i = 0; i < count && status == CLI_DONE; i++) {
-        /* On one lattice, so that two inputs can be compared bit by bit. */
         status = cli_fill_on(run, &lattice, &s->input[i]);
         s->input[i].kind = CLI_GRID;
         s->input[i].placed = 1;
@@ -57,7 +55,6 @@ int cli_open_scene(cli_run *run, int first, cli_scene *s)
         status = cli_read_input(run, o->input[first + i], &s->input[i]);
     if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (own->voxels != 0 || own->difference))
         status = voxelize_scene(run, s, count);
-    /* Two grids, whichever way they came: read, or made above. */
     if (status != CLI_DONE || !own->difference) return status;
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
@@ -152,7 +149,6 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     memcpy(r.direction, direction, sizeof r.direction);
     memcpy(r.show, show, sizeof r.show);
     take_cut(run, &r);
-    /* Three kinds of pictures, by what there is to see. */
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {

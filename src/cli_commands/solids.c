@@ -51,7 +51,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_status status;
 
     memset(&report, 0, sizeof report);
-    /* The report is for warnings here; only voxelize tells all of it. */
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
@@ -74,7 +73,6 @@ int cli_fill_input(cli_run *run, cli_input *in)
     status = cli_make_lattice(run, &view, &lattice);
     result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
                               : cli_check_far(run, in->path, &view, 0, &lattice);
-    /* The check of far points comes before the memory is taken. */
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
@@ -92,7 +90,6 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
-    /* What was changed about the mesh to fill it is told with the rule. */
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
     if (r->doubles != 0)
@@ -112,12 +109,10 @@ static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *latti
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
-    /* Lines that only some rules have: what was not counted is not told as 0. */
     if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_text_add(t, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    /* Between two terrains what was dug away and what was heaped up are two numbers. */
     if (o->fill == BVX_FILL_BELOW) {
         cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
                      second ? " where both terrains are" : " under the surface");

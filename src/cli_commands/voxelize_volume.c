@@ -53,7 +53,6 @@ static int check_volume(cli_run *run, bvx_window *window)
     uint32_t const facts = (cli_has_number(out) ? HAS_NUMBER : 0u) |
                            (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u);
 
-    /* What a volume has no use for, then what its output has no use for. */
     CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
     CLI_TRY(cli_window_option(run, window));
     CLI_TRY(cli_check_rules(run, output_rules, facts, NULL));
@@ -133,7 +132,6 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 
     made->grid = &j->grid;
     made->set = j->report.inside;
-    /* An .npy file without a side-car says nothing of where it lies. */
     made->placed = j->volume.placed;
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -184,7 +182,6 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
 
     *status = cli_select_voxels(run, &j->volume, &j->report, &all);
     if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
-    /* The copy is made only where something is to be left out of it. */
     if (*status == BVX_OK && run->report.parts.dropped != 0)
         result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
     if (*status == BVX_OK && result == CLI_DONE &&
@@ -206,7 +203,6 @@ static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
     int result = CLI_DONE;
 
     cli_stage_begin(run, "surface");
-    /* By the values of the samples where a level is given, else half way between set and empty voxels. */
     if (cli_given(run, "--level") && CLI_HOLDS(run, CLI_KEEPS_PARTS)) {
         result = make_kept_level_mesh(run, j, &status, mesh);
     } else if (cli_given(run, "--level")) {
@@ -230,7 +226,6 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     int result = make_surface_of_volume(run, j, &mesh);
 
     if (result != CLI_DONE) return result;
-    /* Two reasons for an empty mesh, with different remedies. */
     if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);
@@ -243,7 +238,6 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
 
-    /* No grid is written, yet the report says which voxels the surface is around. */
     cli_note_voxels(run, &j->volume.view.lattice, j->report.inside);
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -264,7 +258,6 @@ static int list_labels(cli_run *run, volume_job *j)
     cli_stage_begin(run, "labels");
     /* Counted first: a volume of other samples has millions of values. */
     status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
-    /* More than can be written is refused below without listing them. */
     if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
         j->labels = calloc((size_t)count, sizeof *j->labels);
         if (j->labels == NULL) return cli_fail(run, "no memory for %" PRIu64 " labels", count);
@@ -315,7 +308,6 @@ static void tell_labels(const volume_job *j, cli_made *made)
 {
     cli_text *const t = &made->members;
 
-    /* In the order of the files, each with how much of it there is. */
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < j->label_count; i++) {
         cli_text_add(t, "%s{\"value\": %" PRId64, i == 0 ? "" : ", ", j->labels[i].value);
@@ -332,7 +324,6 @@ static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
     for (uint64_t i = 0; i < j->label_count && status == CLI_DONE; i++) {
         status = make_label_mesh(run, j, (int)i);
         if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
-        /* Together the labels are what is set. */
         j->report.inside += j->labels[i].voxels;
     }
     if (status != CLI_DONE) return status;
@@ -362,7 +353,6 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     bvx_window window;
 
     CLI_TRY(check_volume(run, &window));
-    /* Files of labels are opened one by one, when their names are known. */
     if (kind == CLI_GRID) CLI_TRY(cli_open_grid_output(run, output));
     if (kind == CLI_MESH && !all) CLI_TRY(cli_open_output(run, output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));

@@ -151,9 +151,7 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
     for (const cli_rule *r = rules; r->message != NULL || r->also != NULL; r++) {
         const char *option = NULL, *beside = NULL;
 
-        /* The cheap conditions first; options are looked up by their names. */
         if ((facts & r->when) != r->when || (facts & r->unless) != 0) continue;
-        /* A table in place of a row holds under the conditions of that row. */
         if (r->also != NULL) {
             CLI_TRY(check_rows(run, r->also, facts, word));
             continue;

@@ -36,7 +36,6 @@ static void tell_made(cli_run *run, cli_made *made)
     const char *const out = run->options->output;
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
-    /* The command speaks first: what several commands tell alike follows its lines. */
     if (run->job->tell != NULL) run->job->tell(run, run->work, made);
     if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
     cli_tell_turn(run, made);
@@ -68,7 +67,6 @@ int cli_perform(cli_run *run)
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
 
-    /* A failure leaves lines that nobody said. */
     cli_text_free(&made.head);
     cli_text_free(&made.text);
     cli_text_free(&made.members);

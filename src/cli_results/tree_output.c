@@ -12,7 +12,6 @@ int cli_check_tree_output(cli_run *run, cli_tree *t)
     int32_t const format = bvx_format_of_name(path);
     int const expand = cli_given(run, "--expand");
 
-    /* .bvx holds grids and trees, and --expand says which is wanted. */
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return cli_usage(
@@ -74,7 +73,6 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
     CLI_TRY(cli_stage_check(
         run, bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
         run->options->output));
-    /* An empty mesh is a file that few readers take. */
     return t->surface.triangle_count != 0
                ? CLI_DONE
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
@@ -87,7 +85,6 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     bvx_buffer file = {0};
     int result;
 
-    /* The same way as any mesh, with its check of what the file holds. */
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -103,7 +100,6 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
 int cli_write_tree(cli_run *run, cli_tree *t)
 {
     int status = CLI_DONE;
-    /* A grid is a level of the tree, a mesh its boxes or its surface, all else the tree itself. */
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)

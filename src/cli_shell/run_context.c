@@ -125,7 +125,6 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     const char *fault;
     bvx_status status;
 
-    /* Made for the first input; the others share it. */
     if (run->context != NULL) return CLI_DONE;
     o.threads = run->general->threads;
     offer_blocks(&o);

@@ -284,7 +284,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
 
     BVXI_TRY(split_table_line(r, p, end));
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
-    /* Found as that of a point is, and no more: the loop that is being read goes on after it. */
     if (states_section(r)) {
         uint32_t section;
 
@@ -305,7 +304,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
         BVXI_TRY(read_normal(r, normal));
     }
 
-    /* A new loop begins where the name of the loop or of its section changes. */
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
         !same_word(r->section, r->word[TABLE_SECTION])) {
         uint32_t section = 0;
@@ -360,7 +358,6 @@ static bvx_status read_table_lines(table_reader *r)
         const char *const end = table_line_end(f, f->p);
         table_word const all = trim_word(f->p, end);
         r->line = f->p;
-        /* Empty lines and comments may stand anywhere, before the head line too. */
         if (all.size != 0 && *all.at != '#') {
             BVXI_TRY(headed ? read_table_line(r, f->p, end) : read_table_head(r, f->p, end));
             headed = 1;

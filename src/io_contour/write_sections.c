@@ -38,7 +38,6 @@ static section_counts count_section(const bvx_sections *s, uint64_t section)
 {
     section_counts c = {0, 0};
 
-    /* The loops of a section need not stand together, so all of them are looked at. */
     for (uint64_t i = 0; i < s->loop_count; i++)
         if (s->loops[i].section == section) {
             c.points += s->loops[i].point_count;

@@ -76,8 +76,6 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
 {
     bvx_window whole, wanted;
 
-    /* The lattice and the file's own window are what the
-     * file says; only the part of it comes from the caller. */
     BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
     BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
     BVXI_TRY(take_file_part(source, format, whole.size, part));
@@ -170,7 +168,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     uint8_t *bytes = NULL;
     bvx_window part;
 
-    /* Raw samples and text are read where they stand, straight into the grid. */
     if (dense->encoding == BVXI_DENSE_RAW || dense->encoding == BVXI_DENSE_TEXT) {
         BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
         return dense->encoding == BVXI_DENSE_TEXT ? read_text_grid(source, dense, &part, grid)
@@ -212,7 +209,6 @@ bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_d
     head.size = 0;
     kind->put_head(grid, &head);
 
-    /* The voxels lie between head and tail, and nothing else is in the file. */
     memcpy(made.bytes + size - tail, kind->tail, (size_t)tail);
     status = bvxi_unpack_grid(ctx, grid, made.bytes + head.size);
     if (status != BVX_OK) bvx_buffer_free(ctx, &made);

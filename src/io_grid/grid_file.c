@@ -80,7 +80,6 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
 
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    /* Each writer checks what its format cannot hold. */
     switch (format) {
     case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);
     case BVX_FORMAT_BINVOX: return bvxi_write_binvox(context, grid, file);

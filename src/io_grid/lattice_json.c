@@ -133,7 +133,6 @@ static const char *json_number_end(const char *p, const char *end)
 
     if (p < end && *p == '-') p++;
 
-    /* JSON allows no leading zero: 01 is no number. */
     q = json_digits(p, end);
     if (q == p || (*p == '0' && q - p > 1)) return start;
     p = q;
@@ -213,7 +212,6 @@ static bvx_status json_skip_plain(json_text *t)
     double v;
 
     if (t->p < t->end && *t->p == '"') return json_take_string(t, &text, &n);
-    /* A word must match in full; what follows it is checked by whoever reads on. */
     for (int i = 0; i < 3; i++) {
         n = bvxi_text_length(words[i]);
         if ((size_t)(t->end - t->p) < n || memcmp(t->p, words[i], n) != 0) continue;
@@ -433,7 +431,6 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     if (bvx_grid_bound(&l.lattice, &l.window) == 0)
         return bvxi_fail(context, BVX_ERR_FORMAT, "lattice: the window is not inside the lattice");
 
-    /* Last, as it needs all the other values. */
     BVXI_TRY(json_check_center(context, &l));
     grid->lattice = l.lattice;
     memcpy(grid->low, l.window.low, sizeof grid->low);

@@ -25,7 +25,6 @@ typedef struct npy_text {
 
 static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
 {
-    /* One character is shown, as text after it may be anything. */
     char found[2] = {0, 0};
     if (t->p == t->end)
         return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head ends where %s was expected", what);
@@ -83,7 +82,6 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     char shown[16];
     size_t n;
     t->p = bvxi_skip_space(t->p, t->end);
-    /* Records begin with a bracket: said by name, since they are frequent. */
     if (t->p < t->end && *t->p == '[')
         return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED,
                          "NPY: the array's elements are records; save one field of them");
@@ -126,7 +124,6 @@ static bvx_status npy_take_shape(npy_text *t, npy_head *h)
     if (!npy_take(t, '(')) return npy_expected(t, "'(' and the array's shape");
     while (!npy_take(t, ')')) {
         BVXI_TRY(npy_take_number(t, &n));
-        /* Axes beyond the third are counted, not kept: the message says how many there are. */
         if (axes < 3) h->shape[axes] = n;
         axes++;
         if (npy_take(t, ',')) continue;
@@ -158,7 +155,6 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
     if (key == 0) return npy_take_type(t, h);
     if (key == 2) return npy_take_shape(t, h);
 
-    /* The remaining key is the order of the axes. */
     h->fortran = npy_take_word(t, "True");
     return h->fortran || npy_take_word(t, "False") ? BVX_OK : npy_expected(t, "True or False");
 }
@@ -168,7 +164,6 @@ static bvx_status npy_take_dict(npy_text *t, npy_head *h)
     int seen = 0;
 
     if (!npy_take(t, '{')) return npy_expected(t, "'{'");
-    /* A comma may follow the last entry, and Python writes it so. */
     while (!npy_take(t, '}')) {
         BVXI_TRY(npy_take_entry(t, h, &seen));
         if (npy_take(t, ',')) continue;
@@ -207,7 +202,6 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     t.file = (const char *)b;
     t.p = t.file + prefix;
     t.end = t.p + length;
-    /* Samples begin right after the head, which writers pad. */
     h->data = b + prefix + length;
     return npy_take_dict(&t, h);
 }

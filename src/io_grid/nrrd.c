@@ -38,7 +38,6 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
         /* n cells span n steps, n nodes only n - 1. */
         double const steps = (double)h->sizes[a] - (double)h->node[a];
         int const low = nrrd_knows(h, NRRD_HAS_MIN, h->min[a]), high = nrrd_knows(h, NRRD_HAS_MAX, h->max[a]);
-        /* What says most comes first: directions, then spacings, then the ends of the axes. */
         spacing[a] = (h->has & NRRD_HAS_DIRECTION) != 0               ? h->direction[a]
                      : nrrd_knows(h, NRRD_HAS_SPACING, h->spacing[a]) ? h->spacing[a]
                      : low && high && steps > 0                       ? (h->max[a] - h->min[a]) / steps
@@ -60,7 +59,6 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
     const bvxi_source *const s = &h->source;
     const char *end;
 
-    /* Lines are skipped before bytes, as the format defines. */
     for (int64_t i = 0; i < h->line_skip; i++) {
         p = bvxi_nrrd_line(p, file_end, &end);
         if (p == NULL)
@@ -75,7 +73,6 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
                          h->byte_skip, (int64_t)(file_end - p));
     if (h->byte_skip > 0) p += h->byte_skip;
 
-    /* How many bytes there must be: exactly for raw samples, at least for text and packed ones. */
     uint64_t const have = (uint64_t)(file_end - p);
     if (h->encoding == NRRD_GZIP  ? have < size / 1100 /* what deflate can do at most is 1032 to 1 */
         : h->encoding == NRRD_RAW ? have < size || (have > size && h->byte_skip != -1)
@@ -175,7 +172,6 @@ static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
     char digit[20];
     size_t n = 0, used = 0;
 
-    /* The digits come from the lowest up; the text is made in the other order. */
     do digit[n++] = (char)('0' + v % 10);
     while ((v /= 10) != 0);
     size_t const sign = f->number < 0, wide = n + sign;
@@ -209,7 +205,6 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     source.end = source.begin + (size_t)size;
     nrrd_head_source(&source, &h);
     BVXI_TRY(bvxi_nrrd_head_read(&h));
-    /* A head with its samples inside names no file. */
     if (h.files != NULL) BVXI_TRY(bvxi_nrrd_data_file(&h, index, &f, &files));
     *count = files;
     if (name == NULL) return BVX_OK;
@@ -217,7 +212,6 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
                              "%s: index is %u, the head names %u data files", function, index, files);
 
-    /* The pattern's text before and after the number, or the whole name. */
     size_t const digits = f.pattern ? nrrd_print_number(&f, number) : 0;
     size_t const first = f.pattern ? f.place : f.length;
     size_t const rest = f.pattern ? f.length - f.rest : 0;

@@ -110,7 +110,6 @@ static int binvox_next_line(binvox_reading *r, const char **next)
 /* One line after the first; unknown words are passed, as viewvox does. *done: it was the last one. */
 static bvx_status binvox_take_line(binvox_reading *r, int *done)
 {
-    /* Each word has its own numbers, and nothing may follow them on the line. */
     if (binvox_take_word(r, "dim")) {
         if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
         r->has_dims = 1;
@@ -147,7 +146,6 @@ static bvx_status binvox_take_header(binvox_reading *r)
     if (version < 1 || version > 2)
         return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED,
                          "BINVOX: line 1: version %u; 1 and 2 can be read", version);
-    /* Lines up to 'data' may stand in any order. */
     while (!done) {
         if (!binvox_next_line(r, &next))
             return binvox_fail_line(r, "the file ends before the line that says data");
@@ -356,7 +354,6 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     r.source = source;
     BVXI_TRY(binvox_take_header(&r));
     BVXI_TRY(binvox_make_box(&r, &box));
-    /* Lengths and counts are checked before there is a grid. */
     BVXI_TRY(binvox_check_pairs(&r));
     memset(whole.low, 0, sizeof whole.low);
     memcpy(whole.size, box.dims, sizeof whole.size);

@@ -124,7 +124,6 @@ static bvx_status vti_take_image(vti_file *f)
     if (f->has_image) return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second image");
     f->has_image = 1;
 
-    /* Checked for its form only: the samples lie in the piece's extent. */
     BVXI_TRY(vti_take_extent(f, "WholeExtent", unused));
     for (int a = 0; a < 3; a++) f->spacing[a] = 1.0;
     if (bvxi_xml_attribute(&f->xml, "Origin", &v)) BVXI_TRY(vti_take_doubles(f, v, 3, f->origin));
@@ -258,7 +257,6 @@ static bvx_status vti_read_head(vti_file *f)
         BVXI_TRY(vti_take_element(f));
     }
 
-    /* The first of the elements that is missing is named, from the outermost in. */
     if (f->array.rank == VTI_NO_ARRAY)
         return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: the file has no %s",
                          roots == 0      ? "element VTKFile"
@@ -285,7 +283,6 @@ static const char *vti_text_end(const vti_file *f, const char *p)
 
 static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense *d)
 {
-    /* Only the array's own text is read: the next tag ends it. */
     d->begin = f->array.text;
     d->end = d->source.end = vti_text_end(f, f->array.text);
     d->encoding = BVXI_DENSE_TEXT;
@@ -454,7 +451,6 @@ static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
         "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n    </Piece>\n"
         "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
 
-    /* The count of bytes before them, in 64 bits as the head said. */
     bvxi_store_u32(length, (uint32_t)(voxels & 0xffffffffu));
     bvxi_store_u32(length + 4, (uint32_t)(voxels >> 32));
     bvxi_output_add(out, length, sizeof length);

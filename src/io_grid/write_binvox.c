@@ -278,7 +278,6 @@ static bvx_status binvox_pack(bvx_context *ctx, binvox_writing *job, const doubl
     job->bytes = header.bytes = made.bytes;
     header.size = 0;
 
-    /* The joints and the inner runs do not overlap, so their order does not matter. */
     binvox_put_header(&header, job->grid, corner, scale);
     binvox_join(job->layers, columns, made.bytes, header.size);
     status = bvxi_parallel(ctx, stage, 0.5, 1.0, columns, binvox_column_task, job);

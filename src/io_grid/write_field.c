@@ -153,7 +153,6 @@ static void field_put_vti(const bvx_field *field, int32_t vectors, bvxi_output *
     bvxi_output_text(
         out, vectors ? "\">\n      <PointData Vectors=\"vector\">\n        <DataArray type=\"Float"
                      : "\">\n      <PointData Scalars=\"distance\">\n        <DataArray type=\"Float");
-    /* Types are named by bits. */
     bvxi_output_number(out, 8 * field_number_bytes(field));
     bvxi_output_text(out, vectors ? "\" Name=\"vector\" NumberOfComponents=\"3\"" : "\" Name=\"distance\"");
     bvxi_output_text(
@@ -161,7 +160,6 @@ static void field_put_vti(const bvx_field *field, int32_t vectors, bvxi_output *
         " format=\"appended\" offset=\"0\"/>\n      </PointData>\n      <CellData>\n      </CellData>\n    "
         "</Piece>\n"
         "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
-    /* The count of bytes stands before them, in 64 bits as the head said. */
     bvxi_store_u32(length, (uint32_t)(bytes & 0xffffffffu));
     bvxi_store_u32(length + 4, (uint32_t)(bytes >> 32));
     bvxi_output_add(out, length, sizeof length);
@@ -248,7 +246,6 @@ static bvx_status run_write_field(bvx_context *context, const bvx_field *field, 
                             nrrd = {"the NRRD file", field_put_nrrd, "", 0},
                             vti = {"the VTI file", field_put_vti, "\n  </AppendedData>\n</VTKFile>\n", 0};
 
-    /* All arguments are checked before memory is made. */
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_field_check(context, function, field));
     BVXI_TRY(bvxi_field_check_vectors(context, function, field, vectors));

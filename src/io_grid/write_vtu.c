@@ -78,7 +78,6 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
     bvxi_output_text(out, "\" NumberOfCells=\"");
     bvxi_output_number(out, v->count);
     bvxi_output_text(out, "\">\n");
-    /* The arrays follow each other, each after a count of 8 bytes. */
     for (int i = 0; i < VTU_ARRAYS; i++) {
         bvxi_output_text(out, vtu_array[i]);
         bvxi_output_number(out, offset);
@@ -124,7 +123,6 @@ static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
 {
     uint64_t size[VTU_ARRAYS];
 
-    /* The arrays in the order of vtu_array: points and corners, then offsets, types, levels, states. */
     vtu_sizes(v, size);
     to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
     for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
@@ -142,7 +140,6 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
     bvxi_output head = {0};
     uint64_t size[VTU_ARRAYS], bytes = sizeof tail - 1;
 
-    /* Sorted, equal corners of neighbouring leaves become one point. */
     list_vtu_corners(v);
     BVXI_TRY(bvxi_radix_sort(v->ctx, v->place, v->corner, 8 * v->count));
     BVXI_TRY(bvxi_progress(v->ctx, "octree", 0.7));

@@ -215,7 +215,6 @@ static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
         json_whole(out, "mesh", i);
         glb_put_frame(&file->frame, out);
 
-        /* The finest level names the others. */
         for (uint64_t k = 1; i == 0 && k < file->levels; k++) {
             bvxi_output_text(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[" : ",");
             bvxi_output_number(out, k);
@@ -399,7 +398,6 @@ static void glb_put_accessors(const bvxi_glb_file *file, const bvxi_glb *glb, ui
         bvxi_output_text(out, "}");
     }
 
-    /* The indices of all groups are one view. */
     for (uint64_t g = 0; g <= file->materials; g++) {
         uint64_t const begin = glb->group[g] * 3, end = glb->group[g + 1] * 3;
         if (!glb_has_group(glb, g)) continue;

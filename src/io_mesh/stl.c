@@ -552,7 +552,6 @@ static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t 
 {
     float corner[3][3], normal[3];
     for (size_t k = 0; k < 3; k++) stl_corner(mesh, f32, mesh->triangles[(size_t)t * 3 + k], corner[k]);
-    /* Normal, three corners, and two bytes of attributes, which are 0. */
     stl_facet_normal((const float(*)[3])corner, normal);
     for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, normal[a]);
     for (int k = 0; k < 3; k++)
