@@ -32,7 +32,6 @@ static void put_paragraph(const char *text)
     putchar('\n');
 }
 
-/* A term and what it means. */
 static void put_item(const char *term, const char *text)
 {
     printf(".TP\n\\fB");

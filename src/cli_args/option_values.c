@@ -74,7 +74,6 @@ static int take_triple(const cli_argument *a, const char *text, cli_triple *t)
     return 1;
 }
 
-/* "2.5,7", ",7" or "2.5,". */
 static int take_pair(const char *text, cli_pair *t)
 {
     const char *p = text;
@@ -88,7 +87,6 @@ static int take_pair(const char *text, cli_pair *t)
     return p != text + 1;
 }
 
-/* 0.02,0.1%: distances above 0, each with or without a percent sign. */
 static int take_errors(const cli_argument *a, const char *text, cli_errors *errors)
 {
     const char *p = text;
@@ -112,7 +110,6 @@ static int take_axis(const char *text, char stop)
     return text[0] >= 'x' && text[0] <= 'z' && text[1] == stop ? text[0] - 'x' : -1;
 }
 
-/* x=0.5,z=1: each axis once. */
 static int take_planes(const char *text, cli_planes *planes)
 {
     const char *p = text;
@@ -166,7 +163,6 @@ static int take_choice(const cli_argument *a, const char *text, int32_t *v)
     return 0;
 }
 
-/* surface,inside: each name once. */
 static int take_set(const cli_argument *a, const char *text, int32_t *set)
 {
     const char *p = text;

@@ -30,8 +30,6 @@ typedef struct batch {
     int status; /* of the first failure */
 } batch;
 
-/* ---- names ---- */
-
 static const char *last_part(const char *path)
 {
     const char *part = path;
@@ -152,9 +150,6 @@ static int make_folder(cli_run *run, const char *folder)
 #endif
 }
 
-/* ---- running ---- */
-
-/* As it was before the first input. */
 static void begin_file(cli_run *run, const batch *b, int i)
 {
     cli_lock();

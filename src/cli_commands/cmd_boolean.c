@@ -11,8 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct boolean_options {
     bvx_boolean_options meshes;
     int32_t resample; /* grids of other lattices are sampled */
@@ -72,9 +70,6 @@ typedef struct boolean_run {
 
 static const char *const operation_names[] = {BVX_BOOLEAN_LIST(CLI_NAME_OF) NULL};
 
-/* ---- Options ---- */
-
-/* Facts of the line. */
 enum {
     HAS_GRID = 1 << CLI_FIRST_FACT, /* among the inputs */
     HAS_GRIDS = 2 << CLI_FIRST_FACT /* both inputs */
@@ -290,8 +285,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     cli_note_voxels(run, &b->grid.lattice, set);
     return CLI_DONE;
 }
-
-/* ---- What goes out ---- */
 
 static int write_boolean(cli_run *run, void *work)
 {

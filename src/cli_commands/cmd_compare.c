@@ -8,9 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct compare_options {
     int64_t seed; /* of the random points; 0: not given */
 } compare_options;
@@ -24,8 +21,6 @@ static const cli_argument compare_rows[] = {
     {0}};
 
 enum { COMPARE_SAMPLES = 20000, COMPARE_SEED = 1 };
-
-/* ---- grids ---- */
 
 static const char *pieces_text(uint64_t count, uint64_t largest, char *text, size_t room)
 {
@@ -130,8 +125,6 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
     return CLI_DONE;
 }
 
-/* ---- meshes ---- */
-
 static int check_mesh(cli_run *run, const cli_input *in)
 {
     cli_mesh_entry *const entry = &run->report.mesh[run->report.meshes];
@@ -230,8 +223,6 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     return CLI_DONE;
 }
 
-/* ---- either ---- */
-
 static int check_compare_options(cli_run *run)
 {
     const cli_options *const o = run->options;
@@ -254,7 +245,6 @@ static int check_compare_options(cli_run *run)
     return CLI_DONE;
 }
 
-/* Two inputs. */
 static int make_compare(cli_run *run, void *work, cli_made *made)
 {
     cli_input *const in = work;

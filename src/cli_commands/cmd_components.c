@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct components_options {
     cli_list seeds;       /* three numbers each */
     int64_t keep_largest; /* so many parts */

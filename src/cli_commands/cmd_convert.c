@@ -5,8 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static const cli_argument convert_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},

@@ -5,8 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static void start_faces(void *options)
 {
     ((bvx_faces_options *)options)->struct_size = sizeof(bvx_faces_options);

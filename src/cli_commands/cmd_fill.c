@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct fill_options {
     cli_list seeds;   /* three numbers each */
     const char *mesh; /* the file that the surface came from */
@@ -82,8 +79,6 @@ static int read_fill_inputs(cli_run *run, fill_job *job)
     return status;
 }
 
-/* ---- seeds ---- */
-
 static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
 {
     free(job->seeds);
@@ -131,8 +126,6 @@ static int find_seeds(cli_run *run, fill_job *job)
         path);
 }
 
-/* ---- filling ---- */
-
 static int fill_from_seeds(cli_run *run, fill_job *job)
 {
     const bvx_grid *const walls = &job->in.grid;
@@ -149,8 +142,6 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     for (size_t i = 0; i < words && run->options->add_shell; i++) job->out.words[i] |= walls->words[i];
     return CLI_DONE;
 }
-
-/* ---- what is reported ---- */
 
 static void tell_seeds(const fill_job *job, cli_made *made)
 {

@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static void start_lod(void *options)
 {
     cli_lod_options *const o = options;
@@ -88,7 +86,6 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
     "--topology --solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
-/* Facts of the line: the method. */
 enum {
     COLLAPSES = 1 << CLI_FIRST_FACT,
     COVERS = 2 << CLI_FIRST_FACT /* --method coverage */
@@ -213,7 +210,6 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
     return CLI_DONE;
 }
 
-/* The call of the library, with the options of this level alone. */
 static bvx_status build_level(cli_run *run, cli_chain *c, int number)
 {
     const cli_lod_options *const own = run->own;
@@ -370,7 +366,6 @@ static void free_chain(cli_run *run, void *work)
 static const cli_job chain_job = {
     .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .free = free_chain};
 
-/* By --method, or by what the input and the other options mean. */
 static int choose_lod(cli_run *run, const cli_job **job)
 {
     const cli_lod_options *const own = run->own;

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct morph_options {
     bvx_morph_options change;
     bvx_hollow_options hollow;
@@ -111,7 +109,6 @@ static int take_action(cli_run *run, int32_t *action)
         word);
 }
 
-/* Facts of the line: the action, and values that an option needs. */
 enum {
     GROWS = 1 << CLI_FIRST_FACT,
     HOLLOWS = 2 << CLI_FIRST_FACT,
@@ -178,7 +175,6 @@ static int check_morph_options(cli_run *run, morph_job *job)
 
 /* ---- the voxels ---- */
 
-/* A mesh's lattice gets room for what dilation adds. */
 static int make_room(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
@@ -201,7 +197,6 @@ static int make_room(cli_run *run, morph_job *job)
     return CLI_DONE;
 }
 
-/* Its voxels, whatever the input is. */
 static int open_morph(cli_run *run, morph_job *job, cli_made *made)
 {
     CLI_TRY(check_morph_options(run, job));

@@ -5,8 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct refine_options {
     bvx_refine_options tree;
     int32_t base_voxels; /* --base; 0: not given */
@@ -50,8 +48,6 @@ static const cli_argument refine_rows[] = {
     {0}};
 
 enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
-
-/* ---- what is requested ---- */
 
 enum { CHOOSES_LEVELS = 1 << CLI_FIRST_FACT }; /* --halvings auto */
 
@@ -101,8 +97,6 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
     CLI_TRY(*kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL));
     return cli_window_option(run, &t->window);
 }
-
-/* ---- the tree ---- */
 
 /* The base, and the levels where they follow from a resolution. */
 static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static void start_render(void *options)
 {
     cli_render_options *const o = options;
@@ -185,7 +183,6 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
     return status;
 }
 
-/* Frame after frame, each in its output. */
 static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 {
     const cli_render_options *const own = run->own;
@@ -251,7 +248,6 @@ static int points_nowhere(const cli_triple *t)
     return t->given && t->value[0] == 0.0 && t->value[1] == 0.0 && t->value[2] == 0.0;
 }
 
-/* Facts of the line. */
 enum {
     HAS_MESH = 1 << CLI_FIRST_FACT, /* among the inputs */
     HAS_TWO = 2 << CLI_FIRST_FACT,  /* inputs */
@@ -303,7 +299,6 @@ static int check_turntable(cli_run *run)
     return CLI_DONE;
 }
 
-/* Which inputs are meshes decides what has a use. */
 static int check_kinds(cli_run *run)
 {
     const cli_options *const o = run->options;

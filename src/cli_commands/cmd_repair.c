@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static void start_repair(void *options)
 {
     ((bvx_repair_options *)options)->struct_size = sizeof(bvx_repair_options);
@@ -272,7 +270,6 @@ typedef struct repair_job {
     cli_reduction reduction;
 } repair_job;
 
-/* The input's bytes as they are. */
 static int write_input(cli_run *run)
 {
     cli_bytes b = {NULL, 0, 0, 0};

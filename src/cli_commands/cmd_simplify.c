@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static const cli_argument simplify_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},

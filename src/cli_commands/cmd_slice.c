@@ -5,9 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct slice_options {
     int32_t up_axis; /* 1 to 3; 0: not given */
     double spacing;  /* of planes */

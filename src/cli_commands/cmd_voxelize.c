@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
 
 static void start_voxelize(void *options)
@@ -79,7 +77,6 @@ static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-/* What the voxels are made from. */
 typedef struct voxel_job {
     bvx_mesh mesh, second; /* second: --second */
     bvx_mesh_view view, second_view;
@@ -94,7 +91,6 @@ typedef struct voxel_job {
 
 /* ---- what is requested ---- */
 
-/* Facts of the line. */
 enum {
     SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
     SETS_FIELD = 2 << CLI_FIRST_FACT,
@@ -231,7 +227,6 @@ static bvx_status fit_lattice(cli_run *run, const voxel_job *job, bvx_lattice *l
     return job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
 }
 
-/* The lattice, and whether the output can hold it. */
 static int choose_lattice(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = run->options;
@@ -402,14 +397,12 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
 
 /* ---- the result ---- */
 
-/* What calls of the library tell, each of its own kind of voxels. */
 typedef struct voxel_reports {
     bvx_solid_report solid;
     bvx_surface_report surface;
     bvx_points_report cloud;
 } voxel_reports;
 
-/* Voxels, or the field in their place. */
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;

@@ -18,8 +18,6 @@ enum {
     LEAST_TRIANGLES = 4 /* of any closed mesh */
 };
 
-/* ---- Options ---- */
-
 static const cli_rule collapse_rules[] = {
     {.also = cli_to_mesh_rules},
     {.also = cli_reduction_rules},
@@ -38,8 +36,6 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
     return cli_check_level_names(run, c->count);
 }
-
-/* ---- The input ---- */
 
 /* 1/2, 1/4 ... as long as that leaves a mesh that is worth a file; one in any case. */
 static int usual_count(uint64_t triangles)
@@ -107,8 +103,6 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
 
-/* ---- Distances ---- */
-
 static uint64_t wanted_samples(const cli_run *run)
 {
     return run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
@@ -163,8 +157,6 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     return CLI_DONE;
 }
 
-/* ---- Levels ---- */
-
 static int carry_level(cli_run *run, cli_collapse_run *c, int i)
 {
     bvx_status status;
@@ -189,8 +181,6 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
     run->report.meshes = i + 1;
 }
-
-/* ---- The end ---- */
 
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 {

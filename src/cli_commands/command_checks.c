@@ -45,7 +45,6 @@ static int check_batch(cli_run *run)
     return CLI_DONE;
 }
 
-/* What holds for all commands once the words are taken. */
 int cli_check_line(cli_run *run)
 {
     const cli_options *const o = run->options;

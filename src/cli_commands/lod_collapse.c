@@ -11,8 +11,6 @@ typedef struct lod_collapse {
     bvx_levels_report report;
 } lod_collapse;
 
-/* ---- Options ---- */
-
 #define OF_SOLID                                                                                       \
     "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity --least-part " \
     "--keep-largest"
@@ -76,8 +74,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->parts = cli_parts(run);
 }
 
-/* ---- Levels ---- */
-
 static int is_solid(const lod_collapse *l)
 {
     return l->report.solid;
@@ -108,8 +104,6 @@ static int build_levels(cli_run *run, lod_collapse *l)
     }
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
-
-/* ---- What is reported ---- */
 
 /* What was done to the mesh before edges collapsed, where something was. */
 static void tell_made_ready(const bvx_levels_report *r, cli_made *made)

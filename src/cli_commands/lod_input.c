@@ -15,8 +15,6 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
     return own->resolutions.count != 0 ? (int32_t)own->resolutions.value[level] : usual > 0 ? usual : 1;
 }
 
-/* ---- the solid ---- */
-
 static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
 {
     bvx_lattice_options const o = {
@@ -25,7 +23,6 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
-/* The resolution of the solid: given, or what suits the levels. */
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
     const cli_options *const options = run->options;

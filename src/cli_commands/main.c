@@ -29,8 +29,6 @@ static const cli_command *find_command(const char *name)
     return NULL;
 }
 
-/* ---- help ---- */
-
 static void print_overview(FILE *to)
 {
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
@@ -43,7 +41,6 @@ static void print_overview(FILE *to)
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
 }
 
-/* Two examples are enough where not all is requested. */
 static void print_help(const cli_command *c, int all)
 {
     int left = all ? CLI_MAX_OPTIONS : 2;
@@ -82,8 +79,6 @@ static int print_version(cli_run *run)
     printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
     return cli_end_of_output(run);
 }
-
-/* ---- running ---- */
 
 static int run_command(cli_run *run, int count, char **word)
 {

@@ -5,9 +5,6 @@
 
 enum { COMPARED_RESOLUTION = 256 };
 
-/* ---- voxels of meshes ---- */
-
-/* One lattice around one mesh or two. */
 static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution,
                               bvx_lattice *lattice)
 {
@@ -40,8 +37,6 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     return status;
 }
 
-/* ---- opening ---- */
-
 int cli_open_scene(cli_run *run, int first, cli_scene *s)
 {
     const cli_render_options *const own = run->own;
@@ -66,8 +61,6 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 {
     for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
 }
-
-/* ---- drawing ---- */
 
 void cli_scene_view(const cli_run *run, double direction[3], double up[3])
 {

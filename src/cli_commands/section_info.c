@@ -21,8 +21,6 @@ typedef struct section_facts {
     uint64_t labels;
 } section_facts;
 
-/* ---- counting ---- */
-
 static void find_section_box(const bvx_sections *s, section_facts *f)
 {
     for (int a = 0; a < 3; a++) {
@@ -96,8 +94,6 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
     f->labels = s->loop_count != 0 ? kept + 1 : 0;
     return CLI_DONE;
 }
-
-/* ---- saying ---- */
 
 static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f, cli_made *made)
 {

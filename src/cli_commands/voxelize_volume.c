@@ -26,7 +26,6 @@ static const cli_rule volume_rules[] = {
     {.given = "--minimum --body", .message = "%o is for clouds of points; %i is a volume"},
     {0}};
 
-/* Facts of the output's name. */
 enum {
     HAS_NUMBER = 1 << CLI_FIRST_FACT, /* %d */
     HAS_NUMBERS = 2 << CLI_FIRST_FACT /* two */
@@ -142,7 +141,6 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 
 /* ---- meshes ---- */
 
-/* The surface of the level, by its values. */
 static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
     bvx_scalar_options const o = {.struct_size = sizeof o,
@@ -172,7 +170,6 @@ static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
              c->components == 1 ? "" : "s");
 }
 
-/* The level's surface around the parts that are kept. */
 static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
 {
     bvx_grid all = {0}, kept = {0};
@@ -337,7 +334,6 @@ static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
     return CLI_DONE;
 }
 
-/* Meshes are in their files already. */
 static int keep_meshes(cli_run *run, void *work)
 {
     (void)work;

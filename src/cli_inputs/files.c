@@ -63,7 +63,6 @@ static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
     return CLI_DONE;
 }
 
-/* Room for more bytes: as much again, within the limit. */
 static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
@@ -393,7 +392,6 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
     return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
-/* What is left out is told by how many triangles of this file went. */
 static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
 {
     if (dropped != 0)

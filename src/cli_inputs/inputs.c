@@ -72,7 +72,6 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     return cli_check_call(run, read, cli_input_name(in->path));
 }
 
-/* The chosen voxels of a volume. */
 static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     cli_text warnings = {0};
@@ -198,8 +197,6 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
     *placed = in.placed;
     return status;
 }
-
-/* ---- either ---- */
 
 int cli_read_input(cli_run *run, const char *path, cli_input *input)
 {

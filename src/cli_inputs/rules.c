@@ -75,8 +75,6 @@ const cli_rule cli_grid_rules[] = {
      .message = "%o is for meshes; %w is a grid"},
     {0}};
 
-/* ---- facts ---- */
-
 static uint32_t fact_if(int holds, uint32_t fact)
 {
     return holds ? fact : 0;
@@ -105,8 +103,6 @@ static uint32_t facts_of_output(const char *path)
            fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
            fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
 }
-
-/* ---- rows ---- */
 
 const char *cli_given_of(const cli_run *run, const char *names)
 {

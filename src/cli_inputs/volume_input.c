@@ -147,7 +147,6 @@ static int stays_below(const char *name)
     }
 }
 
-/* A name of the head, beside it; to be freed. */
 static char *data_path(const char *head, const char *name)
 {
     const char *const slash = strrchr(head, '/');

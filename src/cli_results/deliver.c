@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 
-/* The grid whose lattice is told. */
 static const bvx_grid *grid_of(const cli_made *made)
 {
     return made->grid != NULL     ? made->grid
@@ -29,7 +28,6 @@ void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
     run->report.has_lattice = run->report.has_set = 1;
 }
 
-/* A success: where it went, what it is, what is to be said of it. */
 static void tell_made(cli_run *run, cli_made *made)
 {
     const bvx_grid *const grid = grid_of(made);

@@ -399,7 +399,6 @@ static void note_kept(cli_run *run, const bvx_mesh *mesh, const char *path)
     run->report.kept |= cli_attributes_of(mesh) & attributes_of_format(bvx_format_of_name(path));
 }
 
-/* The mesh is judged. */
 static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
@@ -448,7 +447,6 @@ int cli_open_levels(cli_run *run, int count, char **path)
     return status;
 }
 
-/* All levels in one file. */
 static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
 {
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);

@@ -3,9 +3,6 @@
 
 #include <string.h>
 
-/* ---- what is requested ---- */
-
-/* A .bvx file is a tree, or with --expand the grid of a level. */
 int cli_check_tree_output(cli_run *run, cli_tree *t)
 {
     const char *const path = run->options->output;
@@ -37,8 +34,6 @@ int cli_open_tree_output(cli_run *run, const cli_tree *t)
                                : cli_open_output(run, run->options->output);
 }
 
-/* ---- in ---- */
-
 int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 {
     bvx_status status;
@@ -54,8 +49,6 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     return CLI_DONE;
 }
 
-/* ---- one level as a grid ---- */
-
 static int write_expanded(cli_run *run, cli_tree *t)
 {
     CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
@@ -64,9 +57,6 @@ static int write_expanded(cli_run *run, cli_tree *t)
     return cli_write_grid(run, &t->grid);
 }
 
-/* ---- the last level as a mesh, the tree as a file ---- */
-
-/* The closed surface of the last level. */
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     cli_stage_begin(run, "surface");
@@ -78,7 +68,6 @@ static int make_surface_mesh(cli_run *run, cli_tree *t)
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
-/* The tree itself, or the mesh that was made of it. */
 static int write_tree_file(cli_run *run, const cli_tree *t)
 {
     const char *const path = run->options->output;

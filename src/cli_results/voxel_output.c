@@ -20,8 +20,6 @@ int cli_open_voxels(cli_run *run)
     return CLI_HOLDS(run, CLI_TO_MESH) ? cli_open_output(run, out) : cli_open_grid_output(run, out);
 }
 
-/* ---- The surface of a mesh's voxels ---- */
-
 bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
                               bvx_field *field)
 {
@@ -143,8 +141,6 @@ static void round_hole(cli_voxels *v)
         else ((float *)v->mesh.positions)[3 * n + (uint64_t)axis] = (float)p[axis];
     }
 }
-
-/* ---- What goes out ---- */
 
 static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 {

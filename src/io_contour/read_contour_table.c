@@ -230,7 +230,6 @@ static bvx_status compare_plane(table_reader *r, uint32_t section, double positi
     return BVX_OK;
 }
 
-/* The section of the line's word. */
 static bvx_status find_table_section(table_reader *r, double position, const double normal[3],
                                      uint32_t *section)
 {
@@ -250,7 +249,6 @@ static bvx_status find_table_section(table_reader *r, double position, const dou
                      : bvxi_contour_add_section(r->f, position);
 }
 
-/* What a line says of its section's plane. */
 static bvx_status read_normal(table_reader *r, double normal[3])
 {
     double length;

@@ -280,8 +280,6 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     bvxi_output_text(o, "</svg>\n");
 }
 
-/* ---- any ---- */
-
 static void put_sections(const bvx_sections *s, int32_t format, const double axis[3][3], bvxi_output *o)
 {
     if (format == BVX_FORMAT_CSL) put_csl(s, axis[2], o);

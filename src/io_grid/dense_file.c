@@ -8,9 +8,6 @@
 
 /* ---- The lattice ---- */
 
-/* The lattice that a file of voxels says it has, and the grid for the part of it that is
- * wanted. */
-
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
@@ -185,8 +182,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
 }
 
 /* ---- Written ---- */
-
-/* Files of a head, a byte for each voxel and a tail. */
 
 bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
                             bvx_buffer *file)

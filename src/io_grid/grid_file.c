@@ -5,8 +5,6 @@
 
 /* ---- Read ---- */
 
-/* A grid from the bytes of a file: the checks around the readers. */
-
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
     bvxi_dense dense;
@@ -70,9 +68,6 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
 }
 
 /* ---- Written ---- */
-
-/* A grid to the bytes of a file: the checks around the
- * writers, and what those of one byte a voxel share. */
 
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {

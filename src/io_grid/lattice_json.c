@@ -6,8 +6,6 @@
 #include "io/json.h"
 #include "io_grid/grid_formats.h"
 
-/* ---- writing ---- */
-
 static void json_put_doubles(bvxi_output *out, const char *key, const double v[3])
 {
     char text[32];
@@ -77,8 +75,6 @@ bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buf
 {
     return BVXI_CALL(context, run_write_lattice(context, grid, file));
 }
-
-/* ---- reading ---- */
 
 typedef struct json_lattice {
     bvxi_source source; /* for messages */

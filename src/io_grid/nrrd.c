@@ -163,8 +163,6 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
     return BVX_OK;
 }
 
-/* ---- public ---- */
-
 /* A file's number as text, at least digits wide. */
 static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
 {

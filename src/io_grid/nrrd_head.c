@@ -8,9 +8,6 @@
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list
  * of data files ---- */
 
-/* Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to
- * NRRD0005. Guarantee: a head that was read has all fields that its samples need. */
-
 /* Keys mean nothing to the format, so this one may be stale or damaged: then it is passed over. */
 static void nrrd_take_corner(nrrd_head *h, const char *p, const char *end)
 {
@@ -217,8 +214,6 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
     v->p++;
     return BVX_OK;
 }
-
-/* ---- fields ---- */
 
 static bvx_status nrrd_field_ignored(nrrd_head *h, nrrd_value *v)
 {

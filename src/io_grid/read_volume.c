@@ -279,8 +279,6 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     return BVX_OK;
 }
 
-/* ---- public ---- */
-
 static const bvxi_option read_volume_rows[] = {
     BVXI_SWITCH(bvx_read_volume_options, big_endian),
     BVXI_RESERVED(bvx_read_volume_options, reserved0),

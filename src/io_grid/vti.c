@@ -33,8 +33,6 @@ typedef struct vti_file {
     int8_t compressed, unpacks, has_active, has_image, has_piece, appended_base64;
 } vti_file;
 
-/* ---- attributes ---- */
-
 static BVXI_COLD bvx_status vti_fail(const vti_file *f, bvx_status status, const char *at, const char *why)
 {
     return bvxi_fail(f->xml.source.ctx, status, "VTI: line %u: %s", bvxi_source_line(&f->xml.source, at),

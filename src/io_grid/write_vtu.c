@@ -22,8 +22,6 @@ typedef struct vtu_leaves {
     uint64_t points;
 } vtu_leaves;
 
-/* ---- corners ---- */
-
 static void list_vtu_corners(vtu_leaves *v)
 {
     for (uint64_t n = 0; n < 8 * v->count; n++) {
@@ -44,8 +42,6 @@ static uint64_t count_vtu_points(const uint64_t *sorted, uint64_t count)
     for (uint64_t i = 0; i < count; i++) n += i == 0 || sorted[i] != sorted[i - 1];
     return n;
 }
-
-/* ---- the file ---- */
 
 static const char *const vtu_array[VTU_ARRAYS] = {
     "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" "

@@ -6,8 +6,6 @@
 
 static const char read_points_name[] = "bvx_read_points";
 
-/* ---- Lines ---- */
-
 static inline int xyz_line_ends(const char *p, const char *end)
 {
     return p == end || *p == '\n' || *p == '\r';
@@ -61,8 +59,6 @@ static const char *xyz_skip_head(const char *p, const char *end)
         return xyz_next_line(xyz_line_end(p, end), end);
     return p;
 }
-
-/* ---- Points ---- */
 
 static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i, double to[3])
 {

@@ -267,10 +267,6 @@ static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-/* ---- Files ---- */
-
-/* STL, to meshes and from them. */
-
 /* ---- Read ---- */
 
 /* STL, ASCII and binary, to an indexed mesh.
@@ -463,7 +459,6 @@ static int stl_is_text(const char *p, const char *end)
     return 1;
 }
 
-/* Set *binary and its count of triangles. */
 static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *count)
 {
     uint64_t const size = bvxi_source_byte(s, s->end);

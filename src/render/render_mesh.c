@@ -242,8 +242,6 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
         draw_scene_triangle(s, raster, rows, s->bins.triangle[i]);
 }
 
-/* ---- the whole ---- */
-
 static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;

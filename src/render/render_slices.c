@@ -189,7 +189,6 @@ static int64_t slice_bit(const uint64_t *row, int32_t x)
     return (int64_t)(row[x >> 6] >> (x & 63) & 1);
 }
 
-/* Set voxels [begin, end) of a row. */
 static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
 {
     int64_t count = 0;
