@@ -76,11 +76,11 @@ static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     switch (format) {
-    case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);
     case BVX_FORMAT_BINVOX: return bvxi_write_binvox(context, grid, file);
     case BVX_FORMAT_VOX: return bvxi_write_vox(context, grid, file);
-    case BVX_FORMAT_NRRD: return bvxi_write_nrrd(context, grid, file);
-    case BVX_FORMAT_VTI: return bvxi_write_vti(context, grid, file);
+    case BVX_FORMAT_NPY:
+    case BVX_FORMAT_NRRD:
+    case BVX_FORMAT_VTI: return bvxi_write_dense(context, grid, format, file);
     case BVX_FORMAT_BVX: return bvxi_write_bvx(context, grid, file);
     default:
         return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "grid", format, BVX_GRIDS_WRITTEN);

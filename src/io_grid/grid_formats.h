@@ -116,23 +116,14 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
 
 /* ---- writers: arguments are checked ---- */
 
-/* The file of a head that is written and a tail, with the grid's voxels as bytes 0 and 1 between them. */
-typedef struct bvxi_dense_file {
-    const char *what;                                         /* "the NPY file", for messages */
-    void (*put_head)(const bvx_grid *grid, bvxi_output *out); /* called twice: to count and to write */
-    const char *tail;
-} bvxi_dense_file;
-bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
-                            bvx_buffer *file);
+/* write_dense.c: NPY, NRRD, VTI. */
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, int32_t format, bvx_buffer *file);
 /* Refuse a grid whose first voxel has a corner or centre that is not
  * finite: text of a format could not give it. */
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
 
-bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
-bvx_status bvxi_write_nrrd(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
-bvx_status bvxi_write_vti(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 
 /* Key of an NRRD file that keeps the low corner unrounded. */

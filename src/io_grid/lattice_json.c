@@ -8,11 +8,10 @@
 
 static void json_put_doubles(bvxi_output *out, const char *key, const double v[3])
 {
-    char text[32];
     bvxi_output_text(out, key);
     for (int a = 0; a < 3; a++) {
         bvxi_output_text(out, a == 0 ? "[" : ", ");
-        bvxi_output_add(out, text, (size_t)bvxi_print_double(v[a], text));
+        bvxi_output_double(out, v[a]);
     }
     bvxi_output_text(out, "]");
 }

@@ -214,11 +214,10 @@ static double binvox_scale(double spacing, int32_t longest)
 
 static void binvox_put_numbers(bvxi_output *out, const char *name, const double *numbers, int32_t count)
 {
-    char text[32];
     bvxi_output_text(out, name);
     for (int32_t i = 0; i < count; i++) {
         bvxi_output_text(out, " ");
-        bvxi_output_add(out, text, (size_t)bvxi_print_double(numbers[i], text));
+        bvxi_output_double(out, numbers[i]);
     }
     bvxi_output_text(out, "\n");
 }

@@ -87,8 +87,7 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
 
 static uint8_t *put_vtu_length(uint8_t *to, uint64_t length)
 {
-    bvxi_store_u32(to, (uint32_t)(length & 0xffffffffu));
-    bvxi_store_u32(to + 4, (uint32_t)(length >> 32));
+    bvxi_store_u64(to, length);
     return to + 8;
 }
 
