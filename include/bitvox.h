@@ -2942,7 +2942,7 @@ BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
  *  Returns BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
  *  that it cannot hold).
- *  [Memory: the file; BINVOX: and 64 layers of x a worker]
+ *  [Memory: the file; BINVOX: and 64 layers of x twice]
  *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format,
                                   bvx_buffer *file);
@@ -2989,7 +2989,7 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
  *  limits), BVX_ERR_UNSUPPORTED (a newer version of the format, compressed data, more than one model, turned
  *  axes).
  *  [Memory: the grid, and at most size and 32 KiB (VTI in base64: the decoded samples; BVX: the offsets of
- *  slices); BINVOX: and 64 layers of x a worker. Packed formats can expand to far more than their bytes: set
+ *  slices); BINVOX: and 64 layers of x twice. Packed formats can expand to far more than their bytes: set
  *  a memory limit for files from strangers]
  *  [Cost: O(bytes + words)] */
 BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
