@@ -600,10 +600,10 @@ typedef struct bvx_lattice_options {
 
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
  *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
- *  smallest count that covers them.
+ *  smallest count that covers them. Of a mesh without triangles, a cloud of points, all vertices count.
  *  resolution  [Limit: 1..2^25] below it is BVX_ERR_ARGUMENT, above BVX_ERR_RANGE
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index beyond the
- *  vertices, dims beyond 2^25).
+ *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (a coordinate that is not
+ *  finite, an index beyond the vertices, dims beyond 2^25).
  *  [Memory: none]
  *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
@@ -893,7 +893,7 @@ enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 typedef struct bvx_fit {
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
     int32_t resolution;         /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256; of
-                                     bvx_build_levels that of bvx_plan_levels] */
+                                     bvx_build_levels 256 to 320, by its finest target] */
     int32_t reserved;
 } bvx_fit;
 
@@ -993,12 +993,6 @@ typedef struct bvx_faces_options {
     int32_t merged;        /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_faces_options;
-
-/** The exact size of what bvx_extract_faces would make.
- *  [Memory: 8 bytes a row; merged: as bvx_extract_faces] */
-BVX_API bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_faces_options *options, uint64_t *vertex_count,
-                                   uint64_t *triangle_count);
 
 /** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel.
  *  Beyond the window is empty. The mesh is closed and has the volume of the set voxels. It is not manifold
@@ -1327,7 +1321,8 @@ typedef struct bvx_levels_options {
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
                         from its default] */
-    bvx_fit fit;   /**< solid: [Default: the resolution of bvx_plan_levels] */
+    bvx_fit fit;   /**< solid: [Default: a resolution from 256 to 320, by which the surface has about 16 times
+                        the triangles of the finest level] */
     int32_t sign;  /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO] */
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
@@ -1344,15 +1339,6 @@ typedef struct bvx_levels_options {
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_levels_options;
-
-/** The resolution at which bvx_build_levels measures a mesh when none is given: from 256 to 320, so that the
- *  measured surface has about 16 times the triangles of the finest level.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
- *  [Memory: none]
- *  [Cost: O(triangles)] */
-BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh,
-                                   const bvx_levels_options *options, uint64_t level_count,
-                                   int32_t *resolution);
 
 /** Levels of detail from any mesh: the main job.
  *
@@ -1793,6 +1779,17 @@ BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, 
 
 /* ---- Morphology and distances -------------------------------------------------------------------------- */
 
+/** DILATE  voxels with a set one within the neighbourhood (steps times) or the ball
+ *  ERODE   voxels with no empty one there
+ *  OPEN    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid
+ *  CLOSE   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid */
+#define BVX_MORPH_LIST(X)            \
+    X(BVX_MORPH_DILATE, 0, "dilate") \
+    X(BVX_MORPH_ERODE, 1, "erode")   \
+    X(BVX_MORPH_OPEN, 2, "open")     \
+    X(BVX_MORPH_CLOSE, 3, "close")
+enum { BVX_MORPH_LIST(BVX_LIST_ENUM) };
+
 /** A ball of a radius in place of neighbours. */
 enum { BVX_BALL = 1 };
 
@@ -1808,25 +1805,16 @@ typedef struct bvx_morph_options {
     int32_t reserved;
 } bvx_morph_options;
 
-/** Grow and shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
+/** Grow or shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
  *  the window; both halves of open and close, and only the end is cut to the window.
- *  dilate  voxels with a set one within the neighbourhood (steps times) or the ball
- *  erode   voxels with no empty one there
- *  open    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid
- *  close   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid
+ *  operation  BVX_MORPH_...
  *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400).
  *  [Memory: the result, and some slices for each worker; balls of more than 35 voxels up to 136 bytes a row;
  *  open and close with a ball one or two more grids (docs/rules.md)]
  *  [Cost: O(words * steps); a ball: O(words * radius^2), at most O(voxels)]
  *  [Exact: yes; a window with a halo of the reach (open, close: twice) has the bits of the whole]
  *  Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance. */
-BVX_API bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_morph_options *options, bvx_grid *result);
-BVX_API bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid,
-                                  const bvx_morph_options *options, bvx_grid *result);
-BVX_API bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                                 bvx_grid *result);
-BVX_API bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid,
+BVX_API bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
                                   const bvx_morph_options *options, bvx_grid *result);
 
 typedef struct bvx_hollow_report {
@@ -1858,7 +1846,7 @@ typedef struct bvx_hollow_options {
  *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
  *  the result is the grid itself, without a hole, wherever drain_at is.
  *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below
- *  a voxel, which would leave no shell), and as bvx_grid_erode with a ball, whose memory and cost it has.
+ *  a voxel, which would leave no shell), and as bvx_grid_morph with a ball, whose memory and cost it has.
  *  [Exact: yes] */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid,
                                    const bvx_hollow_options *options, bvx_grid *result);
@@ -1880,6 +1868,9 @@ enum { BVX_DISTANCE_LIST(BVX_LIST_ENUM) };
     X(BVX_BEYOND_SET, 2, "set")
 enum { BVX_BEYOND_LIST(BVX_LIST_ENUM) };
 
+/** A third type of values, beside BVX_F32 and BVX_F64. */
+enum { BVX_SQUARES = 3 };
+
 typedef struct bvx_distance_options {
     size_t struct_size;
     int32_t side;      /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
@@ -1893,9 +1884,12 @@ typedef struct bvx_distance_options {
 /** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y,
  *  then z. SIGNED is negative on set voxels. With BVX_BEYOND_NOTHING an empty grid has infinity everywhere
  *  (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED: minus infinity).
- *  value_type  BVX_F32 or BVX_F64: the last rounding
+ *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels,
+ *              OUTSIDE or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
  *  values      [Size: nx * ny * nz] [Units: world]
- *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100).
+ *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100; squares of a
+ *  window whose diagonal has one of 2^32 - 2^16 or more), BVX_ERR_ARGUMENT (also squares of voxels that are
+ *  not cubic, or SIGNED).
  *  [Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of
  *  the longer side along y or z for each worker]
  *  [Cost: O(voxels), SIGNED twice]
@@ -1906,15 +1900,6 @@ typedef struct bvx_distance_options {
 BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid,
                                      const bvx_distance_options *options, int32_t value_type, void *values,
                                      uint64_t capacity);
-
-/** The squares as integers, for cubic voxels and OUTSIDE or INSIDE [Units: voxels^2]; UINT32_MAX where there
- *  is no such voxel.
- *  Returns as bvx_grid_distance; BVX_ERR_ARGUMENT also for SIGNED and for voxels that are not cubic,
- *  BVX_ERR_RANGE for windows whose squared diagonal is 2^32 - 2^16 or more (bvx_grid_distance has no such
- *  limit). */
-BVX_API bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
-                                             const bvx_distance_options *options, uint32_t *squares,
-                                             uint64_t capacity);
 
 /* ---- Components ---------------------------------------------------------------------------------------- */
 
@@ -2105,14 +2090,6 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
                                     bvx_grid_difference *difference);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
-
-/** A lattice around a cloud of points, as bvx_lattice_fit_with around a mesh. All vertices of the view count;
- *  triangles are ignored.
- *  Returns BVX_ERR_EMPTY (no point; only one position and no spacing), BVX_ERR_RANGE.
- *  [Memory: none]
- *  [Cost: O(points)] */
-BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points,
-                                          const bvx_lattice_options *options, bvx_lattice *lattice);
 
 /** Counts of one call, for its window. */
 typedef struct bvx_points_report {
@@ -2762,21 +2739,6 @@ BVX_API void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer);
 /** The format of a file name's ending (also before ".gz"), in either case of letters. */
 BVX_API int32_t bvx_format_of_name(const char *name);
 
-/** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
- *  overlap nor turn over. STL vertices are welded where their bits are equal. Colours and texture coordinates
- *  are read when all vertices or faces have them. What is read of each format: docs/formats.md.
- *  format  BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _GLB or _GLTF (both are
- *          recognised by content)
- *  mesh    brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY, glTF), else
- *          f64
- *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
- *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle),
- *  BVX_ERR_UNSUPPORTED (glTF: an extension that must be known and is not, by its name).
- *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY) or 4096 (glTF: nodes repeat meshes) times
- *  size and 32 KiB; counts that the size cannot hold are refused before allocation] */
-BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                 bvx_mesh *mesh);
-
 /** The bytes of a file that another one names. */
 typedef struct bvx_file_bytes {
     const void *bytes;
@@ -2818,17 +2780,29 @@ typedef struct bvx_read_options {
     bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
 } bvx_read_options;
 
-/** The same with all options. glTF names files for buffers and images: a buffer that is not there is
- *  BVX_ERR_FORMAT, an image a loss. Materials, textures and images become mesh.assets; a triangle without a
- *  material has the index after the last one. With keep_file the mesh has the file beside it, where that can be,
- *  and nothing but images is lost. What else is read of glTF: docs/formats.md.
- *  Returns what bvx_read_mesh returns; BVX_ERR_EMPTY also when no triangle remains. Colours and texture
- *  coordinates must be finite.
- *  [Memory: as bvx_read_mesh, files that open_file hands out count as size; 4 bytes a vertex more, where
- *  triangles are left out; the file's bytes once more by keep_file]
+/** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
+ *  overlap nor turn over. STL vertices are welded where their bits are equal. Colours and texture coordinates
+ *  are read when all vertices or faces have them; they must be finite. What is read of each format:
+ *  docs/formats.md.
+ *
+ *  glTF names files for buffers and images: a buffer that is not there is BVX_ERR_FORMAT, an image a loss.
+ *  Materials, textures and images become mesh.assets; a triangle without a material has the index after the
+ *  last one. With keep_file the mesh has the file beside it, where that can be, and nothing but images is lost.
+ *  format   BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _GLB or _GLTF (both are
+ *           recognised by content)
+ *  options  NULL: all defaults
+ *  mesh     brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY, glTF), else
+ *           f64
+ *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
+ *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle, or none remains),
+ *  BVX_ERR_UNSUPPORTED (glTF: an extension that must be known and is not, by its name).
+ *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY) or 4096 (glTF: nodes repeat meshes) times
+ *  size and 32 KiB, files that open_file hands out counted as size; 4 bytes a vertex more, where triangles are
+ *  left out; the file's bytes once more by keep_file; counts that the size cannot hold are refused before
+ *  allocation]
  *  Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022); KHR_mesh_quantization. */
-BVX_API bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                      const bvx_read_options *options, bvx_mesh *mesh);
+BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                 const bvx_read_options *options, bvx_mesh *mesh);
 
 /** Read a cloud of points: the vertices of a mesh without triangles.
  *  BVX_FORMAT_XYZ  text, a point a line: x y z, further columns are ignored; between them spaces, tabs,
@@ -2841,18 +2815,6 @@ BVX_API bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, u
  *  [Cost: O(bytes)] */
 BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
                                    bvx_mesh *points);
-
-/** Write a mesh; its frame is added. PLY, OBJ (without alpha) and OFF keep colours, PLY and OBJ texture
- *  coordinates too. GLB has all that a mesh has. What each format holds: docs/formats.md. Coordinates stay as
- *  they are, whichever axis is up. A mesh that rounding to 32-bit floats would spoil, like one in metres of a
- *  map projection as STL, is refused with BVX_ERR_RANGE (BVX_ROUNDING_REFUSE says from where on; below that a
- *  few vertices may become one): take another format, or subtract from mesh.frame an origin that the file's
- *  user knows. bvx_check_written reports what a file would hold.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED.
- *  [Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex without normals, 84 a
- *  triangle while texture coordinates are split, 4 a triangle where materials differ] */
-BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format,
-                                  bvx_buffer *file);
 
 /* STL and GLB hold 32-bit floats: STL of the position, GLB too where meshes have 32-bit floats and no frame,
  * else of what it is from the middle of the bounds; or whole steps where they are quantized. A mesh is spoilt
@@ -2880,16 +2842,32 @@ typedef struct bvx_write_options {
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
 } bvx_write_options;
 
-/** The same with all options. Normals are those of the mesh, at length 1; without any they are smooth, as
- *  bvx_mesh_normals computes them at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after
- *  the coordinates; OBJ: vn, with the vertex's index.
- *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles)
- *  or OFF, and for quantize in other formats than GLB.
- *  [Memory: normals: 24 bytes a vertex more where the mesh has none; turn: its positions and normals once more]
+/** Write a mesh, or levels of detail into one file; frames are added. PLY, OBJ (without alpha) and OFF keep
+ *  colours, PLY and OBJ texture coordinates too. GLB has all that a mesh has. What each format holds:
+ *  docs/formats.md. Coordinates stay as they are, whichever axis is up. A mesh that rounding to 32-bit floats
+ *  would spoil, like one in metres of a map projection as STL, is refused (BVX_ROUNDING_REFUSE says from where
+ *  on; below that a few vertices may become one): take another format, or subtract from mesh.frame an origin
+ *  that the file's user knows. bvx_check_written reports what a file would hold.
+ *
+ *  Normals are those of the mesh, at length 1; without any they are smooth, as bvx_mesh_normals computes them
+ *  at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after the coordinates; OBJ: vn, with
+ *  the vertex's index. Levels of a GLB are nodes "level_0", "level_1", ... with a mesh each, all about one
+ *  centre, with materials, textures and images once. Only level_0 is in the scene; MSFT_lod, an extension that
+ *  few readers know, attaches the others, and all other viewers show level_0.
+ *  levels       [Size: level_count] the finest first, each with triangles
+ *  level_count  [Limit: 1..65536] 1 but for GLB
+ *  options      NULL: all defaults
+ *  format       BVX_FORMAT_STL, _OBJ, _PLY, _OFF or _GLB
+ *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds, or spoilt by
+ *  rounding), BVX_ERR_UNSUPPORTED (no mesh format; levels or quantize in another one than GLB; normals in STL,
+ *  which has those of triangles, or OFF). Messages name the level.
+ *  [Memory: the file (text: up to about 1.5 times); normals: 24 bytes a vertex more where the mesh has none;
+ *  GLB: 84 a triangle while texture coordinates are split, 4 a triangle where materials differ, about 700 a
+ *  level; turn: positions and normals once more]
  *  [Cost: O(vertices + triangles)]
- *  Source: Khronos Group. KHR_mesh_quantization, an extension of glTF 2.0. */
-BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
-                                       const bvx_write_options *options, int32_t format, bvx_buffer *file);
+ *  Source: Khronos Group. KHR_mesh_quantization; Microsoft. MSFT_lod: extensions of glTF 2.0. */
+BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                  const bvx_write_options *options, int32_t format, bvx_buffer *file);
 
 typedef struct bvx_write_report {
     bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
@@ -2903,7 +2881,7 @@ typedef struct bvx_write_report {
 
 /** What readers will get of meshes in a format, without writing them: certificates with the positions as the
  *  file rounds them.
- *  levels   [Size: level_count] what one file is to hold, as for bvx_write_levels; 1: one mesh
+ *  levels   [Size: level_count] what one file is to hold, as for bvx_write_mesh
  *  options  those of the writer, or NULL
  *  format   STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of others are files of their own
  *  reports  [Size: level_count] out; unspecified after a failure
@@ -2915,23 +2893,6 @@ typedef struct bvx_write_report {
 BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                      const bvx_write_options *options, int32_t format,
                                      bvx_write_report *reports);
-
-/** Write levels of detail as one file: nodes "level_0", "level_1", ... with a mesh each, as
- *  bvx_write_mesh_with writes it, all about one centre, with materials, textures and images once. Only
- *  level_0 is in the scene; MSFT_lod, an extension that few readers know, attaches the others, and all other
- *  viewers show level_0. When a level gives way to the next: docs/formats.md.
- *  levels       [Size: level_count] the finest first, each with triangles
- *  level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh_with
- *  options      NULL: all defaults
- *  format       BVX_FORMAT_GLB; the others hold one mesh a file
- *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds: 2^32 - 1
- *  bytes, f32 positions about the centre), BVX_ERR_UNSUPPORTED (another format). Messages name the level.
- *  [Memory: the file; for all levels what bvx_write_mesh_with takes for one, but the 72 bytes a triangle that
- *  splitting texture coordinates takes for a while; about 700 bytes a level]
- *  [Cost: O(vertices + triangles)]
- *  Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0. */
-BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                    const bvx_write_options *options, int32_t format, bvx_buffer *file);
 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice

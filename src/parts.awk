@@ -1,7 +1,7 @@
 # parts.awk - the sources that some calls of the library need, for amalgamate.sh.
 #     awk -f src/parts.awk -v parts="solid surface levels" include/bitvox.h HEADERS... SOURCES...
-# A part is a word, or several joined by _, of public functions' names: "levels" stands for bvx_plan_levels and bvx_build_levels. Calls that
-# begin with read, write, render or octree are meant only by parts that begin so too: "write_levels", "read". Contexts, lattices, and
+# A part is a word, or several joined by _, of public functions' names: "levels" stands for bvx_build_levels. Calls that
+# begin with read, write, render or octree are meant only by parts that begin so too: "write_mesh", "read". Contexts, lattices, and
 # what frees or fills the types of the calls come with every part.
 # A source is needed when it defines a name that a needed source, or a header that one includes, uses; so the calls decide, nothing
 # is listed by hand. Conditional code counts whatever the condition, so one set of files serves every machine. Prints the sources in
