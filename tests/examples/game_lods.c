@@ -6,7 +6,7 @@
  * The library allocates nothing but from the block: the levels grow from its low end, what is needed
  * meanwhile from its high end. So a tool can bake assets in parallel with a known number of bytes each, and
  * give everything back at once. */
-#include <bitvox.h>
+#include <bitvox_io.h>
 #include <stdio.h>
 #include <stdlib.h>
 

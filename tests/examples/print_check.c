@@ -5,7 +5,7 @@
  *
  * Lengths are taken as millimetres. The solid is what a printer would fill: voxels whose centres lie inside;
  * the copy is the surface of that solid, closed and manifold whatever the part was. */
-#include <bitvox.h>
+#include <bitvox_io.h>
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
 #ifndef CALL_TABLE_H
 #define CALL_TABLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #ifndef TEST_READ_SUPPORT_H
 #define TEST_READ_SUPPORT_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "mesh/mesh.h"
 #include "mesh/polygon.h"
 #include "tools/read_limits.h"

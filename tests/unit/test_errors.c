@@ -2,7 +2,7 @@
  * values of failures, which nobody has to read out of messages. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <math.h>
 #include <string.h>

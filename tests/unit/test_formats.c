@@ -2,7 +2,7 @@
  * lists: endings and texts of the program agree with them. */
 #include "unity.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "cli_shell/endings.h"
 
 #include <stdio.h>

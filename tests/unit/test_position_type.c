@@ -2,7 +2,7 @@
  * bytes of BVX_F32, and far from it, where BVX_F32 is refused, those of BVX_F64. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* test_read_memory.c - the files that make readers take most, held to what
  * bitvox.h says: a multiple of the file's bytes. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/read_limits.h"
 
 #include "suite.h"

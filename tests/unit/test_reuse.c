@@ -5,7 +5,7 @@
  * they are too small, or with BVX_ERR_ARGUMENT where a result takes none. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdlib.h>
 #include <string.h>
