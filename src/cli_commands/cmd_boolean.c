@@ -16,13 +16,6 @@ typedef struct boolean_options {
     int32_t resample; /* grids of other lattices are sampled */
 } boolean_options;
 
-static void start_boolean(void *options)
-{
-    boolean_options *const o = options;
-
-    o->meshes = (bvx_boolean_options){.struct_size = sizeof o->meshes};
-}
-
 #define OWN(name) CLI_OWN(boolean_options, name)
 
 #define FILL_OF_BOOLEAN(name, value, text) (BVX_FILLS_OF_BOOLEAN >> (value)&1) != 0 ? text : "",
@@ -181,6 +174,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_lattice lattice;
     bvx_status status;
 
+    o.struct_size = sizeof o;
     o.fit.lattice = &lattice;
     o.fill = run->options->fill;
     o.placing.interpolation = run->options->interpolation;
@@ -383,14 +377,10 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
     return status;
 }
 
-static void free_boolean(cli_run *run, void *work)
-{
-    boolean_run *const b = work;
-
-    bvx_mesh_free(run->context, &b->mesh);
-    bvx_grid_free(run->context, &b->grid);
-    for (int i = 0; i < 2; i++) cli_free_input(run, &b->in[i]);
-}
+static const cli_owned boolean_owns[] = {CLI_OWNS(MESH, boolean_run, mesh),
+                                         CLI_OWNS(GRID, boolean_run, grid),
+                                         CLI_OWNS_ALL(INPUT, boolean_run, in),
+                                         {0}};
 
 const cli_command cli_boolean = {
     .name = "boolean",
@@ -415,6 +405,5 @@ const cli_command cli_boolean = {
     .most = "--resolution --spacing --fill --resample --triangles --error --sharp --thin "
             "--keep-largest --threads --memory-limit --json",
     .rows = boolean_rows,
-    .start = start_boolean,
     .own = sizeof(boolean_options),
-    .job = {.size = sizeof(boolean_run), .make = make_boolean, .tell = tell_boolean, .free = free_boolean}};
+    .job = {.size = sizeof(boolean_run), .make = make_boolean, .tell = tell_boolean, .owns = boolean_owns}};

@@ -257,10 +257,7 @@ static int make_compare(cli_run *run, void *work, cli_made *made)
     return in[0].kind == CLI_MESH ? compare_meshes(run, in, made) : compare_grids(run, in, made);
 }
 
-static void free_compare(cli_run *run, void *work)
-{
-    for (int i = 0; i < 2; i++) cli_free_input(run, (cli_input *)work + i);
-}
+static const cli_owned compare_owns[] = {{CLI_OWNS_INPUT, 2, 0, sizeof(cli_input)}, {0}};
 
 const cli_command cli_compare = {
     .name = "compare",
@@ -278,4 +275,4 @@ const cli_command cli_compare = {
                "bitvox compare fixtures/knot.ply knot.stl",
     .rows = compare_rows,
     .own = sizeof(compare_options),
-    .job = {.size = sizeof(cli_input[2]), .make = make_compare, .free = free_compare}};
+    .job = {.size = sizeof(cli_input[2]), .make = make_compare, .owns = compare_owns}};

@@ -312,16 +312,10 @@ static void tell_components(const cli_run *run, const void *work, cli_made *made
     report_parts(work, made);
 }
 
-static void free_components(cli_run *run, void *work)
-{
-    components_job *const job = work;
-
-    cli_free_voxels(run, &job->voxels);
-    free(job->labels);
-    free(job->parts);
-    free(job->seeds);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned components_owns[] = {
+    CLI_OWNS(VOXELS, components_job, voxels), CLI_OWNS(BYTES, components_job, labels),
+    CLI_OWNS(BYTES, components_job, parts),   CLI_OWNS(BYTES, components_job, seeds),
+    CLI_OWNS(INPUT, components_job, in),      {0}};
 
 const cli_command cli_components = {
     .name = "components",
@@ -346,4 +340,4 @@ const cli_command cli_components = {
     .job = {.size = sizeof(components_job),
             .make = make_components,
             .tell = tell_components,
-            .free = free_components}};
+            .owns = components_owns}};

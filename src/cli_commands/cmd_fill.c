@@ -228,16 +228,9 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
     return CLI_DONE;
 }
 
-static void free_fill(cli_run *run, void *work)
-{
-    fill_job *const job = work;
-
-    cli_free_voxels(run, &job->voxels);
-    free(job->seeds);
-    bvx_grid_free(run->context, &job->out);
-    bvx_mesh_free(run->context, &job->mesh);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned fill_owns[] = {CLI_OWNS(VOXELS, fill_job, voxels), CLI_OWNS(BYTES, fill_job, seeds),
+                                      CLI_OWNS(GRID, fill_job, out),      CLI_OWNS(MESH, fill_job, mesh),
+                                      CLI_OWNS(INPUT, fill_job, in),      {0}};
 
 const cli_command cli_fill = {
     .name = "fill",
@@ -259,4 +252,4 @@ const cli_command cli_fill = {
             "--memory-limit --json --quiet",
     .rows = fill_rows,
     .own = sizeof(fill_options),
-    .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .free = free_fill}};
+    .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .owns = fill_owns}};

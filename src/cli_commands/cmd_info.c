@@ -363,12 +363,9 @@ static int make_info(cli_run *run, void *work, cli_made *made)
                                   : info_of_grid(run, in, made);
 }
 
-static void free_info(cli_run *run, void *work)
-{
-    cli_free_input(run, &((info_job *)work)->in);
-}
+static const cli_owned info_owns[] = {CLI_OWNS(INPUT, info_job, in), {0}};
 
-static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, .free = free_info};
+static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, .owns = info_owns};
 
 /* ---- contours and bare samples ---- */
 

@@ -12,14 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void start_lod(void *options)
-{
-    cli_lod_options *const o = options;
-
-    o->samples = (bvx_lod_options){.struct_size = sizeof o->samples};
-    o->levels = (bvx_levels_options){.struct_size = sizeof o->levels};
-}
-
 #define OWN(name) CLI_OWN(cli_lod_options, name)
 
 enum { METHOD_OF = 1 }; /* 0: not given */
@@ -217,6 +209,7 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
 
+    l.struct_size = sizeof l;
     if (own->method != 0) l.method = own->method - METHOD_OF;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
@@ -353,18 +346,13 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     cli_tell_written(run, c->count, made);
 }
 
-static void free_chain(cli_run *run, void *work)
-{
-    cli_chain *const c = work;
-
-    /* One more than were made may hold a mesh: a level that failed after it was built. */
-    for (int i = 0; i < c->asked; i++) bvx_mesh_free(run->context, &c->mesh[i]);
-    bvx_grid_free(run->context, &c->solid);
-    bvx_mesh_free(run->context, &c->input);
-}
+static const cli_owned chain_owns[] = {CLI_OWNS_ALL(MESH, cli_chain, mesh),
+                                       CLI_OWNS(GRID, cli_chain, solid),
+                                       CLI_OWNS(MESH, cli_chain, input),
+                                       {0}};
 
 static const cli_job chain_job = {
-    .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .free = free_chain};
+    .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .owns = chain_owns};
 
 static int choose_lod(cli_run *run, const cli_job **job)
 {
@@ -409,6 +397,5 @@ const cli_command cli_lod = {
     .most = "--output-dir --resolution --triangles --error --count --strict --solid --method "
             "--level --threads --memory-limit --json",
     .rows = lod_rows,
-    .start = start_lod,
     .own = sizeof(cli_lod_options),
     .choose = choose_lod};

@@ -483,24 +483,20 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     return CLI_DONE;
 }
 
-static void free_morph(cli_run *run, void *work)
-{
-    morph_job *const job = work;
-
-    free(job->apart.distances);
-    free(job->apart.row_values);
-    bvx_grid_free(run->context, &job->apart.band);
-    cli_free_voxels(run, &job->voxels);
-    bvx_grid_free(run->context, &job->hole);
-    bvx_field_free(run->context, &job->field);
-    bvx_grid_free(run->context, &job->out);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned morph_owns[] = {CLI_OWNS(BYTES, morph_job, apart.distances),
+                                       CLI_OWNS(BYTES, morph_job, apart.row_values),
+                                       CLI_OWNS(GRID, morph_job, apart.band),
+                                       CLI_OWNS(VOXELS, morph_job, voxels),
+                                       CLI_OWNS(GRID, morph_job, hole),
+                                       CLI_OWNS(FIELD, morph_job, field),
+                                       CLI_OWNS(GRID, morph_job, out),
+                                       CLI_OWNS(INPUT, morph_job, in),
+                                       {0}};
 
 static const cli_job changed_voxels = {
-    .size = sizeof(morph_job), .make = make_changed, .tell = tell_changed, .free = free_morph};
+    .size = sizeof(morph_job), .make = make_changed, .tell = tell_changed, .owns = morph_owns};
 static const cli_job voxel_distances = {
-    .size = sizeof(morph_job), .make = make_distances, .tell = tell_distances, .free = free_morph};
+    .size = sizeof(morph_job), .make = make_distances, .tell = tell_distances, .owns = morph_owns};
 
 static int choose_morph(cli_run *run, const cli_job **job)
 {

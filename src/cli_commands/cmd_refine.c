@@ -11,13 +11,6 @@ typedef struct refine_options {
     int32_t depth;       /* --halvings */
 } refine_options;
 
-static void start_refine(void *options)
-{
-    refine_options *const o = options;
-
-    o->tree = (bvx_refine_options){.struct_size = sizeof o->tree};
-}
-
 #define OWN(name) CLI_OWN(refine_options, name)
 
 static const char *const auto_names[] = {"auto", NULL};
@@ -125,6 +118,7 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
+    r.struct_size = sizeof r;
     r.window = t->window;
     cli_stage_begin(run, "refine");
     status = make_base(run, &view, &r, &t->base);
@@ -162,17 +156,12 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
     return status;
 }
 
-static int write_refined(cli_run *run, void *work)
-{
-    return cli_write_tree(run, work);
-}
-
 static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
     int kind;
 
-    made->write = write_refined;
+    made->write = cli_write_tree;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));
     CLI_TRY(cli_open_tree_output(run, t));
@@ -192,10 +181,7 @@ static void tell_refine(const cli_run *run, const void *work, cli_made *made)
     cli_tell_tree_output(run, t, made);
 }
 
-static void free_refine(cli_run *run, void *work)
-{
-    cli_free_tree(run, work);
-}
+static const cli_owned refine_owns[] = {{CLI_OWNS_TREE, 1, 0, 0}, {0}};
 
 const cli_command cli_refine = {
     .name = "refine",
@@ -221,6 +207,5 @@ const cli_command cli_refine = {
     .most = "--resolution --base --halvings --outer-levels --adaptive --states --leaves --expand "
             "--window --threads --memory-limit --json",
     .rows = refine_rows,
-    .start = start_refine,
     .own = sizeof(refine_options),
-    .job = {.size = sizeof(cli_tree), .make = make_refine, .tell = tell_refine, .free = free_refine}};
+    .job = {.size = sizeof(cli_tree), .make = make_refine, .tell = tell_refine, .owns = refine_owns}};

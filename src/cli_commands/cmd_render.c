@@ -347,13 +347,8 @@ static int make_render(cli_run *run, void *work, cli_made *made)
                                : render_sheet(run, &job->scene, &job->sheet);
 }
 
-static void free_render(cli_run *run, void *work)
-{
-    render_job *const job = work;
-
-    free(job->sheet.image.pixels);
-    cli_free_scene(run, &job->scene);
-}
+static const cli_owned render_owns[] = {
+    CLI_OWNS(BYTES, render_job, sheet.image.pixels), CLI_OWNS_ALL(INPUT, render_job, scene.input), {0}};
 
 const cli_command cli_render = {
     .name = "render",
@@ -374,4 +369,4 @@ const cli_command cli_render = {
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),
-    .job = {.size = sizeof(render_job), .make = make_render, .tell = tell_render, .free = free_render}};
+    .job = {.size = sizeof(render_job), .make = make_render, .tell = tell_render, .owns = render_owns}};

@@ -84,11 +84,6 @@ static void tell_simplify(const cli_run *run, const void *work, cli_made *made)
     cli_tell_collapse(run, work, made);
 }
 
-static void free_simplify(cli_run *run, void *work)
-{
-    cli_free_collapse(run, work);
-}
-
 const cli_command cli_simplify = {
     .name = "simplify",
     .bit = CLI_SIMPLIFY,
@@ -112,4 +107,4 @@ const cli_command cli_simplify = {
     .job = {.size = sizeof(cli_collapse_run),
             .make = make_simplify,
             .tell = tell_simplify,
-            .free = free_simplify}};
+            .owns = cli_collapse_owns}};

@@ -117,13 +117,8 @@ static void tell_slice(const cli_run *run, const void *work, cli_made *made)
     cli_text_add(&made->members, "}");
 }
 
-static void free_slice(cli_run *run, void *work)
-{
-    slice_job *const job = work;
-
-    bvx_sections_free(run->context, &job->sections);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned slice_owns[] = {
+    CLI_OWNS(SECTIONS, slice_job, sections), CLI_OWNS(INPUT, slice_job, in), {0}};
 
 const cli_command cli_slice = {
     .name = "slice",
@@ -142,4 +137,4 @@ const cli_command cli_slice = {
                "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
     .rows = slice_rows,
     .own = sizeof(slice_options),
-    .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .free = free_slice}};
+    .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .owns = slice_owns}};

@@ -495,18 +495,11 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
     return make_all(run, job, made);
 }
 
-static void free_voxelize(cli_run *run, void *work)
-{
-    voxel_job *const job = work;
+static const cli_owned voxelize_owns[] = {
+    CLI_OWNS(VOXELS, voxel_job, voxels), CLI_OWNS(FIELD, voxel_job, field), CLI_OWNS(GRID, voxel_job, grid),
+    CLI_OWNS(MESH, voxel_job, second),   CLI_OWNS(MESH, voxel_job, mesh),   {0}};
 
-    cli_free_voxels(run, &job->voxels);
-    bvx_field_free(run->context, &job->field);
-    bvx_grid_free(run->context, &job->grid);
-    bvx_mesh_free(run->context, &job->second);
-    bvx_mesh_free(run->context, &job->mesh);
-}
-
-static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .free = free_voxelize};
+static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .owns = voxelize_owns};
 
 /* Of a volume voxels are chosen, of a mesh and a cloud they are made. */
 static int choose_voxelize(cli_run *run, const cli_job **job)

@@ -209,8 +209,5 @@ void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *
     cli_tell_written(run, c->count, made);
 }
 
-void cli_free_collapse(cli_run *run, cli_collapse_run *c)
-{
-    for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
-    bvx_mesh_free(run->context, &c->input);
-}
+const cli_owned cli_collapse_owns[] = {
+    CLI_OWNS_ALL(MESH, cli_collapse_run, mesh), CLI_OWNS(MESH, cli_collapse_run, input), {0}};

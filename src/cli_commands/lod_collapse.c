@@ -59,6 +59,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     const cli_options *const o = run->options;
 
     *b = own->levels;
+    b->struct_size = sizeof *b;
     b->targets = cli_targets(run, &l->run);
     if (cli_given(run, "--attributes")) b->attribute_weight = cli_or_none(o->attributes);
     b->lock_border = o->lock_border;
@@ -225,10 +226,5 @@ static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
     report_levels(l, made);
 }
 
-static void free_collapse(cli_run *run, void *work)
-{
-    cli_free_collapse(run, &((lod_collapse *)work)->run);
-}
-
 const cli_job cli_lod_collapse = {
-    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .free = free_collapse};
+    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .owns = cli_collapse_owns};

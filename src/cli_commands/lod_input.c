@@ -31,6 +31,7 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     uint64_t targets[CLI_MAX_LEVELS];
     bvx_lod_options o = own->samples;
 
+    o.struct_size = sizeof o;
     if (options->resolution.count != 0) {
         c->resolution = (int32_t)options->resolution.value[0];
         c->chosen = "given";

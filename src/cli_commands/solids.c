@@ -15,12 +15,11 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->add_shell = o->add_shell;
 }
 
-/* Where the thin walls lie, in the mesh's unit. */
-static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
+void cli_thin_box(const bvx_lattice *l, const int32_t low[3], const int32_t high[3], double box[6])
 {
     for (int a = 0; a < 3; a++) {
-        box[a] = l->origin[a] + (double)r->thin_low[a] * l->spacing[a];
-        box[a + 3] = l->origin[a] + ((double)r->thin_high[a] + 1.0) * l->spacing[a];
+        box[a] = l->origin[a] + (double)low[a] * l->spacing[a];
+        box[a + 3] = l->origin[a] + ((double)high[a] + 1.0) * l->spacing[a];
     }
 }
 
@@ -28,7 +27,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
 {
     double box[6];
 
-    thin_box(lattice, r, box);
+    cli_thin_box(lattice, r->thin_low, r->thin_high, box);
     /* Volumes that are not known are left out, since 0 would be one. */
     cli_json_value(t, "volume", r->volume);
     if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
@@ -38,9 +37,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_count(t, "thin_voxels", r->thin_voxels);
     cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
-    if (r->thin_voxels != 0)
-        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
-                     box[3], box[4], box[5]);
+    if (r->thin_voxels != 0) cli_json_box(t, "thin_box", box, box + 3);
 }
 
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)

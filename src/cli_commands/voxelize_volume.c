@@ -358,14 +358,9 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     return all ? make_label_meshes(run, j, made) : make_volume_mesh(run, j, made);
 }
 
-static void free_volume(cli_run *run, void *work)
-{
-    volume_job *const j = work;
+static const cli_owned volume_owns[] = {CLI_OWNS(GRID, volume_job, grid),
+                                        CLI_OWNS(BYTES, volume_job, labels),
+                                        CLI_OWNS(VOLUME, volume_job, volume),
+                                        {0}};
 
-    bvx_grid_free(run->context, &j->grid);
-    free(j->labels);
-    /* Nothing was read where there is no context. */
-    if (run->context != NULL) cli_free_volume(run, &j->volume);
-}
-
-const cli_job cli_voxelize_volume = {.size = sizeof(volume_job), .make = make_volume, .free = free_volume};
+const cli_job cli_voxelize_volume = {.size = sizeof(volume_job), .make = make_volume, .owns = volume_owns};

@@ -86,9 +86,11 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     return result;
 }
 
-int cli_write_tree(cli_run *run, cli_tree *t)
+int cli_write_tree(cli_run *run, void *tree)
 {
+    cli_tree *const t = tree;
     int status = CLI_DONE;
+
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)

@@ -120,11 +120,9 @@ static void report_warning(cli_text *t, const cli_warning *w)
     cli_json_string(t, w->text);
     cli_text_add(t, ", \"values\": [");
     for (int i = 0; i < w->values; i++) cli_text_add(t, "%s%.9g", i == 0 ? "" : ", ", w->value[i]);
-    cli_text_add(t, "], \"place\": ");
-    if (w->placed)
-        cli_text_add(t, "[[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", w->low[0], w->low[1], w->low[2],
-                     w->high[0], w->high[1], w->high[2]);
-    else cli_text_add(t, "null");
+    cli_text_add(t, "]");
+    if (w->placed) cli_json_box(t, "place", w->low, w->high);
+    else cli_text_add(t, ", \"place\": null");
     cli_text_add(t, "}");
 }
 
