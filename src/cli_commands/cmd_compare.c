@@ -20,8 +20,6 @@ static const cli_argument compare_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-enum { COMPARE_SAMPLES = 20000, COMPARE_SEED = 1 };
-
 static const char *pieces_text(uint64_t count, uint64_t largest, char *text, size_t room)
 {
     if (count == 0) snprintf(text, room, "none");
@@ -196,9 +194,8 @@ static void report_distance(cli_made *made, const bvx_distance_report *d, double
 static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
 {
     const compare_options *const own = run->own;
-    const cli_options *const o = run->options;
-    uint64_t const samples = o->samples < 0 ? COMPARE_SAMPLES : (uint64_t)o->samples;
-    uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : COMPARE_SEED;
+    uint64_t const samples = cli_samples(run);
+    uint64_t const seed = cli_given(run, "--seed") ? (uint64_t)own->seed : CLI_SEED;
     bvx_mesh_view a, b;
     bvx_distance_report d;
     double diagonal;

@@ -67,8 +67,6 @@ static const cli_argument lod_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
-
 /* ---- what is requested ---- */
 
 /* Options of the methods that sample a solid, and of the one that collapses
@@ -224,7 +222,7 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
 {
     int const i = c->count;
     cli_mesh_entry *const entry = &run->report.mesh[i];
-    char check[32];
+    char stage[32];
     bvx_status status;
 
     cli_stage_begin(run, "level %d", number);
@@ -236,15 +234,13 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
         snprintf(about, sizeof about, "level %d", number);
         return cli_fail_status(run, status, bvx_last_error(run->context)->index == number ? NULL : about);
     }
-    if (run->options->carry) {
-        cli_stage_begin(run, "carry %d", number);
-        CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
-    }
+    snprintf(stage, sizeof stage, "carry %d", number);
+    CLI_TRY(cli_carry(run, &c->input, &c->mesh[i], stage, c->path[i]));
     entry->number = number;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
-    snprintf(check, sizeof check, "check %d", number);
-    CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], check));
+    snprintf(stage, sizeof stage, "check %d", number);
+    CLI_TRY(cli_check_mesh(run, &c->mesh[i], i, c->path[i], stage));
     entry->lod = &c->lod[i];
     entry->rate = (double)c->mesh[i].triangle_count / (double)c->input_triangles;
     c->count++;
@@ -253,14 +249,14 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
 
 static int measure_level(cli_run *run, cli_chain *c, int i)
 {
-    uint64_t const samples = run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
+    uint64_t const samples = cli_samples(run);
     bvx_mesh_view view;
 
     if (samples == 0) return CLI_DONE;
     bvx_mesh_view_of(&c->mesh[i], &view);
     cli_stage_begin(run, "distance %d", run->report.mesh[i].number);
     CLI_TRY(cli_stage_check(
-        run, bvx_mesh_distance(run->context, &view, &c->view, samples, DISTANCE_SEED, &c->distance[i]),
+        run, bvx_mesh_distance(run->context, &view, &c->view, samples, CLI_SEED, &c->distance[i]),
         c->path[i]));
     /* The report has a pointer to it, which the job keeps until the report is written. */
     run->report.mesh[i].distance = &c->distance[i];

@@ -235,16 +235,6 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     return cli_check_call(run, status, cli_input_name(run->options->input[0]));
 }
 
-static int carry_attributes(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired)
-{
-    bvx_status status;
-
-    if (!run->options->carry) return CLI_DONE;
-    cli_stage_begin(run, "carry");
-    status = bvx_mesh_carry(run->context, source, repaired);
-    return cli_stage_check(run, status, cli_input_name(run->options->input[0]));
-}
-
 typedef struct repair_job {
     bvx_mesh source, repaired;
     bvx_repair_report report;
@@ -303,7 +293,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(cli_check_carry(run, &job->source));
     CLI_TRY(repair_mesh(run, &job->source, &job->repaired, r));
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
-    CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
+    CLI_TRY(cli_carry(run, &job->source, &job->repaired, "carry", cli_input_name(run->options->input[0])));
 
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;

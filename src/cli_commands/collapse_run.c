@@ -11,8 +11,6 @@
 #include <string.h>
 
 enum {
-    DEFAULT_SAMPLES = 20000,
-    DISTANCE_SEED = 1,
     USUAL_LEVELS = 4,
     LEAST_USUAL = 20,   /* triangles of a level that nobody requested */
     LEAST_TRIANGLES = 4 /* of any closed mesh */
@@ -103,11 +101,6 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
 
-static uint64_t wanted_samples(const cli_run *run)
-{
-    return run->options->samples < 0 ? DEFAULT_SAMPLES : (uint64_t)run->options->samples;
-}
-
 bvx_targets cli_targets(const cli_run *run, const cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
@@ -117,7 +110,7 @@ bvx_targets cli_targets(const cli_run *run, const cli_collapse_run *c)
      * looked for, so that the distances told are those that decided. */
     if (c->by_error) {
         t.errors = c->error;
-        t.samples = wanted_samples(run);
+        t.samples = cli_samples(run);
     } else {
         t.triangles = c->target;
     }
@@ -139,7 +132,7 @@ static void turn_distance(const bvx_distance_report *from, bvx_distance_report *
 
 static int measure_level(cli_run *run, cli_collapse_run *c, int i)
 {
-    uint64_t const samples = wanted_samples(run);
+    uint64_t const samples = cli_samples(run);
     bvx_distance_report d;
     bvx_mesh_view view;
 
@@ -149,22 +142,12 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
         if (samples == 0) return CLI_DONE;
         bvx_mesh_view_of(&c->mesh[i], &view);
         cli_stage_begin(run, "distance %d", i);
-        CLI_TRY(cli_stage_check(
-            run, bvx_mesh_distance(run->context, &c->view, &view, samples, DISTANCE_SEED, &d), c->path[i]));
+        CLI_TRY(cli_stage_check(run, bvx_mesh_distance(run->context, &c->view, &view, samples, CLI_SEED, &d),
+                                c->path[i]));
         turn_distance(&d, &c->distance[i]);
     }
     run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
-}
-
-static int carry_level(cli_run *run, cli_collapse_run *c, int i)
-{
-    bvx_status status;
-
-    if (!run->options->carry) return CLI_DONE;
-    cli_stage_begin(run, "carry %d", i);
-    status = bvx_mesh_carry(run->context, &c->input, &c->mesh[i]);
-    return cli_stage_check(run, status, c->path[i]);
 }
 
 static void report_level(cli_run *run, cli_collapse_run *c, int i)
@@ -187,7 +170,10 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
     int status = CLI_DONE;
 
     for (int i = 0; i < c->count && status == CLI_DONE; i++) {
-        status = carry_level(run, c, i);
+        char stage[32];
+
+        snprintf(stage, sizeof stage, "carry %d", i);
+        status = cli_carry(run, &c->input, &c->mesh[i], stage, c->path[i]);
         if (status == CLI_DONE) report_level(run, c, i);
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);

@@ -6,7 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DISTANCE_SEED = 1 };
+uint64_t cli_samples(const cli_run *run)
+{
+    return run->options->samples < 0 ? 20000 : (uint64_t)run->options->samples;
+}
 
 int cli_is_sound(const bvx_certificate *c)
 {
@@ -116,7 +119,7 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
     cli_tell(made,
              "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64
              " random points on each mesh, seed %d\n",
-             to, unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
+             to, unit_of, run->report.mesh[0].distance->samples, CLI_SEED);
     cli_tell(made, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
     cli_tell(made, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
     for (int i = 0; i < count; i++) {

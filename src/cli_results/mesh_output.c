@@ -106,6 +106,13 @@ int cli_check_carry(cli_run *run, const bvx_mesh *mesh)
     return CLI_DONE;
 }
 
+int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *stage, const char *about)
+{
+    if (!run->options->carry) return CLI_DONE;
+    cli_stage_begin(run, "%s", stage);
+    return cli_stage_check(run, bvx_mesh_carry(run->context, input, mesh), about);
+}
+
 /* What files of a format hold of CLI_HAS_... */
 static uint32_t attributes_of_format(int32_t format)
 {

@@ -110,6 +110,8 @@ int cli_check_pattern(cli_run *run);
 int cli_check_level_names(cli_run *run, int count);
 /* Refuse --carry of a mesh that has nothing to carry. */
 int cli_check_carry(cli_run *run, const bvx_mesh *mesh);
+/* With --carry: the attributes of the input's nearest points, in a stage of this name. */
+int cli_carry(cli_run *run, const bvx_mesh *input, bvx_mesh *mesh, const char *stage, const char *about);
 /* What the meshes in files lack of the inputs' attributes, as a warning. */
 void cli_tell_lost(const cli_run *run, cli_made *made);
 /* Which axis was turned to which, where one was. */
@@ -144,6 +146,9 @@ void cli_tell_reduction(const cli_reduction *r, cli_made *made);
 
 /* ---- level_tables.c: what is reported of levels ---- */
 
+/* Random points that distances are measured from: --samples; and their seed. */
+enum { CLI_SEED = 1 };
+uint64_t cli_samples(const cli_run *run);
 /* 1 when a mesh is closed, manifold and oriented. */
 int cli_is_sound(const bvx_certificate *certificate);
 /* Of a sound mesh: Euler's number is 2 a part, less 2 a handle. */

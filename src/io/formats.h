@@ -98,6 +98,8 @@ static inline const char *bvxi_skip_mark(const char *p, const char *end)
     return end - p >= 3 && memcmp(p, "\xef\xbb\xbf", 3) == 0 ? p + 3 : p;
 }
 
+/* Refuse arguments that are no bytes of a file. */
+bvx_status bvxi_check_bytes(bvx_context *ctx, const char *function, const void *bytes, uint64_t size);
 /* A file to be made: bytes that the library made for another one go; those of others are refused. */
 bvx_status bvxi_renew_buffer(bvx_context *ctx, const char *function, bvx_buffer *file);
 /* A buffer of exactly size bytes. */

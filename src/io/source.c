@@ -87,3 +87,11 @@ bvx_status bvxi_fail_expected(const bvxi_source *source, const char *at, const c
     return bvxi_fail(source->ctx, BVX_ERR_FORMAT, "%s: line %u: expected %s, found '%s'", source->format,
                      bvxi_source_line(source, at), expected, word);
 }
+
+bvx_status bvxi_check_bytes(bvx_context *ctx, const char *function, const void *bytes, uint64_t size)
+{
+    if (bytes == NULL) return bvxi_fail_null(ctx, function, "bytes");
+    if (size <= SIZE_MAX / 2) return BVX_OK;
+    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
+                         "%s: size is %u, more than memory can hold", function, size);
+}

@@ -39,10 +39,7 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
-    if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", function, size);
+    BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", function);
     source.ctx = context;
     source.begin = bytes;

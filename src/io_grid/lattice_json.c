@@ -193,10 +193,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     json_lattice l;
     const char *text;
 
-    if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", function, size);
+    BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
 
     /* Values go to l first: the grid changes only when all of them fit each other. */

@@ -188,11 +188,8 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     uint64_t files = 0;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
-    if (bytes == NULL || count == NULL)
-        return bvxi_fail_null(context, function, bytes == NULL ? "bytes" : "count");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", function, size);
+    BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
+    if (count == NULL) return bvxi_fail_null(context, function, "count");
     source.ctx = context;
     source.begin = bytes;
     source.end = source.begin + (size_t)size;

@@ -294,11 +294,8 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     bvxi_dense dense;
     bvx_volume made;
 
-    if (volume == NULL || bytes == NULL)
-        return bvxi_fail_null(context, name, volume == NULL ? "volume" : "bytes");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", name, size);
+    if (volume == NULL) return bvxi_fail_null(context, name, "volume");
+    BVXI_TRY(bvxi_check_bytes(context, name, bytes, size));
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     for (int a = 0; a < 3; a++) o.spacing[a] = o.spacing[a] == 0.0 ? 1.0 : o.spacing[a];

@@ -271,10 +271,7 @@ static bvx_status run_read_octree(bvx_context *context, const void *bytes, uint6
     tree_reading job;
 
     if (tree == NULL) return bvxi_fail_null(context, read_tree_name, "tree");
-    if (bytes == NULL) return bvxi_fail_null(context, read_tree_name, "bytes");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", read_tree_name, size);
+    BVXI_TRY(bvxi_check_bytes(context, read_tree_name, bytes, size));
     if (size == 0) return bvxi_fail(context, BVX_ERR_FORMAT, "%s: the file has no bytes", read_tree_name);
 
     /* Heads, then levels on their own in parallel, then what they say of each other, then the tree. */

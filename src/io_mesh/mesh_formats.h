@@ -3,6 +3,7 @@
 #ifndef BVXI_MESH_FORMATS_H
 #define BVXI_MESH_FORMATS_H
 
+#include "io/file_parts.h"
 #include "io/formats.h"
 #include "mesh/mesh.h"
 
@@ -109,6 +110,20 @@ static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, do
         }
         if (mesh->frame[a] != 0.0) p[a] += mesh->frame[a]; /* adding 0 would lose the sign of -0 */
     }
+}
+
+/* Its text: shortest decimals that read back to the same floats or doubles. */
+static inline uint8_t *bvxi_put_position(const bvx_mesh *mesh, uint64_t vertex, uint8_t *at)
+{
+    int const f32 = bvxi_writes_f32(mesh);
+    double p[3];
+
+    bvxi_world_position(mesh, vertex, p);
+    for (int a = 0; a < 3; a++) {
+        if (a > 0) *at++ = ' ';
+        at = f32 ? bvxi_put_float(at, (float)p[a]) : bvxi_put_double(at, p[a]);
+    }
+    return at;
 }
 
 /* ---- Polygons of a mesh that is read ---- */

@@ -4,7 +4,6 @@
  * size and each piece knows its position in them. Guarantee: pieces follow from the file's size only, so
  * threads do not show. Nothing that a file names is opened. */
 #include "io_mesh/obj_text.h"
-#include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
 
 /* ---- The first pass over a file: pieces of whole lines, and how much of everything stands in each ---- */
@@ -510,16 +509,9 @@ static uint8_t *obj_put_colour(uint8_t *at, uint8_t value)
 static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
-    int const f32 = bvxi_writes_f32(mesh);
-    double p[3];
 
     for (uint64_t v = begin; v < end; v++) {
-        *at++ = 'v';
-        bvxi_world_position(mesh, v, p);
-        for (int a = 0; a < 3; a++) {
-            *at++ = ' ';
-            at = f32 ? bvxi_put_float(at, (float)p[a]) : bvxi_put_double(at, p[a]);
-        }
+        at = bvxi_put_position(mesh, v, bvxi_put_char(bvxi_put_char(at, 'v'), ' '));
         if (mesh->colours != NULL)
             for (size_t c = 0; c < 3; c++) at = obj_put_colour(at, mesh->colours[(size_t)v * 4 + c]);
         *at++ = '\n';

@@ -1,7 +1,6 @@
 /* off.c - OFF and its kin (COFF, NOFF, STOFF), to meshes and from them. What is read, and where line ends
  * matter, stands at the headings below. */
 #include "io_mesh/mesh_formats.h"
-#include "io/file_parts.h"
 
 /* ---- Read ---- */
 
@@ -80,16 +79,9 @@ static bvx_status off_take_integer(off_file *f, const char *expected, int64_t *v
 {
     const char *const end = f->source->end, *const at = off_skip(f->p, end);
     const char *p = at;
-    int const negative = p < end && *p == '-';
-    int64_t v = 0;
 
-    p += negative || (p < end && *p == '+');
-    const char *const digits = p;
-    /* More digits stay beyond every limit here, and the sum cannot leave 64 bits. */
-    for (; p < end && *p >= '0' && *p <= '9'; p++)
-        if (v < INT64_C(100000000000000000)) v = v * 10 + (*p - '0');
-    if (p == digits || !off_word_ends(p, end)) return bvxi_fail_expected(f->source, at, expected);
-    *value = negative ? -v : v;
+    if (!bvxi_take_integer(&p, end, value) || !off_word_ends(p, end))
+        return bvxi_fail_expected(f->source, at, expected);
     f->p = p;
     return BVX_OK;
 }
@@ -482,15 +474,9 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 static uint8_t *off_put_vertices(const void *user, uint64_t begin, uint64_t end, uint8_t *at)
 {
     const bvx_mesh *const mesh = user;
-    int const f32 = bvxi_writes_f32(mesh);
-    double p[3];
 
     for (uint64_t v = begin; v < end; v++) {
-        bvxi_world_position(mesh, v, p);
-        for (int a = 0; a < 3; a++) {
-            if (a > 0) *at++ = ' ';
-            at = f32 ? bvxi_put_float(at, (float)p[a]) : bvxi_put_double(at, p[a]);
-        }
+        at = bvxi_put_position(mesh, v, at);
         if (mesh->colours != NULL)
             for (size_t c = 0; c < 4; c++)
                 at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->colours[(size_t)v * 4 + c]);

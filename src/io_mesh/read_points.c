@@ -115,10 +115,7 @@ static bvx_status run_read_points(bvx_context *context, const void *bytes, uint6
     bvx_status status;
 
     if (points == NULL) return bvxi_fail_null(context, read_points_name, "points");
-    if (bytes == NULL) return bvxi_fail_null(context, read_points_name, "bytes");
-    if (size > SIZE_MAX / 2)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
-                             "%s: size is %u, more than memory can hold", read_points_name, size);
+    BVXI_TRY(bvxi_check_bytes(context, read_points_name, bytes, size));
     if (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY)
         return bvxi_fail_format(context, BVX_ERR_ARGUMENT, read_points_name, "points that are read", format,
                                 BVX_POINTS_READ);

@@ -3,7 +3,6 @@
  *
  * Guarantee: vertices are numbered by their first use, whatever the table looks like. */
 #include "core/key_tree.h"
-#include "io/file_parts.h"
 #include "io_mesh/mesh_formats.h"
 
 #include <math.h>

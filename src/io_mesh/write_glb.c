@@ -6,7 +6,6 @@
 #include "io_mesh/glb.h"
 #include "io_mesh/mesh_formats.h"
 #include "mesh/mesh.h"
-#include "io/file_parts.h"
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
