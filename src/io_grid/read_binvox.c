@@ -180,14 +180,14 @@ static bvx_status binvox_check_pairs(const binvox_reading *r)
 }
 
 /* Where decoding stands: used voxels of the run at p are done. */
-typedef struct binvox_place {
+typedef struct binvox_cursor {
     const uint8_t *p;
     uint64_t used;
-} binvox_place;
+} binvox_cursor;
 
 /* The next so many voxels, which begin a layer: y runs fastest, then z, then x; part in this order. */
 static void binvox_decode(const binvox_reading *r, uint64_t voxels, const bvx_window *part, bvx_grid *turned,
-                          binvox_place *place)
+                          binvox_cursor *place)
 {
     uint64_t x = 0, y = 0, z = 0;
 
@@ -218,7 +218,7 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
     bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {grid->size[1], grid->size[2], 64}, BVXI_MIN_FRACTION};
     uint64_t const layer = r->dims[1] * r->dims[2];
     double const columns = (double)grid->words_per_row;
-    binvox_place place = {r->data, 0};
+    binvox_cursor place = {r->data, 0};
 
     BVXI_TRY(bvx_grid_create(ctx, &box, NULL, turned));
     binvox_decode(r, (uint64_t)part->low[0] * layer, NULL, NULL, &place);

@@ -10,7 +10,7 @@
 #include "io_grid/grid_formats.h"
 
 enum {
-    DENSE_GRAIN = 1 << 14, /* samples of the smallest task */
+    WRITTEN_GRAIN = 1 << 14, /* samples of the smallest task */
     NPY_PREFIX = 10,
     NPY_ALIGN = 64
 };
@@ -200,7 +200,7 @@ static bvx_status write_numbers(bvx_context *ctx, const dense_written *w, const 
     if (w->field == NULL) return bvxi_unpack_grid(ctx, w->grid, bytes);
     if (format->planes) job.plane = voxels;
     else job.stride = job.each;
-    return bvxi_for(ctx, "write", bvxi_grid_rows(w->grid), 1 + DENSE_GRAIN / (uint64_t)w->grid->size[0],
+    return bvxi_for(ctx, "write", bvxi_grid_rows(w->grid), 1 + WRITTEN_GRAIN / (uint64_t)w->grid->size[0],
                     write_field_rows, &job);
 }
 

@@ -113,7 +113,7 @@ static inline void bvxi_world_position(const bvx_mesh *mesh, uint64_t vertex, do
 }
 
 /* Its text: shortest decimals that read back to the same floats or doubles. */
-static inline uint8_t *bvxi_put_position(const bvx_mesh *mesh, uint64_t vertex, uint8_t *at)
+static inline uint8_t *bvxi_put_vertex(const bvx_mesh *mesh, uint64_t vertex, uint8_t *at)
 {
     int const f32 = bvxi_writes_f32(mesh);
     double p[3];

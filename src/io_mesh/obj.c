@@ -511,7 +511,7 @@ static uint8_t *obj_put_vertices(const void *user, uint64_t begin, uint64_t end,
     const bvx_mesh *const mesh = ((const bvxi_written *)user)->mesh;
 
     for (uint64_t v = begin; v < end; v++) {
-        at = bvxi_put_position(mesh, v, bvxi_put_char(bvxi_put_char(at, 'v'), ' '));
+        at = bvxi_put_vertex(mesh, v, bvxi_put_char(bvxi_put_char(at, 'v'), ' '));
         if (mesh->colours != NULL)
             for (size_t c = 0; c < 3; c++) at = obj_put_colour(at, mesh->colours[(size_t)v * 4 + c]);
         *at++ = '\n';

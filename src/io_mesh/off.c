@@ -476,7 +476,7 @@ static uint8_t *off_put_vertices(const void *user, uint64_t begin, uint64_t end,
     const bvx_mesh *const mesh = user;
 
     for (uint64_t v = begin; v < end; v++) {
-        at = bvxi_put_position(mesh, v, at);
+        at = bvxi_put_vertex(mesh, v, at);
         if (mesh->colours != NULL)
             for (size_t c = 0; c < 4; c++)
                 at = bvxi_put_number(bvxi_put_char(at, ' '), mesh->colours[(size_t)v * 4 + c]);
