@@ -15,12 +15,11 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->add_shell = o->add_shell;
 }
 
-/* Where the thin walls lie, in the mesh's unit. */
-static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
+void cli_thin_box(const bvx_lattice *l, const int32_t low[3], const int32_t high[3], double box[6])
 {
     for (int a = 0; a < 3; a++) {
-        box[a] = l->origin[a] + (double)r->thin_low[a] * l->spacing[a];
-        box[a + 3] = l->origin[a] + ((double)r->thin_high[a] + 1.0) * l->spacing[a];
+        box[a] = l->origin[a] + (double)low[a] * l->spacing[a];
+        box[a + 3] = l->origin[a] + ((double)high[a] + 1.0) * l->spacing[a];
     }
 }
 
@@ -28,7 +27,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
 {
     double box[6];
 
-    thin_box(lattice, r, box);
+    cli_thin_box(lattice, r->thin_low, r->thin_high, box);
     /* Volumes that are not known are left out, since 0 would be one. */
     cli_json_value(t, "volume", r->volume);
     if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
@@ -38,9 +37,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_count(t, "thin_voxels", r->thin_voxels);
     cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
-    if (r->thin_voxels != 0)
-        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
-                     box[3], box[4], box[5]);
+    if (r->thin_voxels != 0) cli_json_box(t, "thin_box", box, box + 3);
 }
 
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
@@ -51,7 +48,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_status status;
 
     memset(&report, 0, sizeof report);
-    /* The report is for warnings here; only voxelize tells all of it. */
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
@@ -74,7 +70,6 @@ int cli_fill_input(cli_run *run, cli_input *in)
     status = cli_make_lattice(run, &view, &lattice);
     result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
                               : cli_check_far(run, in->path, &view, 0, &lattice);
-    /* The check of far points comes before the memory is taken. */
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
@@ -92,7 +87,6 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
-    /* What was changed about the mesh to fill it is told with the rule. */
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
     if (r->doubles != 0)
@@ -112,12 +106,10 @@ static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *latti
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
-    /* Lines that only some rules have: what was not counted is not told as 0. */
     if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
     if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
     if (r->surface_voxels != 0) cli_text_add(t, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    /* Between two terrains what was dug away and what was heaped up are two numbers. */
     if (o->fill == BVX_FILL_BELOW) {
         cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
                      second ? " where both terrains are" : " under the surface");
