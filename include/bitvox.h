@@ -1204,53 +1204,32 @@ enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_repair_report {
-    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
-    bvx_certificate after;  /**< of the result */
-    bvx_lattice lattice;    /**< that the result was made on */
-    int32_t sign;           /**< BVX_SIGN_... that decided */
-    int32_t shelled;        /**< 1: open sheets became shells */
-    uint64_t holes;         /**< loops of open edges in the input */
-    double hole_length;     /**< total length of their edges [Units: world] */
-    double longest_hole;    /**< [Units: world] */
-    uint64_t sheet_edges;   /**< crossings of the result far from the input's surface: on lids over holes */
+    bvx_certificate before;  /**< of the input; vertices at equal positions count as one */
+    bvx_certificate after;   /**< of the result */
+    bvx_lattice lattice;     /**< that the result was made on */
+    int32_t sign;            /**< BVX_SIGN_... that decided */
+    int32_t needs;           /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
+    int32_t copied;          /**< 1: it needed none and was copied (if_needed) */
+    int32_t sharp;           /**< 1: vertices were put on sharp edges and corners */
+    int32_t thin_kept;       /**< 1: thin walls are in the result; 0: there are none, or they are lost */
+    int32_t thin_resolution; /**< at which nine tenths of thin_voxels have a wall of 1.5 voxels; 0: none, or
+                                  none needed */
+    uint64_t thin_voxels;    /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
+    uint64_t holes;          /**< loops of open edges in the input */
+    uint64_t turned;         /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to
+                               4,096) inside out beside others */
+    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong,
+                               and if the result has more handles than the input */
     uint64_t shelled_triangles; /**< triangles of the input that became shells */
-    uint64_t overlaps; /**< voxels in more than one turn of the surface: overlapping parts. Counted with
-                            measure 1, and where volume or area of a closed, oriented mesh changed by over 5
-                            % */
-    uint64_t parts_kept, parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
-    uint64_t cavities_kept, cavities_dropped;
-    uint64_t searched;                  /**< target_triangles: resolutions that the search tried */
-    bvx_distance_report distance;       /**< measure 1: a is the input, b the result */
-    double mean_off_caps, max_off_caps; /**< measure 1: from result to input, without lids over holes
-                                             [Units: world] */
-    double sharp_share; /**< of all edge length, the share that is sharp; 0 above 500,000 triangles */
-    int32_t sharp;      /**< 1: vertices were put on sharp edges and corners */
-    int32_t needs;      /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
-    int32_t copied;     /**< 1: it needed none and was copied (if_needed) */
-    int32_t thin_kept;  /**< 1: thin walls are in the result; 0: there are none, or they are lost */
-    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong, and
-                             if the result has more handles than the input */
+    uint64_t parts_dropped;     /**< connected parts of the solid: least_part, keep_largest, crumbs */
+    uint64_t cavities_dropped;
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
                           parts_dropped and cavities_dropped too */
-    uint64_t turned; /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to 4,096)
-                          inside out beside others */
-    uint64_t thin_voxels; /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
-    uint64_t thin_components; /**< components of the input that have such walls */
-    double thin_wall;         /**< nine tenths of them have a wall at least this thick [Units: world] */
-    int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: voxels of lattice] */
-    int32_t thin_resolution; /**< at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
-    int32_t handles; /**< of the input, each triangle once, turned, and a lid in each hole; -1: copied, not
-                          manifold, or without sides */
-    double parts_volume;    /**< sum of the volumes of the input's components. No solid of them is larger: a
-                                larger result has walls or rods as thick as voxels. 0: the input is open, or
-                                its sides are unknown [Units: world] */
-    uint64_t thin_shelled;  /**< of shelled_triangles, those of components that have a volume but no voxel at
-                                the back of most of their area: a higher resolution makes them bodies */
+    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
     double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh: what
                                  volume the result should have, overlaps counted once, whatever was wrong with
                                  the input. Walls that thin_voxels counts are not all in it. 0: copied, or
                                  nothing encloses a centre. Rounded to a float [Units: world] */
-    double shelled_area;    /**< of shelled_triangles [Units: world^2] */
     uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
 

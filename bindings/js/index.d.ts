@@ -289,44 +289,22 @@ export interface RepairReport {
     after: Certificate;
     lattice: Lattice;
     sign: Sign;
-    shelled: boolean;
-    holes: number;
-    holeLength: number;
-    longestHole: number;
-    sheetEdges: number;
-    shelledTriangles: number;
-    overlaps: number;
-    partsKept: number;
-    partsDropped: number;
-    cavitiesKept: number;
-    cavitiesDropped: number;
-    searched: number;
-    distance: DistanceReport;
-    meanOffCaps: number;
-    maxOffCaps: number;
-    sharpShare: number;
-    sharp: boolean;
     needs: 'nothing' | 'lids' | 'manifold' | 'turns' | 'area' | 'outside-in' | 'uncrossing';
     copied: boolean;
+    sharp: boolean;
     thinKept: boolean;
-    crossings: number;
-    crumbs: number;
-    turned: number;
-    thinVoxels: number;
-    thinComponents: number;
-    thinWall: number;
-    thinLow: Triple;
-    thinHigh: Triple;
     thinResolution: number;
-    /** Of the input, each triangle once, turned, and a lid in each hole; -1: copied, not manifold, or without sides. */
-    handles: number;
-    /** The sum of the volumes of the input's components; 0: open, or its sides are unknown. */
-    partsVolume: number;
-    /** Of shelledTriangles, those of components that have a volume but no voxel at their back. */
-    thinShelled: number;
+    thinVoxels: number;
+    holes: number;
+    turned: number;
+    crossings: number;
+    shelledTriangles: number;
+    partsDropped: number;
+    cavitiesDropped: number;
+    crumbs: number;
+    distance: DistanceReport;
     /** What volume the result should have, whatever was wrong with the input; 0: copied, or nothing encloses a centre. */
     crossingVolume: number;
-    shelledArea: number;
 }
 
 /** [bvx_boolean_options] */

@@ -772,13 +772,13 @@ def repair(
     thin
         walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
         a voxel become shells, other walls are lost where no center lies in them) or "drop" (lost). They are described by
-        the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
+        the report's ``thin_voxels`` and ``thin_resolution``.
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
         pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.
     keep_largest
-        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves (the report's
-        ``parts_kept``, ``parts_dropped``); None: all.
+        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves; the report
+        counts ``parts_dropped``. None: all.
     if_needed
         a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
         ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
@@ -797,10 +797,9 @@ def repair(
     Returns
     -------
     Mesh
-        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``hole_length``
-        [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
-        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
-        the surface before it.
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``turned``,
+        the certificates ``before`` and ``after``, ``distance`` when measured ...
+        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh.
 
     Raises
     ------
