@@ -156,25 +156,17 @@ export interface DistanceReport {
 
 /** [bvx_solid_report] */
 export interface SolidReport {
-    trianglesUsed: number;
     crossings: number;
     unbalancedRows: number;
-    dropped: number;
-    boundaryEdges: number;
-    flippedEdges: number;
-    surfaceVoxels: number;
-    closedVoxels: number;
     leaks: number;
     regions: number;
     mixedRegions: number;
     mixedVoxels: number;
-    columns: number;
     cutVoxels: number;
     fillVoxels: number;
     fill: Fill;
     fillReason: FillReason;
     turned: number;
-    doubles: number;
     volume: number;
     meshVolume: number;
     crossingVolume: number;
@@ -182,9 +174,8 @@ export interface SolidReport {
     thinChecked: boolean;
     thinResolution: number;
     thinVoxels: number;
-    thinWall: number;
-    thinLow: Triple;
-    thinHigh: Triple;
+    /** Lowest and highest of these voxels. */
+    thinBox: number[];
 }
 
 export type When = 'auto' | 'never' | 'always';
@@ -195,7 +186,6 @@ export interface VoxelizeOptions extends CallOptions, LatticeOptions {
     window?: WindowIn | undefined;
     closeGaps?: number | undefined;
     addShell?: boolean | undefined;
-    checkEdges?: boolean | undefined;
     up?: 'x' | 'y' | 'z' | undefined;
     /** Used with hasBase. */
     base?: number | undefined;

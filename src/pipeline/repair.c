@@ -214,7 +214,6 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     job.facts.handles = -1;
     mine = repaired->positions == NULL;
     status = repair_steps(&job, repaired);
-    bvxi_repair_let_go(&job);
     if (status == BVX_OK && o.report != NULL) {
         *o.report = job.report;
         *facts = job.facts;

@@ -57,7 +57,6 @@ bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const 
 
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
-void bvxi_repair_let_go(bvxi_repair_job *job);
 /* A view of triangles that are listed, over the given mesh's vertices. */
 void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count,
                       bvx_mesh_view *view);

@@ -285,14 +285,3 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     bvxi_drop(ctx, representative);
     return BVX_OK;
 }
-
-void bvxi_repair_let_go(bvxi_repair_job *job)
-{
-    bvxi_holes_close(job->ctx, &job->holes);
-    bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_drop(job->ctx, job->inside.words);
-    bvxi_drop(job->ctx, job->solid.words);
-    bvxi_drop(job->ctx, job->parted);
-    bvxi_drop(job->ctx, job->piece);
-    bvxi_drop(job->ctx, job->corner);
-}

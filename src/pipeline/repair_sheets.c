@@ -529,20 +529,14 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
     bvxi_nearest *nearest = NULL;
     uint64_t *first = NULL;
     bvx_grid band = job->inside;
-    bvx_status status;
 
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "shells", 0.0, 0.3), &job->sheets,
                                &job->lattice, &nearest));
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words);
-    if (status == BVX_OK)
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first);
-    if (status == BVX_OK)
-        status = bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
-                                   0.5 * job->options->shell * most, &band, first);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first));
+    BVXI_TRY(bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
+                               0.5 * job->options->shell * most, &band, first));
     /* Shells are joined to the solid, word by word. */
-    for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
-    bvxi_drop(job->ctx, first);
-    if (band.words != job->inside.words) bvxi_drop(job->ctx, band.words);
-    bvxi_nearest_close(job->ctx, nearest);
-    return status;
+    for (uint64_t i = 0; i < words; i++) job->inside.words[i] |= band.words[i];
+    return BVX_OK;
 }

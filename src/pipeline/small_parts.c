@@ -51,9 +51,6 @@ static bvx_status fill_small_cavities(bvxi_repair_job *job)
     }
     if (gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
     job->report.cavities_dropped += gone;
-    bvxi_drop(job->ctx, marks);
-    bvxi_drop(job->ctx, voxels);
-    bvxi_spaces_free(&spaces);
     return BVX_OK;
 }
 
@@ -65,15 +62,15 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
     uint64_t crumbs[2] = {0, 0};
 
     for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
-        BVXI_TRY(
-            bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty, &source, 1, &crumbs[empty]));
+        BVXI_TRY(BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty,
+                                                       &source, 1, &crumbs[empty])));
     r->crumbs = crumbs[0] + crumbs[1];
     r->parts_dropped = crumbs[0];
     r->cavities_dropped = crumbs[1];
 
     /* Parts before cavities: one that goes may have had cavities of its own. */
     if (o->parts.least_part > 1 || o->parts.keep_largest != 0) BVXI_TRY(keep_large_parts(job));
-    return o->parts.least_cavity > 1 ? fill_small_cavities(job) : BVX_OK;
+    return o->parts.least_cavity > 1 ? BVXI_SCOPE(job->ctx, fill_small_cavities(job)) : BVX_OK;
 }
 
 /* ---- Crumbs ---- */
@@ -437,8 +434,6 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     *dropped = judge_crumbs(job);
     /* Only now bits change: all was judged by the solid as it was. */
     if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
-    for (int32_t s = job->sources; s-- > 0;) bvxi_drop(job->ctx, job->piece[s]);
-    bvxi_drop(job->ctx, job->small.words);
     return BVX_OK;
 }
 
@@ -456,8 +451,5 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
     BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part));
     if (job.spaces.count > 1) find_small_parts(&job);
-    if (job.small_parts != 0) BVXI_TRY(judge_small_parts(&job, dropped));
-    bvxi_drop(ctx, job.part);
-    bvxi_spaces_free(&job.spaces);
-    return BVX_OK;
+    return job.small_parts != 0 ? judge_small_parts(&job, dropped) : BVX_OK;
 }

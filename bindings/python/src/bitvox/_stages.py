@@ -41,7 +41,6 @@ def voxelize(
     fill: Fill | None = None,
     close_gaps: int | None = None,
     add_shell: bool = False,
-    check_edges: bool = False,
     check_thin: ThinCheck | None = None,
     base: float | None = None,
     second: Any = None,
@@ -82,10 +81,8 @@ def voxelize(
         with fill "flood": gaps of up to this many voxels stop the flood.
     add_shell
         set all voxels that the surface touches too.
-    check_edges
-        count open and flipped edges in the report.
     check_thin
-        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
+        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_box`` and
         ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume``,
         ``mesh_volume`` (0 where that says nothing) and ``crossing_volume`` tell more: where they are more than 1 % apart,
         ``volume_resolution`` is the resolution that is within it, else 0.
@@ -129,7 +126,7 @@ def voxelize(
     made = new_grid()
     if choice_of_mode(mode) != "solid":
         for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
-                            "check_edges": check_edges or None, "check_thin": check_thin, "second": second, "up": up}.items():
+                            "check_thin": check_thin, "second": second, "up": up}.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for mode 'solid', not for {mode!r}")
         return _surface_voxels(source, where, window, choice_of_mode(mode), attached, made, threads, memory_limit, progress)
@@ -146,7 +143,7 @@ def voxelize(
         if options.fill != lib.BVX_FILL_FLOOD:
             raise ArgumentError("close_gaps is for fill 'flood'")
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
-    options.add_shell, options.check_edges = int(bool(add_shell)), int(bool(check_edges))
+    options.add_shell = int(bool(add_shell))
     if check_thin is not None:
         options.check_thin = choice("check_thin", check_thin, "BVX_CHECK_", THIN_CHECKS)
     if base is not None:
@@ -917,7 +914,7 @@ def boolean(
     thin
         walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
         difference) or "drop" (lost where no center lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
-        ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
+        ``thin_voxels`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
     least_part
         smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
     keep_largest
