@@ -42,7 +42,7 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
     t->vertex[1] = ~t->vertex[1];
     for (int k = 0; k < 3; k++) {
         t->cost[k] = COLLAPSE_NEVER;
-        m->triangle[t->opposite[k] >> 2].opposite[t->opposite[k] & 3] = (corner & ~3) + k;
+        bvxi_corner_put_left(m, bvxi_corner_next(t->left[k]), (corner & ~3) + (k + 2) % 3);
     }
     m->left += !bvxi_corner_is_ghost(m, corner);
 }
