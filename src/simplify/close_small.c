@@ -244,13 +244,10 @@ static int sides_meet(loop_work *w, const loop_side side[2])
 static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 {
     const bvxi_corner_vertex *const at = &c->mesh.at[v];
-    bvxi_quadric q = {.c = at->c};
     double d[3];
 
-    memcpy(q.a, at->a, sizeof q.a);
-    memcpy(q.b, at->b, sizeof q.b);
     for (int k = 0; k < 3; k++) d[k] = (p[k] - at->p[k]) * c->scale;
-    return !bvxi_quadric_is_far(c, &q, d, c->mesh.left, CRUMPLED_MOST);
+    return !bvxi_quadric_is_far(c, &at->q, d, c->mesh.left, CRUMPLED_MOST);
 }
 
 /* ---- Handles ---- */

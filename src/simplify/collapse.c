@@ -37,20 +37,18 @@ enum {
 int bvxi_star_gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
                           collapse_star *star)
 {
-    int32_t c = bvxi_corner_turn_left(m, start), n = star->count;
-    uint32_t w = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
+    int32_t c = bvxi_corner_turn_left(m, start);
 
-    for (;; n++) {
+    star->link[star->count] = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
+    for (;;) {
         int32_t const left = bvxi_corner_turn_left(m, c);
-        uint32_t const beyond = bvxi_corner_vertex_of(m, bvxi_corner_next(left)); /* previous to c */
+        uint32_t const previous = bvxi_corner_vertex_of(m, bvxi_corner_next(left)); /* of both triangles */
 
-        star->count = n;
-        if (beyond == other) return 1;
-        if (n == most) return 0;
-        star->link[n] = w;
-        star->corner[n] = c;
+        if (previous == other) return 1;
+        if (star->count == most) return 0;
+        star->corner[star->count++] = c;
+        star->link[star->count] = previous;
         c = left;
-        w = beyond;
     }
 }
 
@@ -88,15 +86,6 @@ static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, col
 
 /* ---- Collapsing ---- */
 
-typedef struct collapse_sweep {
-    bvxi_collapse *c;
-    float threshold;
-    uint64_t size;       /* vertices of a range; 0: one range has all */
-    uint64_t left;       /* triangles as the sweep begins */
-    uint64_t candidates; /* vertices with an edge that cheap */
-    uint64_t needed;     /* collapses */
-} collapse_sweep;
-
 /* What one range has done. */
 typedef struct collapse_range {
     collapse_star star;
@@ -104,6 +93,16 @@ typedef struct collapse_range {
     uint64_t collapsed, triangles; /* that went */
     uint64_t refused;
 } collapse_range;
+
+typedef struct collapse_sweep {
+    bvxi_collapse *c;
+    collapse_range *range;
+    float threshold;
+    uint64_t size;       /* vertices of a range; 0: one range has all */
+    uint64_t left;       /* triangles as the sweep begins */
+    uint64_t candidates; /* vertices with an edge that cheap */
+    uint64_t needed;     /* collapses */
+} collapse_sweep;
 
 int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner)
 {
@@ -369,16 +368,10 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
     s->candidates = before * step;
 }
 
-typedef struct range_job {
-    collapse_sweep *s;
-    collapse_range *ranges;
-} range_job;
-
 static void range_piece(void *user, int32_t index)
 {
-    const range_job *const job = user;
-    const collapse_sweep *const s = job->s;
-    collapse_range *const r = &job->ranges[index];
+    const collapse_sweep *const s = user;
+    collapse_range *const r = &s->range[index];
     const bvxi_collapse *const c = s->c;
     uint64_t const begin = (uint64_t)index * s->size;
     uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
@@ -410,23 +403,22 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
 static bvx_status sweep_ranges(collapse_sweep *s)
 {
     bvxi_collapse *const c = s->c;
-    uint64_t ranges, bytes, collapsed = 0;
-    range_job job = {s, NULL};
+    uint64_t ranges, collapsed = 0;
 
     s->size = (c->mesh.vertices + RANGE_MOST - 1) / RANGE_MOST;
     if (s->size < RANGE_VERTICES) s->size = RANGE_VERTICES;
     ranges = (c->mesh.vertices + s->size - 1) / s->size;
-    bytes = ranges * sizeof *job.ranges;
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, bytes, "the ranges of collapses", &job.ranges));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, ranges * sizeof *s->range, "the ranges of collapses",
+                             &s->range));
 
-    for (uint64_t i = 0; i < ranges; i++) job.ranges[i].order = c->order;
-    bvxi_tasks(c->ctx, (int32_t)ranges, range_piece, &job);
+    for (uint64_t i = 0; i < ranges; i++) s->range[i].order = c->order;
+    bvxi_tasks(c->ctx, (int32_t)ranges, range_piece, s);
     for (uint64_t i = 0; i < ranges; i++) {
-        take_range(c, &job.ranges[i]);
-        collapsed += job.ranges[i].collapsed;
+        take_range(c, &s->range[i]);
+        collapsed += s->range[i].collapsed;
     }
     c->order += (uint32_t)collapsed;
-    bvxi_drop(c->ctx, job.ranges);
+    bvxi_drop(c->ctx, s->range);
     return BVX_OK;
 }
 
@@ -436,7 +428,7 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     uint64_t const share = idle > 1 ? c->alive : (uint64_t)((double)c->alive * SWEEP_SHARE) + 1;
     collapse_sweep s = {.c = c, .left = c->mesh.left, .needed = (c->mesh.left - target + 1) / 2};
     uint64_t const wanted = (2 * s.needed) << idle;
-    collapse_range *r;
+    collapse_range r = {.triangles = 0};
     int ranged;
 
     /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
@@ -454,17 +446,15 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     if (ranged) BVXI_TRY(sweep_ranges(&s));
 
     /* What reaches over the ranges' borders, or all. */
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, sizeof *r, "the range of collapses", &r));
-    r->order = c->order;
+    r.order = c->order;
     for (uint64_t v = 0, n = c->mesh.vertices; v < n; v++) {
         if ((ranged && !c->waits[v]) || !(c->least[v] <= s.threshold)) continue;
-        if (c->mesh.left <= target + r->triangles) break;
-        try_vertex(&s, r, RANGE_ALL, (uint32_t)v);
+        if (c->mesh.left <= target + r.triangles) break;
+        try_vertex(&s, &r, RANGE_ALL, (uint32_t)v);
     }
     if (ranged) memset(c->waits, 0, (size_t)c->mesh.vertices);
-    c->order = r->order;
-    take_range(c, r);
-    bvxi_drop(c->ctx, r);
+    c->order = r.order;
+    take_range(c, &r);
     *done = c->counts.collapsed - begun;
     return BVX_OK;
 }

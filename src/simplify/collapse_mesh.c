@@ -323,7 +323,7 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
     c->mesh.vertices = used;
     for (uint64_t i = 0; i < used; i++) {
-        bvxi_corner_vertex at = {.c = 0};
+        bvxi_corner_vertex at = {.q = {.c = 0}};
 
         bvxi_view_position(o->view, o->index[i], at.p);
         /* Rounded to the type of the result from the start, so that what is judged is what is given. */
@@ -392,7 +392,7 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 
     /* The upper half of n n', row by row. */
     for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++) at->a[index++] += weight * n[i] * n[j];
+        for (int j = i; j < 3; j++) at->q.a[index++] += weight * n[i] * n[j];
 }
 
 /* Each triangle's plane to its corners, by area; b, 0 after add_lines, sums the triangles' area normals. */
@@ -419,8 +419,8 @@ static void add_planes(bvxi_collapse *c)
 
         /* Weighed by area, so that cutting a triangle in two changes nothing. */
         for (int i = 0; i < 3; i++) {
-            for (int k = 0; k < 6; k++) m->at[v[i]].a[k] += a[k];
-            for (int k = 0; k < 3; k++) m->at[v[i]].b[k] += n[k];
+            for (int k = 0; k < 6; k++) m->at[v[i]].q.a[k] += a[k];
+            for (int k = 0; k < 3; k++) m->at[v[i]].q.b[k] += n[k];
         }
     }
 }
@@ -431,18 +431,18 @@ static void add_lines(bvxi_collapse *c)
 {
     for (uint64_t v = 0; v < c->mesh.vertices; v++) {
         bvxi_corner_vertex *const at = &c->mesh.at[v];
-        double const length = bvxi_vec_length(at->b);
-        double const weight = c->options.even * (at->a[0] + at->a[3] + at->a[5]);
+        double const length = bvxi_vec_length(at->q.b);
+        double const weight = c->options.even * (at->q.a[0] + at->q.a[3] + at->q.a[5]);
         double n[3];
         int index = 0;
 
         /* Normals of a fold may cancel out: then there is no line. */
         for (int k = 0; k < 3; k++) {
-            n[k] = at->b[k] / (length > 0 ? length : 1);
-            at->b[k] = 0;
+            n[k] = at->q.b[k] / (length > 0 ? length : 1);
+            at->q.b[k] = 0;
         }
         for (int i = 0; i < 3 && length > 0; i++)
-            for (int j = i; j < 3; j++) at->a[index++] += weight * ((i == j) - n[i] * n[j]);
+            for (int j = i; j < 3; j++) at->q.a[index++] += weight * ((i == j) - n[i] * n[j]);
     }
 }
 

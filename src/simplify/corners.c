@@ -38,8 +38,8 @@ static int32_t across_edge(const bvxi_corners *m, int32_t c)
 static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t corner,
                             int borders)
 {
-    const double *const p = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_next(corner)));
-    const double *const q = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(corner)));
+    const double *const p = m->at[bvxi_corner_vertex_of(m, bvxi_corner_next(corner))].p;
+    const double *const q = m->at[bvxi_corner_vertex_of(m, bvxi_corner_previous(corner))].p;
 
     if (borders == BVXI_BORDERS_REFUSED)
         return bvxi_fail_for(

@@ -19,11 +19,15 @@
 #define BVXI_VERTEX_NONE  UINT32_MAX
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
 
-/* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position +
- * d, in units of the mesh's size; A is xx xy xz yy yz zz. */
+/* A sum of squared distances: d'Ad + 2b'd + c at d; A is xx xy xz yy yz zz. */
+typedef struct bvxi_quadric {
+    double a[6], b[3], c;
+} bvxi_quadric;
+
+/* A position of the result's type, and its quadric, about it and in units of the mesh's size. */
 typedef struct bvxi_corner_vertex {
     double p[3];
-    double a[6], b[3], c;
+    bvxi_quadric q;
 } bvxi_corner_vertex;
 
 /* A triangle that is gone keeps its corners and neighbours, so that the collapse can be undone; the second of them is
@@ -70,11 +74,6 @@ static inline int32_t bvxi_corner_turn_left(const bvxi_corners *m, int32_t c)
 static inline int32_t bvxi_corner_opposite(const bvxi_corners *m, int32_t c)
 {
     return bvxi_corner_previous(bvxi_corner_turn_left(m, bvxi_corner_previous(c)));
-}
-
-static inline const double *bvxi_corner_position(const bvxi_corners *m, uint32_t vertex)
-{
-    return m->at[vertex].p;
 }
 
 static inline int bvxi_triangle_gone(const bvxi_corner_triangle *t)

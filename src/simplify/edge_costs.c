@@ -11,8 +11,8 @@ enum { COSTS_GRAIN = 4096 }; /* vertices of a task */
 /* ---- Cost ---- */
 
 /* The sum of both vertices' quadrics about u; offset leads from u to v. */
-BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex *v,
-                                      const double offset[3], bvxi_quadric *q)
+BVXI_VECTOR_INLINE void join_quadrics(const bvxi_quadric *u, const bvxi_quadric *v, const double offset[3],
+                                      bvxi_quadric *q)
 {
     double const x = offset[0], y = offset[1], z = offset[2];
     double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
@@ -113,7 +113,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
     offset_between(c, plan->u, plan->v, plan->offset);
-    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], plan->offset, &plan->q);
+    join_quadrics(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
     if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
         bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
@@ -341,7 +341,7 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p)
 {
     bvxi_corner_vertex *const at = &c->mesh.at[plan->u];
-    double d[3], g[3];
+    double d[3];
 
     /* The quadric is kept about its own vertex, so it moves with it: A stays, b becomes half the gradient
      * there. */
@@ -349,8 +349,7 @@ void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const dou
         d[k] = (p[k] - at->p[k]) * c->scale;
         at->p[k] = p[k];
     }
-    bvxi_half_gradient(&plan->q, d, g);
-    for (int i = 0; i < 6; i++) at->a[i] = plan->q.a[i];
-    for (int i = 0; i < 3; i++) at->b[i] = g[i];
-    at->c = bvxi_quadric_at(&plan->q, d);
+    at->q = plan->q;
+    bvxi_half_gradient(&plan->q, d, at->q.b);
+    at->q.c = bvxi_quadric_at(&plan->q, d);
 }

@@ -4,11 +4,6 @@
 
 #include "simplify/collapse_state.h"
 
-/* A quadric while it is computed with. */
-typedef struct bvxi_quadric {
-    double a[6], b[3], c;
-} bvxi_quadric;
-
 /* A d + b: half the gradient at d. */
 static inline void bvxi_half_gradient(const bvxi_quadric *q, const double d[3], double g[3])
 {

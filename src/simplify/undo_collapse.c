@@ -49,12 +49,8 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
 
 void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
 {
-    bvxi_corner_vertex *const at = &c->mesh.at[u];
-    bvxi_edge_planned plan = {.u = u};
+    bvxi_edge_planned const plan = {.u = u, .q = c->mesh.at[u].q};
 
-    memcpy(plan.q.a, at->a, sizeof at->a);
-    memcpy(plan.q.b, at->b, sizeof at->b);
-    plan.q.c = at->c;
     bvxi_edge_settle(c, &plan, p);
 }
 
