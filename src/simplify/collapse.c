@@ -24,7 +24,7 @@
 
 enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
-    RANGE_MOST = 64,        /* ranges */
+    RANGE_MOST = 20,        /* ranges: more have more edges that reach into others */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
     THRESHOLD_WANTED = 16384,
