@@ -316,7 +316,6 @@ static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_
                  cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
-    cli_json_count(t, "doubles", r->doubles);
     cli_json_losses(t, &run->report.lattice, r);
     cli_json_truth(t, "thin_kept", is_thin_kept(b, i));
     cli_text_add(t, "}");

@@ -53,8 +53,6 @@ static const cli_argument voxelize_rows[] = {
           "of a cloud: points that a voxel needs to be set [1]"),
     FLAG("--body", OWN(cloud.body), "of a cloud: set what a flood from outside cannot reach too"),
     {.also = cli_takes_add_shell},
-    FLAG("--check-edges", OWN(solid.check_edges),
-         "count edges with one triangle, and those between flipped ones"),
     CHOICE("--check-thin", "WHEN", OWN(solid.check_thin), check_thin_names, BVX_CHECK_AUTO,
            "look for walls too thin for the voxels, for a warning with their position.\n"
            "auto: in whole lattices; always; never [auto]"),
@@ -107,7 +105,7 @@ static uint32_t facts_of_mode(const cli_run *run)
 
 static const cli_rule cloud_rules[] = {
     {.when = CLI_OF_CLOUD,
-     .given = "--mode --fill --add-shell --check-edges --check-thin --half-width --sign --vectors "
+     .given = "--mode --fill --add-shell --check-thin --half-width --sign --vectors "
               "--value-type --sharp --no-sharp",
      .message = "%o is for meshes; %i is a cloud of points"},
     {.when = CLI_OF_MESH, .given = "--minimum --body", .message = "%o is for clouds of points; %i is a mesh"},
@@ -135,7 +133,7 @@ static const cli_rule mesh_rules[] = {
     {.also = cli_to_voxels_rules},
     {.also = cli_lattice_rules},
     {.unless = SETS_SOLID,
-     .given = "--fill --close-gaps --add-shell --check-edges --check-thin --base --second --up "
+     .given = "--fill --close-gaps --add-shell --check-thin --base --second --up "
               "--sharp --no-sharp",
      .message = "%o is for solids; --mode %w has no use for it"},
     {.unless = SETS_FIELD,

@@ -155,25 +155,20 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
              " triangles, %" PRIu64 " piece%s\n",
              b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
              c->surface.components, c->surface.components == 1 ? "" : "s");
-    if (r->holes != 0)
-        cli_tell(made, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
-    if (r->shelled)
+    if (r->holes != 0) cli_tell(made, "holes closed: %" PRIu64 "\n", r->holes);
+    if (r->shelled_triangles != 0)
         cli_tell(made, "made into shells: %" PRIu64 " triangles that enclose nothing\n",
                  r->shelled_triangles);
     if (r->thin_voxels != 0)
-        cli_tell(
-            made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
-            r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
-            r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
+        cli_tell(made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels\n",
+                 r->thin_kept ? "kept"
+                              : "left as the voxels have them, since keeping them would make handles",
+                 r->thin_voxels);
     if (c->crumbs != 0)
         cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
                  c->crumbs == 1 ? "" : "s");
-    if (r->parts_dropped != 0)
-        cli_tell(made, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
-                 r->parts_dropped + r->parts_kept);
-    if (r->cavities_dropped != 0)
-        cli_tell(made, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
-                 r->cavities_dropped + r->cavities_kept);
+    if (r->parts_dropped != 0) cli_tell(made, "dropped: %" PRIu64 " parts\n", r->parts_dropped);
+    if (r->cavities_dropped != 0) cli_tell(made, "filled: %" PRIu64 " cavities\n", r->cavities_dropped);
     cli_tell(made, "\n");
 }
 

@@ -15,11 +15,12 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
     v->add_shell = o->add_shell;
 }
 
-void cli_thin_box(const bvx_lattice *l, const int32_t low[3], const int32_t high[3], double box[6])
+/* Where the thin walls lie, in the mesh's unit. */
+static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
 {
     for (int a = 0; a < 3; a++) {
-        box[a] = l->origin[a] + (double)low[a] * l->spacing[a];
-        box[a + 3] = l->origin[a] + ((double)high[a] + 1.0) * l->spacing[a];
+        box[a] = l->origin[a] + (double)r->thin_box[0][a] * l->spacing[a];
+        box[a + 3] = l->origin[a] + ((double)r->thin_box[1][a] + 1.0) * l->spacing[a];
     }
 }
 
@@ -27,7 +28,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
 {
     double box[6];
 
-    cli_thin_box(lattice, r->thin_low, r->thin_high, box);
+    thin_box(lattice, r, box);
     /* Volumes that are not known are left out, since 0 would be one. */
     cli_json_value(t, "volume", r->volume);
     if (r->mesh_volume != 0) cli_json_value(t, "mesh_volume", r->mesh_volume);
@@ -35,7 +36,6 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_count(t, "volume_resolution", (uint64_t)r->volume_resolution);
     cli_json_truth(t, "thin_checked", r->thin_checked);
     cli_json_count(t, "thin_voxels", r->thin_voxels);
-    cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
     if (r->thin_voxels != 0) cli_json_box(t, "thin_box", box, box + 3);
 }
@@ -89,8 +89,6 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
-    if (r->doubles != 0)
-        cli_text_add(t, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
     cli_text_add(t, "\n");
 }
 
@@ -102,31 +100,19 @@ static double voxel_volume(const bvx_lattice *l)
 static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
     const cli_options *const o = run->options;
-    int const second = cli_given(run, "--second");
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
-    if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
-    if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
-    if (r->surface_voxels != 0) cli_text_add(t, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    if (o->fill == BVX_FILL_BELOW) {
-        cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
-                     second ? " where both terrains are" : " under the surface");
-        if (second)
-            cli_text_add(t,
-                         "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
-                         " voxels, volume %.9g\n",
-                         r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels,
-                         (double)r->fill_voxels * voxel);
-    }
+    if (cli_given(run, "--second"))
+        cli_text_add(
+            t,
+            "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n",
+            r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
     if (r->thin_checked)
         cli_text_add(
             t, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
             r->thin_voxels);
-    if (cli_given(run, "--check-edges"))
-        cli_text_add(t, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
-                     r->boundary_edges, r->flipped_edges);
 }
 
 void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -137,33 +123,20 @@ void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattic
     cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill],
                  cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
-    cli_json_count(t, "triangles_used", r->triangles_used);
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
-    cli_json_count(t, "dropped", r->dropped);
-    cli_json_count(t, "doubles", r->doubles);
     /* Members that only some rules have: a program must not take 0 for a count. */
-    if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell)
-        cli_json_count(t, "surface_voxels", r->surface_voxels);
-    if (o->fill == BVX_FILL_FLOOD) {
-        cli_json_count(t, "closed_voxels", r->closed_voxels);
-        cli_json_count(t, "leaks", r->leaks);
-    }
+    if (o->fill == BVX_FILL_FLOOD) cli_json_count(t, "leaks", r->leaks);
     if (o->fill == BVX_FILL_REGIONS) {
         cli_json_count(t, "regions", r->regions);
         cli_json_count(t, "mixed_regions", r->mixed_regions);
         cli_json_count(t, "mixed_voxels", r->mixed_voxels);
     }
-    if (o->fill == BVX_FILL_BELOW) cli_json_count(t, "columns", r->columns);
     if (cli_given(run, "--second")) {
         cli_json_count(t, "cut_voxels", r->cut_voxels);
         cli_json_count(t, "fill_voxels", r->fill_voxels);
         cli_json_value(t, "cut_volume", (double)r->cut_voxels * voxel);
         cli_json_value(t, "fill_volume", (double)r->fill_voxels * voxel);
-    }
-    if (cli_given(run, "--check-edges")) {
-        cli_json_count(t, "boundary_edges", r->boundary_edges);
-        cli_json_count(t, "flipped_edges", r->flipped_edges);
     }
     cli_json_losses(t, lattice, r);
     cli_text_add(t, "}");

@@ -18,10 +18,9 @@ typedef struct volume_job {
 
 /* A volume has its own lattice, and voxels already. */
 static const cli_rule volume_rules[] = {
-    {.given =
-         "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell --check-edges "
-         "--check-thin --base --second --up --half-width --sign --vectors --value-type "
-         "--sharp --no-sharp",
+    {.given = "--resolution --spacing --origin --padding --mode --fill --close-gaps --add-shell "
+              "--check-thin --base --second --up --half-width --sign --vectors --value-type "
+              "--sharp --no-sharp",
      .message = "%o is for meshes; %i is a volume"},
     {.given = "--minimum --body", .message = "%o is for clouds of points; %i is a volume"},
     {0}};

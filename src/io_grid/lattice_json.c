@@ -144,7 +144,7 @@ static bvx_status json_take_exact(const json_lattice *l, const char *key, const 
 static bvx_status json_take_lattice(json_lattice *l)
 {
     uint32_t value;
-    int32_t version;
+    int32_t version = 0;
 
     if (bvxi_json_kind(&l->json, 0) != BVXI_JSON_OBJECT) return json_expected(l, 0, "'{'");
     BVXI_TRY(json_take_exact(l, "format", "bitvox lattice", "\"bitvox lattice\""));
