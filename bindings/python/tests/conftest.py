@@ -18,6 +18,11 @@ BOX_FACES = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0,
                       [3, 0, 4], [3, 4, 7]])
 
 
+def public_names(module):
+    """Names of a module's interface."""
+    return getattr(module, "__all__", None) or [name for name in dir(module) if not name.startswith("_")]
+
+
 def box_mesh(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
     """Vertices and faces of a box, outwards."""
     (a, b, c), (d, e, f) = low, high

@@ -12,18 +12,11 @@ else:
     Array = Any
 
 if TYPE_CHECKING:
-    from typing_extensions import TypedDict
+    from ._options import SimplifyOptions
 
-    class Collapsing(TypedDict, total=False):
-        error_kind: ErrorKind | None
-        even: float | None
-        attribute_weight: float | None
+    class Collapsing(SimplifyOptions, total=False):
         lock_border: bool
-        locked: Any
-        vertices: Vertices
-        topology: Topology
         strict: bool
-        samples: int | None
         dtype: Any
         threads: int | None
         memory_limit: int | None
