@@ -338,6 +338,13 @@ def in_range(name: str, value: Any, low: int, high: int) -> int:
     return number
 
 
+def connected(connectivity: Any) -> int:
+    """Neighbors of a voxel: through faces, edges too, or corners too."""
+    if in_range("connectivity", connectivity, -(2**63), 2**63) not in (6, 18, 26):
+        raise OptionRangeError(f"connectivity is {connectivity}; it must be 6 (faces), 18 (edges too) or 26 (corners too)")
+    return int(connectivity)
+
+
 def options_of(kind: str) -> Any:
     """An option struct with its defaults: zero, but for its size."""
     options = ffi.new(f"bvx_{kind} *")

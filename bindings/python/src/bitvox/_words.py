@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Literal
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, TypedDict
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -14,13 +14,25 @@ else:
 if TYPE_CHECKING:
     from ._options import SimplifyOptions
 
-    class Collapsing(SimplifyOptions, total=False):
-        lock_border: bool
-        strict: bool
-        dtype: Any
+    class Running(TypedDict, total=False):
         threads: int | None
         memory_limit: int | None
         progress: bool | Callable[[str, float], Any] | None
+
+    class Collapsing(SimplifyOptions, Running, total=False):
+        lock_border: bool
+        strict: bool
+        dtype: Any
+
+    class Surfacing(Running, total=False):
+        face_rule: FaceRule
+        dtype: Any
+        open_sides: str | Iterable[str]
+        keys: bool
+        local_frame: bool
+        mesh: Any
+        offset: float
+        sharp: bool | None
 
 Fill = Literal["parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto"]
 BooleanFill = Literal["parity", "nonzero", "vote", "winding", "auto"]
