@@ -280,18 +280,18 @@ def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) 
         options.targets.even = or_none(float(given["even"]), "even")
     options.targets.strict = int(bool(strict))
     options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
-    options.position_type = lib.BVX_POSITION_AUTO if given.get("dtype") is None else position_type(given["dtype"])
+    options.collapse.position_type = lib.BVX_POSITION_AUTO if given.get("dtype") is None else position_type(given["dtype"])
     if given.get("attribute_weight") is not None:
-        options.attribute_weight = or_none(float(given["attribute_weight"]), "attribute_weight")
-    options.lock_border = int(bool(given.get("lock_border")))
-    options.vertices = choice("vertices", given.get("vertices", "placed"), "BVX_VERTICES_", VERTICES)
-    options.topology = choice("topology", given.get("topology", "keep"), "BVX_TOPOLOGY_", TOPOLOGY)
+        options.collapse.attribute_weight = or_none(float(given["attribute_weight"]), "attribute_weight")
+    options.collapse.lock_border = int(bool(given.get("lock_border")))
+    options.collapse.vertices = choice("vertices", given.get("vertices", "placed"), "BVX_VERTICES_", VERTICES)
+    options.collapse.topology = choice("topology", given.get("topology", "keep"), "BVX_TOPOLOGY_", TOPOLOGY)
     if given.get("locked") is None:
         return None
     values = [bool(value) for value in given["locked"]]
     if len(values) != mesh.n_vertices:
         raise ArgumentError(f"locked has {len(values)} values, the mesh {mesh.n_vertices} vertices")
-    array = options.locked = ffi.new("uint8_t[]", values)
+    array = options.collapse.locked = ffi.new("uint8_t[]", values)
     return array
 
 
@@ -408,10 +408,14 @@ def lod(
         set_fit(options, resolution, advanced.get("lattice"))
         sign, shell = advanced.get("sign"), advanced.get("shell")
         options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
-        options.sharp, options.outer = sharpness(advanced.get("sharp")), int(bool(advanced.get("outer_hull")))
+        options.sharp = sharpness(advanced.get("sharp"))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")
         set_parts(options.parts, advanced.get("keep_largest"), advanced)
+        if advanced.get("outer_hull"):
+            if advanced.get("least_cavity"):
+                raise ArgumentError("outer_hull fills every cavity; least_cavity is not used with it")
+            options.parts.least_cavity = 2**64 - 1
         reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
         options.reports, options.report = reports, report
 
