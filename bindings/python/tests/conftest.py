@@ -1,7 +1,9 @@
 """Shapes that the tests share. They run on the installed package, from anywhere; real data is used where it is present."""
 
 import importlib.util
+import inspect
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +23,12 @@ BOX_FACES = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0,
 def public_names(module):
     """Names of a module's interface."""
     return getattr(module, "__all__", None) or [name for name in dir(module) if not name.startswith("_")]
+
+
+def more_options(function):
+    """The class that lists what a function takes by name beside its signature's keywords."""
+    found = re.search(r"Unpack\[(\w+Options)\]", str(inspect.signature(function)))
+    return getattr(bitvox, found[1]) if found else None
 
 
 def box_mesh(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import public_names
+from conftest import more_options, public_names
 
 import bitvox
 from bitvox import _native
@@ -151,19 +151,12 @@ def public_callables():
                         yield f"{module}.{name}.{member}", value
 
 
-def more_options(function):
-    """The class that lists what a function takes by name beside its signature's keywords."""
-    last = [*inspect.signature(function).parameters.values()][-1]
-    found = re.fullmatch(r"Unpack\[(\w+Options)\]", str(last.annotation)) if last.kind is last.VAR_KEYWORD else None
-    return getattr(bitvox, found[1]) if found else None
-
-
 def test_signatures_have_at_most_twelve_keywords_and_help_is_short():
     functions = {name: thing for name, thing in public_callables() if inspect.isfunction(thing)}
     keywords = {name: [p.name for p in inspect.signature(f).parameters.values() if p.kind is p.KEYWORD_ONLY] for name, f in functions.items()}
     assert {name: len(words) for name, words in keywords.items() if len(words) > 12} == {}
     assert len(pydoc.render_doc(bitvox).splitlines()) < 1500
-    listed = {name: more for name, f in functions.items() if inspect.signature(f).parameters and (more := more_options(f))}
+    listed = {name: more for name, f in functions.items() if (more := more_options(f))}
     assert {more.__name__ for more in listed.values()} == {name for name in public_names(bitvox) if name.endswith("Options")}
     for name, more in listed.items():  # each option stands in one place, is told there, and named by the function
         assert not set(keywords[name]) & set(more.__annotations__)

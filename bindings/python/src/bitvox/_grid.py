@@ -29,8 +29,9 @@ BEYONDS = names_of("BVX_BEYOND_")
 
 
 class Attached(NamedTuple):
-    """The triangles that touch each set voxel: voxel number r, in the order of the grid's bits (z, y, x), has
-    ``triangles[offsets[r]:offsets[r + 1]]``, ascending.
+    """The triangles that touch each set voxel.
+
+    Voxel number r, in the order of the grid's bits (z, y, x), has ``triangles[offsets[r]:offsets[r + 1]]``, ascending.
 
     Examples
     --------

@@ -33,8 +33,9 @@ def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
 
 
 def register_with_trimesh() -> None:
-    """Put it into trimesh's table of voxelizers under the name "bitvox"; as often as one likes. `import bitvox` does it too, whether
-    trimesh is imported before or after.
+    """Put it into trimesh's table of voxelizers under the name "bitvox", as often as one likes.
+
+    `import bitvox` does it too, whether trimesh is imported before or after.
 
     Examples
     --------
