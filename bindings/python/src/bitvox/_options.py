@@ -17,10 +17,8 @@ class VoxelizeOptions(TypedDict, total=False):
         with fill "flood": gaps of up to this many voxels stop the flood.
     add_shell
         set all voxels that the surface touches too.
-    check_edges
-        count open and flipped edges in the report.
     check_thin
-        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
+        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_box`` and
         ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume``,
         ``mesh_volume`` (0 where that says nothing) and ``crossing_volume`` tell more: where they are more than 1 % apart,
         ``volume_resolution`` is the resolution that is within it, else 0.
@@ -30,14 +28,13 @@ class VoxelizeOptions(TypedDict, total=False):
 
     Examples
     --------
-    >>> more: bitvox.VoxelizeOptions = {'add_shell': True, 'check_edges': True}
-    >>> bitvox.voxelize('knot.ply', resolution=32, **more).report.boundary_edges
-    0
+    >>> more: bitvox.VoxelizeOptions = {'close_gaps': 2}
+    >>> bitvox.voxelize('knot.ply', resolution=32, fill='flood', **more).report.fill
+    'flood'
     """
 
     close_gaps: int | None
     add_shell: bool
-    check_edges: bool
     check_thin: ThinCheck | None
     base: float | None
     second: Any
@@ -97,7 +94,7 @@ class BooleanOptions(SurfaceOptions, total=False):
     thin
         walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
         difference) or "drop" (lost where no center lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
-        ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
+        ``thin_voxels`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
     least_part
         smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
     dtype
@@ -130,7 +127,7 @@ class RepairOptions(BooleanOptions, total=False):
     thin
         walls of bodies thinner than 1.5 voxels: "keep" (the default: whole, about as thick as they are), "shell" (pieces without
         a voxel become shells, other walls are lost where no center lies in them) or "drop" (lost). They are described by
-        the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
+        the report's ``thin_voxels`` and ``thin_resolution``.
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
         pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.

@@ -78,7 +78,7 @@ def voxelize(
     attached
         surface modes: keep the triangles that touch each voxel in ``grid.attached``.
     advanced
-        `VoxelizeOptions`: ``close_gaps``, ``add_shell``, ``check_edges``, ``check_thin``, ``base``, ``second``, ``up``.
+        `VoxelizeOptions`: ``close_gaps``, ``add_shell``, ``check_thin``, ``base``, ``second``, ``up``.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def voxelize(
         if options.fill != lib.BVX_FILL_FLOOD:
             raise ArgumentError("close_gaps is for fill 'flood'")
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
-    options.add_shell, options.check_edges = (int(bool(advanced.get(name))) for name in ("add_shell", "check_edges"))
+    options.add_shell = int(bool(advanced.get("add_shell")))
     if check_thin is not None:
         options.check_thin = choice("check_thin", check_thin, "BVX_CHECK_", THIN_CHECKS)
     if base is not None:
@@ -723,8 +723,8 @@ def repair(
     shell
         thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
     keep_largest
-        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves (the report's
-        ``parts_kept``, ``parts_dropped``); None: all.
+        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves; the report
+        counts ``parts_dropped``. None: all.
     if_needed
         a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
         ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
@@ -742,10 +742,9 @@ def repair(
     Returns
     -------
     Mesh
-        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``hole_length``
-        [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
-        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
-        the surface before it.
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``turned``,
+        the certificates ``before`` and ``after``, ``distance`` when measured ...
+        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh.
 
     Raises
     ------
