@@ -63,7 +63,7 @@ static void binvox_put_header(bvxi_output *out, const bvx_grid *grid, const doub
 }
 
 /* What the header says of the lattice; refuses what it cannot say. */
-static bvx_status binvox_place(bvx_context *ctx, const bvx_grid *grid, double corner[3], double *scale)
+static bvx_status binvox_corner(bvx_context *ctx, const bvx_grid *grid, double corner[3], double *scale)
 {
     const double *const s = grid->lattice.spacing;
     int32_t longest = 1;
@@ -139,7 +139,7 @@ static bvx_status binvox_put(bvx_context *ctx, binvox_writing *w, bvx_buffer *fi
         {0, 0, 0}, {1, 1, 1}, {64, w->grid->size[1], w->grid->size[2]}, BVXI_MIN_FRACTION};
     double corner[3], scale = 0;
 
-    BVXI_TRY(binvox_place(ctx, w->grid, corner, &scale));
+    BVXI_TRY(binvox_corner(ctx, w->grid, corner, &scale));
     BVXI_TRY(bvx_grid_create(ctx, &box, NULL, &w->layers));
     binvox_put_header(&w->out, w->grid, corner, scale);
     BVXI_TRY(binvox_put_layers(ctx, w, 0.0, 0.5));

@@ -1,7 +1,9 @@
 """Shapes that the tests share. They run on the installed package, from anywhere; real data is used where it is present."""
 
 import importlib.util
+import inspect
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,17 @@ SHARED = Path(os.environ.get("BITVOX_SHARED", REPOSITORY.parent / "shared"))
 TETRAHEDRON = (np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
 BOX_FACES = np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6],
                       [3, 0, 4], [3, 4, 7]])
+
+
+def public_names(module):
+    """Names of a module's interface."""
+    return getattr(module, "__all__", None) or [name for name in dir(module) if not name.startswith("_")]
+
+
+def more_options(function):
+    """The class that lists what a function takes by name beside its signature's keywords."""
+    found = re.search(r"Unpack\[(\w+Options)\]", str(inspect.signature(function)))
+    return getattr(bitvox, found[1]) if found else None
 
 
 def box_mesh(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):

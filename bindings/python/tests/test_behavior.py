@@ -288,8 +288,9 @@ def test_connectivity_is_one_word(name):
     call = getattr(grid, name)
     for connectivity in (6, 18, 26):
         call(connectivity=connectivity)
-    with pytest.raises(bitvox.ArgumentError, match=r"^connectivity is 7[;,]"):
-        call(connectivity=7)
+    for wrong in (4, 7):
+        with pytest.raises(bitvox.ArgumentError, match=rf"^connectivity is {wrong}; it must be 6 \(faces\), 18"):
+            call(connectivity=wrong)
 
 
 def test_everything_says_what_it_is(knot):

@@ -1,11 +1,13 @@
 """The binding against the header it is made from."""
 
 import inspect
+import pydoc
 import re
 import sys
 from pathlib import Path
 
 import pytest
+from conftest import more_options, public_names
 
 import bitvox
 from bitvox import _native
@@ -106,7 +108,7 @@ def test_every_status_is_an_exception():
 
 def test_everything_public_has_a_docstring():
     bare = []
-    for name in bitvox.__all__:
+    for name in public_names(bitvox):
         thing = getattr(bitvox, name)
         if not thing.__doc__:
             bare.append(name)
@@ -139,7 +141,7 @@ def public_callables():
     import importlib
 
     for module in ("bitvox", "bitvox.formats", "bitvox.big"):
-        for name in importlib.import_module(module).__all__:
+        for name in public_names(importlib.import_module(module)):
             thing = getattr(importlib.import_module(module), name)
             yield f"{module}.{name}", thing
             if isinstance(thing, type) and thing.__module__.startswith("bitvox") and not issubclass(thing, (Exception, tuple)):
@@ -147,6 +149,35 @@ def public_callables():
                     value = getattr(value, "__func__", value)
                     if not member.startswith("_") and inspect.isfunction(value):
                         yield f"{module}.{name}.{member}", value
+
+
+def test_signatures_have_at_most_twelve_keywords_and_help_is_short():
+    functions = {name: thing for name, thing in public_callables() if inspect.isfunction(thing)}
+    keywords = {name: [p.name for p in inspect.signature(f).parameters.values() if p.kind is p.KEYWORD_ONLY] for name, f in functions.items()}
+    assert {name: len(words) for name, words in keywords.items() if len(words) > 12} == {}
+    assert len(pydoc.render_doc(bitvox).splitlines()) < 1500
+    listed = {name: more for name, f in functions.items() if (more := more_options(f))}
+    assert {more.__name__ for more in listed.values()} == {name for name in public_names(bitvox) if name.endswith("Options")}
+    for name, more in listed.items():  # each option stands in one place, is told there, and named by the function
+        assert not set(keywords[name]) & set(more.__annotations__)
+        beside = getattr(bitvox, (re.findall(r"beside .*`(\w+Options)`", more.__doc__) or [more.__name__])[0])
+        assert [option for option in more.__annotations__ if not re.search(rf"\b{option}\b", more.__doc__ + beside.__doc__)] == []
+        apart = bitvox.SimplifyOptions.__annotations__ if name == "bitvox.lod" else {}
+        assert [option for option in more.__annotations__ if option not in apart and f"``{option}``" not in functions[name].__doc__] == []
+
+
+def test_wrong_names_are_refused_with_the_nearest():
+    body = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    for call, wrong, meant in ((bitvox.repair, "shel", "shell"), (bitvox.repair, "mesure", "measure"), (bitvox.lod, "edge_sample", "edge_samples"),
+                               (bitvox.simplify, "attribute_weigth", "attribute_weight"), (bitvox.voxelize, "closegaps", "close_gaps"),
+                               (bitvox.field, "halfwidth", "half_width"), (bitvox.render, "backgroud", "background"),
+                               (bitvox.from_sections, "blent", "blend"), (bitvox.Mesh(*body).simplify, "tringles", "triangles")):
+        with pytest.raises(TypeError, match=rf"unexpected keyword argument '{wrong}'. Did you mean '{meant}'\?"):
+            call(*(() if hasattr(call, "__self__") else (body,)), **{wrong: 1})
+    with pytest.raises(TypeError, match="unexpected keyword argument 'zzz'$"):
+        bitvox.boolean(body, body, "union", zzz=1)
+    with pytest.raises(TypeError, match=r"repair takes no ratio: give triangles=round\(ratio \* mesh.n_faces\)"):
+        bitvox.repair(body, ratio=0.1)
 
 
 def test_docstrings_tell_every_option():

@@ -9,7 +9,7 @@ import shutil
 
 import numpy as np
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, public_names
 
 import bitvox
 
@@ -20,7 +20,7 @@ NEEDS = {"big.": ("dask", "zarr"), "import trimesh": ("trimesh",), "to_trimesh":
 def public():
     """Functions, classes and their own methods, by name."""
     for module in MODULES:
-        for name in importlib.import_module(module).__all__:
+        for name in public_names(importlib.import_module(module)):
             thing = getattr(importlib.import_module(module), name)
             if inspect.ismodule(thing):
                 continue

@@ -6,7 +6,7 @@ import re
 import subprocess
 
 import pytest
-from conftest import REPOSITORY
+from conftest import REPOSITORY, more_options
 
 import bitvox
 
@@ -63,7 +63,7 @@ def test_options_have_the_programs_names(command):
     text = subprocess.run([PROGRAM, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     functions, others = NAMES[command]
     text = text.replace("--colour", "--color")  # American here
-    known = {name.replace("_", "-") for f in functions for name in inspect.signature(f).parameters}
+    known = {name.replace("_", "-") for f in functions for name in (*inspect.signature(f).parameters, *getattr(more_options(f), "__annotations__", ()))}
     options = set(re.findall(r"^  --([a-z-]+)", text, flags=re.M)) - OF_THE_PROGRAM
     assert {"threads", "memory-limit", "progress"} <= options <= known | set(others), sorted(options - known - set(others))
     for option, other in others.items():

@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import TETRAHEDRON, ball_grid
+from conftest import TETRAHEDRON, ball_grid, public_names
 
 import bitvox
 
@@ -178,7 +178,7 @@ def _with_progress():
 
 
 def test_every_function_with_progress_is_in_the_table():
-    takes = {name for name in bitvox.__all__ if callable(getattr(bitvox, name)) and not isinstance(getattr(bitvox, name), type)
+    takes = {name for name in public_names(bitvox) if callable(getattr(bitvox, name)) and not isinstance(getattr(bitvox, name), type)
              and "progress" in inspect.signature(getattr(bitvox, name)).parameters}
     files = {"read", "read_points", "read_volume", "write", "write_levels"}  # what they do is in loads and dumps
     assert takes - files - {"settings"} <= {name.split()[0].strip(",") for name in _with_progress()}
@@ -317,7 +317,7 @@ def test_everything_calls_every_function():
     """What a stage brings later belongs there too."""
     called = set(re.findall(r"\.(\w+)\(", inspect.getsource(everything)))
     elsewhere = {"read", "read_volume", "write", "write_levels", "register_with_trimesh", "settings", "read_points"}  # files and settings have tests of their own
-    assert {name for name in bitvox.__all__ if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
+    assert {name for name in public_names(bitvox) if inspect.isfunction(getattr(bitvox, name))} - called == elsewhere
     of_grids = {name for name, thing in vars(bitvox.Grid).items() if not name.startswith("_") and inspect.isfunction(thing)}
     assert of_grids - called == {"to_pyvista", "to_trimesh", "to_napari", "voxels", "plot", "save"}
     of_volumes = {name for name, thing in vars(bitvox.Volume).items() if not name.startswith("_") and inspect.isfunction(thing)}

@@ -11,85 +11,61 @@ lock is free during every call. Options are keyword-only; every function takes `
 where its work can be long, and `settings` sets them for all calls.
 """
 
-import importlib
-from typing import TYPE_CHECKING, Any
+import importlib as _importlib
+import typing as _typing
 
 from . import _foreign as _foreign  # these two enter their calls into the table
 from . import _inputs as _inputs
 from ._errors import (
-    ArgumentError,
-    Cancelled,
-    CapacityError,
-    EmptyError,
-    Error,
-    FormatError,
-    LatticeError,
-    MemoryLimitError,
-    MissingExtraError,
-    OptionRangeError,
-    OutOfMemoryError,
-    RangeError,
-    ResultWarning,
-    UnsupportedError,
-    VersionError,
+    ArgumentError as ArgumentError, Cancelled as Cancelled, CapacityError as CapacityError, EmptyError as EmptyError, Error as Error,
+    FormatError as FormatError, LatticeError as LatticeError, MemoryLimitError as MemoryLimitError, MissingExtraError as MissingExtraError,
+    OptionRangeError as OptionRangeError, OutOfMemoryError as OutOfMemoryError, RangeError as RangeError, ResultWarning as ResultWarning,
+    UnsupportedError as UnsupportedError, VersionError as VersionError,
 )
-from ._field import Field, field
-from ._files import Writer, dumps, loads, read, write, write_levels
-from ._grid import Attached, Grid
-from ._image import Image, render
-from ._lattice import Lattice, Window
-from ._levels import Levels, lod, simplify
-from ._mesh import Mesh
-from ._octree import Octree, refine
-from ._points import read_points, voxelize_points
-from ._run import settings
+from ._field import Field as Field, field as field
+from ._files import Writer as Writer, dumps as dumps, loads as loads, read as read, write as write, write_levels as write_levels
+from ._grid import Attached as Attached, Grid as Grid
+from ._image import Image as Image, render as render
+from ._lattice import Lattice as Lattice, Window as Window
+from ._levels import Levels as Levels, lod as lod, simplify as simplify
+from ._mesh import Mesh as Mesh
+from ._octree import Octree as Octree, refine as refine
+from ._options import (
+    BooleanOptions as BooleanOptions, FieldOptions as FieldOptions, LodOptions as LodOptions, RenderOptions as RenderOptions,
+    RepairOptions as RepairOptions, SectionsOptions as SectionsOptions, SimplifyOptions as SimplifyOptions,
+    SurfaceOptions as SurfaceOptions, VoxelizeOptions as VoxelizeOptions,
+)
+from ._points import read_points as read_points, voxelize_points as voxelize_points
+from ._run import settings as settings
 from ._run import version as _version
-from ._sections import Loop, Sections, from_sections, slice_mesh
+from ._sections import Loop as Loop, Sections as Sections, from_sections as from_sections, slice_mesh as slice_mesh
 from ._stages import (
-    Closest,
-    boolean,
-    carry,
-    check,
-    compare,
-    content_hash,
-    faces,
-    find_pockets,
-    find_seed,
-    merge,
-    repair,
-    surface,
-    surface_counts,
-    voxelize,
+    Closest as Closest, boolean as boolean, carry as carry, check as check, compare as compare, content_hash as content_hash, faces as faces,
+    find_pockets as find_pockets, find_seed as find_seed, merge as merge, repair as repair, surface as surface, surface_counts as surface_counts,
+    voxelize as voxelize,
 )
-from ._trimesh import register as register_with_trimesh
+from ._trimesh import register_with_trimesh as register_with_trimesh
 from ._trimesh import register_with_its_import as _register_with_its_import
-from ._volume import Volume, read_volume
+from ._volume import Volume as Volume, read_volume as read_volume
 
-
-if TYPE_CHECKING:
-    from . import big, formats, reports
+if _typing.TYPE_CHECKING:
+    from . import big as big, formats as formats, reports as reports
 else:
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> _typing.Any:
         """The parts that not everybody needs are imported when they are first used."""
         if name in ("big", "formats", "reports"):
-            return importlib.import_module(f".{name}", __name__)
+            return _importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module 'bitvox' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, "__version__", "big", "formats", "reports"})
+    return sorted({*(name for name in globals() if name[0] != "_"), "__version__", "big", "formats", "reports"})
 
 
 __version__ = _version()
 _register_with_its_import()
 
-__all__ = [
-    "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field",
-    "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
-    "OptionRangeError", "OutOfMemoryError", "RangeError", "ResultWarning", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
-    "carry", "check", "compare", "content_hash", "dumps", "faces", "field", "find_pockets",
-    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_points", "read_volume", "refine",
-    "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
-    "voxelize_points", "write", "write_levels", "big", "formats", "reports",
-]
+# `help(bitvox)` is one line a name: without __all__, pydoc does not print the pages of all classes behind it.
+__doc__ = f"{__doc__}\nAll names, each with a page of its own, as `help(bitvox.voxelize)`; `help(bitvox.RepairOptions)` lists options that are given by name as\nall others:\n\n" + "".join(
+    f"    {name:20} {(thing.__doc__ or '').partition(chr(10))[0]}\n" for name, thing in sorted(globals().items()) if name[0] != "_")

@@ -141,8 +141,9 @@ class RangeError(Error, ValueError):
 
 
 class OptionRangeError(ArgumentError, RangeError):
-    """An option is a number outside its range: the library's BVX_ERR_ARGUMENT with BVX_REASON_RANGE, whether Python finds it or the
-    library. Both ``ArgumentError`` and ``RangeError`` catch it.
+    """An option is a number outside its range; ``ArgumentError`` and ``RangeError`` both catch it.
+
+    The library's BVX_ERR_ARGUMENT with BVX_REASON_RANGE, whether Python finds it or the library.
 
     Examples
     --------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Any, ClassVar, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
@@ -13,9 +13,13 @@ from ._grid import Grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, position_type, with_positions
+from ._options import FieldOptions
 from ._records import record
-from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, lib, name_of, names_of, options_of, sharpness
+from ._run import FACE_RULES, SIGN_RULES, Progress, Run, choice, ffi, function, known, lib, name_of, names_of, options_of, sharpness
 from ._words import Array, FaceRule, Far, Interpolation, Order, Sign
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 EDGES = names_of("BVX_EDGE_")
 
@@ -351,12 +355,11 @@ def field(
     half_width: float = 3.0,
     sign: Sign = "auto",
     dtype: Any = "float32",
-    vectors: bool = True,
-    features: bool = False,
     window: WindowLike = None,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[FieldOptions],
 ) -> Field:
     """Measure the distance from the centers of voxels to a mesh.
 
@@ -377,12 +380,10 @@ def field(
         inside is what fill "auto" has inside.
     dtype
         of the values, float32 or float64 (the program's ``--value-type``).
-    vectors
-        keep the vectors to the closest points, which `Field.surface` uses.
-    features
-        keep the closest triangles and where on them the points lie.
     window
         only this box of the lattice.
+    advanced
+        `FieldOptions`: ``vectors``, ``features``.
 
     Returns
     -------
@@ -402,12 +403,13 @@ def field(
     >>> bitvox.field('knot.ply', resolution=24, half_width=2).surface().check().closed
     True
     """
+    known(field, FieldOptions, advanced)
     measure = function("bvx_measure_field")
     options = options_of("field_options")
     width = float(half_width) or math.inf
     options.half_width, options.value_type = width, position_type(dtype)
     options.sign = choice("sign", sign, "BVX_SIGN_", SIGN_RULES)
-    options.no_vectors, options.features = int(not vectors), int(bool(features))
+    options.no_vectors, options.features = int(not advanced.get("vectors", True)), int(bool(advanced.get("features")))
     set_window("window", options.window, window)
     source = Mesh.of(mesh)
     if padding is None:  # room for the band around the mesh

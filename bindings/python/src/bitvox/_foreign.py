@@ -113,7 +113,7 @@ def _from_pyvista(image: Any, scalars: str | None) -> Volume:
         values, sides = image.cell_data[name], [n - 1 for n in image.dimensions]
         first = first + turn @ (0.5 * steps)
     else:
-        raise ArgumentError(f"the image has no cell or point data named {name!r}")
+        raise ArgumentError("the image has no data" if name is None else f"the image has no cell or point data named {name!r}")
     if values.ndim != 1 or min(sides) < 1:
         raise ArgumentError(f"the data {name!r} are not a volume of single numbers")
     return Volume(np.asarray(values).reshape(sides[::-1]), order="zyx", spacing=steps.tolist(), center0=first.tolist(), direction=turn)

@@ -13,11 +13,14 @@ from ._errors import ArgumentError, EmptyError, FormatError, need
 from ._html import shown
 from ._lattice import Lattice, Window, WindowLike, set_window
 from ._records import record
-from ._run import SIDES, Progress, Run, choice, ffi, function, in_range, lib, names_of, options_of, quiet
+from ._run import SIDES, Progress, Run, choice, connected, ffi, function, in_range, lib, names_of, options_of, quiet
 from ._words import Array, Beyond, DistanceSide, FloatName, Order, Reduce, Side
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from ._mesh import Mesh
+    from ._words import Surfacing
     from .reports import Difference, Topology
 
 RULES = names_of("BVX_REDUCE_")
@@ -26,8 +29,9 @@ BEYONDS = names_of("BVX_BEYOND_")
 
 
 class Attached(NamedTuple):
-    """The triangles that touch each set voxel: voxel number r, in the order of the grid's bits (z, y, x), has
-    ``triangles[offsets[r]:offsets[r + 1]]``, ascending.
+    """The triangles that touch each set voxel.
+
+    Voxel number r, in the order of the grid's bits (z, y, x), has ``triangles[offsets[r]:offsets[r + 1]]``, ascending.
 
     Examples
     --------
@@ -689,7 +693,7 @@ class Grid:
         given = arrays.numbers_in(seeds, "seeds", 3, "int32")
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
-            run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, in_range("connectivity", connectivity, 6, 26), made))
+            run.check(lib.bvx_grid_fill(run.context, self._c, ffi.cast("int32_t *", given.pointer), given.count, connected(connectivity), made))
         return Grid._made(made)
 
     # ---- parts ----
@@ -716,9 +720,9 @@ class Grid:
         count = ffi.new("uint64_t *")
         with Run(threads, memory_limit, progress, calls=2) as run:
             call = function("bvx_grid_components")
-            run.check(call(run.context, self._c, in_range("connectivity", connectivity, 6, 26), ffi.NULL, 0, count))
+            run.check(call(run.context, self._c, connected(connectivity), ffi.NULL, 0, count))
             out = ffi.new("bvx_component[]", max(1, count[0]))
-            run.check(call(run.context, self._c, in_range("connectivity", connectivity, 6, 26), out, count[0], count))
+            run.check(call(run.context, self._c, connected(connectivity), out, count[0], count))
         return arrays.records_at(out, "bvx_component", count[0], out)
 
     def label(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
@@ -738,7 +742,7 @@ class Grid:
         np = arrays.numpy("Grid.label")
         labels = np.empty(self.shape[::-1], np.uint32)
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_label")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), ffi.cast("uint32_t *", labels.ctypes.data), labels.size, ffi.NULL))
+            run.check(function("bvx_grid_label")(run.context, self._c, connected(connectivity), ffi.cast("uint32_t *", labels.ctypes.data), labels.size, ffi.NULL))
         return labels.transpose(2, 1, 0)
 
     def keep(self, *, largest: int | None = None, at_least: int = 0, seeds: Any = None, connectivity: int = 6,
@@ -767,7 +771,7 @@ class Grid:
         2
         """
         options = options_of("keep_options")
-        options.connectivity = in_range("connectivity", connectivity, 6, 26)
+        options.connectivity = connected(connectivity)
         options.at_least = in_range("at_least", at_least, 0, 2**63)
         if largest is not None:
             options.largest = in_range("largest", largest, 1, 2**63)
@@ -803,7 +807,7 @@ class Grid:
         """
         made = new_grid()
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_fill_cavities")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), in_range("at_most", at_most, 0, 2**63), made, ffi.NULL))
+            run.check(function("bvx_grid_fill_cavities")(run.context, self._c, connected(connectivity), in_range("at_most", at_most, 0, 2**63), made, ffi.NULL))
         return Grid._made(made)
 
     def topology(self, *, connectivity: int = 6, threads: int | None = None, memory_limit: int | None = None,
@@ -827,16 +831,14 @@ class Grid:
         """
         out = ffi.new("bvx_topology *")
         with Run(threads, memory_limit, progress) as run:
-            run.check(function("bvx_grid_topology")(run.context, self._c, in_range("connectivity", connectivity, 6, 26), out))
+            run.check(function("bvx_grid_topology")(run.context, self._c, connected(connectivity), out))
         return record(out)
 
     # ---- growing, shrinking, distances ----
 
     def _morphed(self, operation: int, steps: int, connectivity: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
-        if radius is None and in_range("connectivity", connectivity, 0, 2**31 - 1) not in (6, 18, 26):
-            raise ArgumentError(f"connectivity is {connectivity}; it must be 6, 18 or 26")
-        options.neighbourhood = connectivity if radius is None else lib.BVX_BALL
+        options.neighbourhood = connected(connectivity) if radius is None else lib.BVX_BALL
         options.steps = in_range("steps", steps, 1, 65536)
         if radius is not None and not 0.0 <= float(radius) < float("inf"):
             raise ArgumentError(f"radius is {radius}; it must be finite and not negative")
@@ -1021,7 +1023,7 @@ class Grid:
 
     # ---- others ----
 
-    def surface(self, **options: Any) -> Mesh:
+    def surface(self, **options: Unpack[Surfacing]) -> Mesh:
         """The closed surface; ``options`` are those of `bitvox.surface`, ``mesh`` and ``offset`` among them.
 
         Examples

@@ -6,7 +6,7 @@ import math
 import os
 import struct
 import zlib
-from typing import Any, ClassVar, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Sequence
 
 from . import _arrays as arrays
 from ._bytes import write_bytes
@@ -15,8 +15,12 @@ from ._errors import ArgumentError
 from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh
-from ._run import Progress, Run, ffi, in_range, lib, options_of
+from ._options import RenderOptions
+from ._run import Progress, Run, ffi, in_range, known, lib, options_of
 from ._words import Array
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Image:
@@ -127,17 +131,13 @@ def render(
     smooth: bool = False,
     wireframe: bool = False,
     cut: dict[str, float] | None = None,
-    cut_low: Sequence[float] | None = None,
-    cut_high: Sequence[float] | None = None,
     color: Sequence[int] = (200, 196, 188),
-    background: Sequence[int] = (255, 255, 255),
-    samples: int = 2,
-    show: Sequence[float] | None = None,
     slices: tuple[str, int] | None = None,
     compare: Any = None,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[RenderOptions],
 ) -> Image:
     """A shaded picture of a mesh or a grid; the same bytes on every machine.
 
@@ -157,18 +157,14 @@ def render(
         edges of triangles or voxels drawn over the surface.
     cut
         take away what lies between planes and the eye: ``{"x": 0.5, "z": 1.0}`` [world].
-    cut_low, cut_high
-        take away what lies below and above these three [world].
-    color, background
+    color
         red, green, blue.
-    samples
-        rays a pixel along each side, 1 to 4.
-    show
-        half width and half height that the frame shows at least [world].
     slices
         ("z", 12): a sheet of slices of a grid across an axis, in place of a view.
     compare
         a second grid: what it adds is green, what it lacks red.
+    advanced
+        `RenderOptions`: ``cut_low``, ``cut_high``, ``background``, ``samples``, ``show``.
 
     Returns
     -------
@@ -189,6 +185,8 @@ def render(
     --------
     >>> bitvox.render('knot.ply', size=(64, 48)).save('knot.png')
     """
+    known(render, RenderOptions, advanced)
+    cut_low, cut_high, show = advanced.get("cut_low"), advanced.get("cut_high"), advanced.get("show")
     options = options_of("render_options")
     options.width, options.height = (in_range("size", n, 1, 16384) for n in size)
     if slices is not None:
@@ -201,8 +199,8 @@ def render(
         options.up = arrays.direction("up", up)
     if show is not None:
         options.show = tuple(float(x) for x in show)
-    options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", samples, 1, 4)
-    options.colour, options.background = _color("color", color), _color("background", background)
+    options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", advanced.get("samples", 2), 1, 4)
+    options.colour, options.background = _color("color", color), _color("background", advanced.get("background", (255, 255, 255)))
     options.cut = 63  # all sides; those that nothing is said of lie at infinity
     options.cut_low = (-math.inf,) * 3 if cut_low is None else arrays.triple("cut_low", cut_low)
     options.cut_high = (math.inf,) * 3 if cut_high is None else arrays.triple("cut_high", cut_high)

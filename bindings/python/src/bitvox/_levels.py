@@ -9,12 +9,12 @@ from . import _arrays as arrays
 from ._calls import entered
 from ._errors import ArgumentError, EmptyError, OptionRangeError
 from ._grid import Grid
-from ._lattice import Lattice
 from ._mesh import Mesh, new_mesh, position_type
+from ._options import LodOptions, SimplifyOptions
 from ._records import record
-from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, hinting, in_range, lib, names_of, options_of, or_none, sharpness
-from ._stages import carried, grid_of, surface, voxelize
-from ._words import ErrorKind, FaceRule, Fill, Method, RepairSign, Topology, Vertices
+from ._run import FACE_RULES, REPAIR_SIGNS, Progress, Rise, Run, choice, ffi, in_range, known, lib, names_of, options_of, or_none, sharpness
+from ._stages import carried, grid_of, set_fit, set_parts, surface, voxelize
+from ._words import FaceRule, Fill, Method
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,6 +28,8 @@ TOPOLOGY = names_of("BVX_TOPOLOGY_")
 METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 OF_SOLID = ("solid", "lattice", "sign", "sharp", "outer_hull", "shell", "least_part", "keep_largest", "least_cavity")
+OF_VOXELS = ("levels", "threshold", "edge_samples", "collapse", "fill", "close_gaps", "padding", "face_rule", "local_frame")
+_USUAL = {"vertices": "placed", "topology": "keep"}
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
 
 Distance = Union[float, str]
@@ -106,15 +108,14 @@ def _falls(values: list[Any], name: str, rising: bool) -> None:
 class _Targets:
     """Which levels are wanted; owns the array that options point at."""
 
-    def __init__(self, options: Any, mesh: Mesh, triangles: Any, error: Any, error_kind: ErrorKind | None, count: int | None) -> None:
-        given = {"triangles": triangles, "error": error, "count": count}
-        named = [name for name, value in given.items() if value is not None]
+    def __init__(self, options: Any, mesh: Mesh, triangles: Any, error: Any, given: Any, count: int | None) -> None:
+        named = [name for name, value in {"triangles": triangles, "error": error, "count": count}.items() if value is not None]
         if len(named) > 1:
             raise ArgumentError(f"{' and '.join(named)} contradict each other; give one of them")
-        if error_kind is not None:
+        if given.get("error_kind") is not None:
             if error is None:
                 raise ArgumentError("error_kind is taken together with error")
-            options.targets.error_kind = choice("error_kind", error_kind, "BVX_ERROR_", ERROR_KINDS)
+            options.targets.error_kind = choice("error_kind", given["error_kind"], "BVX_ERROR_", ERROR_KINDS)
         self.array = None
         if triangles is not None:
             wanted = [_count_in(n) for n in _listed(triangles, "triangles")]
@@ -178,26 +179,19 @@ def simplify(mesh: Any, *, triangles: int | None = None, error: Distance | None 
 @overload
 def simplify(mesh: Any, *, triangles: Sequence[int] | None = None, error: Sequence[Distance] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
 @entered
-@hinting
 def simplify(
     mesh: Any,
     *,
     triangles: int | Sequence[int] | None = None,
     error: Distance | Sequence[Distance] | None = None,
-    error_kind: ErrorKind | None = None,
     count: int | None = None,
-    even: float | None = None,
-    attribute_weight: float | None = None,
     lock_border: bool = False,
-    locked: Any = None,
-    vertices: Vertices = "placed",
-    topology: Topology = "keep",
     strict: bool = False,
-    samples: int | None = None,
     dtype: Any = None,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[SimplifyOptions],
 ) -> Any:
     """Fewer triangles for a mesh as it is, by collapsing the edges that cost least.
 
@@ -217,34 +211,16 @@ def simplify(
     error
         largest distance between mesh and level, of one level or of several, the finest first: a number [world], or a
         part of the diagonal of the mesh's bounds as ``"0.1%"``.
-    error_kind
-        of ``error``: "mean" (the default) or "max" distance, measured both ways.
     count
         this many levels, each with half of the triangles of the one before. With none of these: one level of half.
-    even
-        pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    attribute_weight
-        of texture coordinates, normals and colors beside the shape, 0 to 1000. Default 1: texture coordinates by 0.3 of their length
-        on the surface, a difference of 1 in normals and colors by a hundredth of the mesh's longest side. 0: they follow the shape
-        and cost nothing.
     lock_border
         vertices on borders stay where they are, so that tiles join.
-    locked
-        one value a vertex: those with a value other than 0 stay where they are.
-    vertices
-        "placed" (the default): new ones, where they lie nearest to the mesh; `Closest` of the mesh gives each one's triangle and
-        barycentric weights there. "kept": the mesh's own, all of them, of which ``faces`` are indices; what is stored by vertex stays
-        as it is.
-    topology
-        "keep" (the default) or "simplify": handles are cut and holes filled that come to be less than three mean edges of the level
-        around, the smallest first; ``handles_cut``, ``holes_filled`` and ``longest_closed`` [world] of the report say what was done.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-    samples
-        measure the distances between mesh and level from this many points a side, for the report. Default:
-        20000 with ``error``, else 0: they are not.
     dtype
         float32 or float64; None: the mesh's own.
+    advanced
+        `SimplifyOptions`: ``error_kind``, ``even``, ``attribute_weight``, ``locked``, ``vertices``, ``topology``, ``samples``.
 
     Returns
     -------
@@ -267,12 +243,12 @@ def simplify(
     >>> bitvox.simplify('knot.ply', error='1%').check().closed
     True
     """
+    known(simplify, SimplifyOptions, advanced)
     source = Mesh.of(mesh)
     options = options_of("simplify_options")
     single = count is None and not _many(triangles) and not _many(error)
-    targets = _Targets(options, source, triangles, error, error_kind, 1 if single and triangles is None and error is None else count)
-    _set_common(options, even, strict, error, samples, dtype)
-    kept = _set_kept(options, source, attribute_weight, lock_border, locked, vertices, topology)
+    targets = _Targets(options, source, triangles, error, advanced, 1 if single and triangles is None and error is None else count)
+    kept = _set_common(options, source, strict, error, {"lock_border": lock_border, "dtype": dtype, **advanced})
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
 
     # About its own frame, so that float32 stays float32; the frame goes to the levels.
@@ -294,77 +270,50 @@ def simplify(
     return levels[0] if single else list(levels)
 
 
-def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
-    """What stays; returns the array that options point at."""
-    if attribute_weight is not None:
-        options.collapse.attribute_weight = or_none(float(attribute_weight), "attribute_weight")
-    options.collapse.lock_border = int(bool(lock_border))
-    options.collapse.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
-    options.collapse.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
-    if locked is None:
+def _set_common(options: Any, mesh: Mesh, strict: bool, error: Any, given: Any) -> Any:
+    """What simplify_options and levels_options share; returns the array that they point at. Levels by error are measured anyhow: the
+    report says what decided."""
+    samples = given.get("samples")
+    if samples is None:
+        samples = 0 if error is None else ERROR_SAMPLES
+    if given.get("even") is not None:
+        options.targets.even = or_none(float(given["even"]), "even")
+    options.targets.strict = int(bool(strict))
+    options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
+    options.collapse.position_type = lib.BVX_POSITION_AUTO if given.get("dtype") is None else position_type(given["dtype"])
+    if given.get("attribute_weight") is not None:
+        options.collapse.attribute_weight = or_none(float(given["attribute_weight"]), "attribute_weight")
+    options.collapse.lock_border = int(bool(given.get("lock_border")))
+    options.collapse.vertices = choice("vertices", given.get("vertices", "placed"), "BVX_VERTICES_", VERTICES)
+    options.collapse.topology = choice("topology", given.get("topology", "keep"), "BVX_TOPOLOGY_", TOPOLOGY)
+    if given.get("locked") is None:
         return None
-    values = [bool(value) for value in locked]
+    values = [bool(value) for value in given["locked"]]
     if len(values) != mesh.n_vertices:
         raise ArgumentError(f"locked has {len(values)} values, the mesh {mesh.n_vertices} vertices")
     array = options.collapse.locked = ffi.new("uint8_t[]", values)
     return array
 
 
-def _set_common(options: Any, even: float | None, strict: bool, error: Any, samples: int | None, dtype: Any) -> None:
-    """What simplify_options and levels_options share. Levels by error are measured anyhow: the report says what decided."""
-    if samples is None:
-        samples = 0 if error is None else ERROR_SAMPLES
-    if even is not None:
-        options.targets.even = or_none(float(even), "even")
-    options.targets.strict = int(bool(strict))
-    options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
-    options.collapse.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
-
-
 # ---- levels of any mesh ----
 
 
-@hinting
 def lod(
     source: Any,
     *,
     triangles: int | Sequence[int] | None = None,
     error: Distance | Sequence[Distance] | None = None,
-    error_kind: ErrorKind | None = None,
     count: int | None = None,
     method: Method | None = None,
     solid: bool = False,
     resolution: Any = None,
-    lattice: Lattice | None = None,
-    sign: RepairSign | None = None,
-    sharp: bool | None = None,
-    outer_hull: bool = False,
-    shell: float | None = None,
-    least_part: int | None = None,
-    keep_largest: int | None = None,
-    least_cavity: int | None = None,
-    even: float | None = None,
-    attribute_weight: float | None = None,
-    lock_border: bool = False,
-    locked: Any = None,
-    vertices: Vertices = "placed",
-    topology: Topology = "keep",
     strict: bool = False,
-    samples: int | None = None,
     levels: int | Sequence[Any] | None = None,
-    threshold: float | None = None,
-    edge_samples: int | None = None,
-    collapse: float | None = None,
-    fill: Fill | None = None,
-    close_gaps: int | None = None,
-    padding: int | None = None,
-    face_rule: FaceRule | None = None,
-    local_frame: bool = False,
     carry: bool = False,
-    dtype: Any = None,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[LodOptions],
 ) -> Levels:
     """Levels of detail: meshes of several sizes from any mesh, or from a grid.
 
@@ -383,8 +332,6 @@ def lod(
     error
         largest distance between source and level, the finest first: numbers [world], or parts of the diagonal of the
         mesh's bounds as ``"0.1%"``.
-    error_kind
-        of ``error``: "mean" (the default) or "max" distance, measured both ways.
     count
         this many levels, each with half of the triangles of the one before, the first with half of the source's. Default
         where no level is requested: 4, or as many as leave 20 triangles.
@@ -398,46 +345,17 @@ def lod(
         voxels along the longest axis to measure with. Default: 256 to 320, as many as the finest
         level needs. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
         more than 1 GiB.
-    lattice
-        a `Lattice` to measure on, in place of a resolution.
-    sign
-        solid: what decides that a center is inside, as for `repair`.
-    sharp
-        solid: vertices on sharp edges and corners: always, never, or (None) where many of the mesh's edges are sharp.
-    outer_hull
-        solid: inner shells and cavities are removed.
-    shell
-        solid: thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-    least_part, least_cavity
-        solid: smaller pieces are dropped, smaller cavities filled [voxels].
-    keep_largest
-        solid: this many of the largest pieces are kept, as for `repair`; of a grid, `Grid.keep` does that.
-    even
-        pull towards triangles of even size where the surface is flat, 0 to 1. Default 1e-9.
-    attribute_weight, lock_border, locked, vertices, topology
-        as for `simplify`.
     strict
         a target that cannot be kept is an error, not the smallest mesh that keeps the guarantee.
-    samples
-        measure the distances between source and level from this many points a side, for the reports. Default:
-        20000 with ``error``, else 0: they are not.
     levels
         the paper's methods: samples along the longest axis of each level, or triples along x, y, z. Default (64, 32, 16).
-    threshold
-        the paper's methods: a sample above it is inside, between 0 and 1. Default 0.5.
-    edge_samples
-        "edge-ratio": steps along an edge. Default: the ratio, rounded up.
-    collapse
-        the paper's methods, with ``triangles``: make up to this many times as many, then collapse the cheapest edges.
-    fill, close_gaps, padding
-        the paper's methods: as for `voxelize`, when the source is a mesh.
-    face_rule, local_frame
-        the paper's methods: as for `surface`.
     carry
         of a solid and by the paper's methods: give each level the colors and texture coordinates of the nearest points on the mesh.
         Levels of the mesh as it is have its attributes.
-    dtype
-        float32 or float64. None: the mesh's own, float32 where voxels are made, or float64 where that does not distinguish positions.
+    advanced
+        `LodOptions`: ``lattice``, ``sign``, ``sharp``, ``outer_hull``, ``shell``, ``least_part``, ``keep_largest``, ``least_cavity``,
+        ``threshold``, ``edge_samples``, ``collapse``, ``fill``, ``close_gaps``, ``padding``, ``face_rule``, ``local_frame``,
+        ``lock_border``, ``dtype``, and those of `SimplifyOptions`.
 
     Returns
     -------
@@ -462,14 +380,12 @@ def lod(
     >>> coarse.check().closed, coarse.report.certificate.vertex_manifold
     (True, True)
     """
-    of_collapse = {"error": error, "error_kind": error_kind, "count": count, "solid": solid or None, "lattice": lattice, "sign": sign,
-                   "sharp": sharp, "outer_hull": outer_hull or None, "shell": shell, "least_part": least_part,
-                   "keep_largest": keep_largest, "least_cavity": least_cavity, "even": even, "attribute_weight": attribute_weight, "lock_border": lock_border or None,
-                   "locked": locked, "vertices": None if vertices == "placed" else vertices, "topology": None if topology == "keep" else topology, "strict": strict or None, "samples": samples}
-    of_voxels = {"levels": levels, "threshold": threshold, "edge_samples": edge_samples, "collapse": collapse, "fill": fill,
-                 "close_gaps": close_gaps, "padding": padding, "face_rule": face_rule, "local_frame": local_frame or None}
-    asked: dict[str, Any] = {name: value for name, value in of_voxels.items() if value is not None}
-    other = [name for name, value in of_collapse.items() if value is not None]
+    known(lod, LodOptions, advanced)
+    given: dict[str, Any] = {"error": error, "count": count, "solid": solid, "strict": strict, "levels": levels, **advanced}
+    given = {name: value for name, value in given.items()
+             if value is not None and (value is not False or name == "sharp") and not (name in _USUAL and value == _USUAL[name])}
+    asked = {name: value for name, value in given.items() if name in OF_VOXELS}
+    other = [name for name in given if name not in (*OF_VOXELS, "dtype")]
     if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
         raise ArgumentError(f"an array of shape {tuple(source.shape)} may be triangles or voxels: give Mesh(array) or Grid.from_numpy(array)")
     is_grid = isinstance(source, Grid) or (getattr(source, "ndim", 0) == 3 and not hasattr(source, "faces"))
@@ -477,34 +393,27 @@ def lod(
 
     chosen = _method(method, asked, other, is_grid and triangles is None and error is None)
     if chosen != "collapse":
-        return _from_voxels(source, is_grid, chosen, triangles, resolution, carry, dtype, limits, **asked)
+        return _from_voxels(source, is_grid, chosen, triangles, resolution, carry, advanced.get("dtype"), limits, **asked)
     if is_grid and carry:
         raise ArgumentError("carry is for a source that is a mesh")
-    if carry and not any(of_collapse[name] is not None for name in OF_SOLID) and resolution is None:
+    if carry and not any(name in given for name in OF_SOLID) and resolution is None:
         raise ArgumentError("carry is for solid and the methods edge-ratio and coverage: levels of the mesh as it is have its attributes")
 
     with Rise(progress, *((10,) if is_grid else ()), 80, *((20,) if carry else ())) as limits["progress"]:
         mesh = surface(source, **limits) if is_grid else Mesh.of(source)
         options = options_of("levels_options")
-        targets = _Targets(options, mesh, triangles, error, error_kind, count)
-        _set_common(options, even, strict, error, samples, dtype)
-        kept = _set_kept(options, mesh, attribute_weight, lock_border, locked, vertices, topology)
+        targets = _Targets(options, mesh, triangles, error, advanced, count)
+        kept = _set_common(options, mesh, strict, error, advanced)
         options.solid = int(bool(solid))
-        if lattice is not None:
-            if resolution is not None:
-                raise ArgumentError("resolution and lattice contradict each other; give one of them")
-            options.fit.lattice = lattice._c
-        if resolution is not None:
-            options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
+        set_fit(options, resolution, advanced.get("lattice"))
+        sign, shell = advanced.get("sign"), advanced.get("shell")
         options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
-        options.sharp = sharpness(sharp)
+        options.sharp = sharpness(advanced.get("sharp"))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")
-        options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-        options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
-        options.parts.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
-        if outer_hull:
-            if least_cavity:
+        set_parts(options.parts, advanced.get("keep_largest"), advanced)
+        if advanced.get("outer_hull"):
+            if advanced.get("least_cavity"):
                 raise ArgumentError("outer_hull fills every cavity; least_cavity is not used with it")
             options.parts.least_cavity = 2**64 - 1
         reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
@@ -614,7 +523,7 @@ def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, Any]:
 
 def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
     """The levels as bvx_meshes of their own."""
-    options.collapse.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
+    options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
     with Run(**limits) as run:
         array = ffi.new("bvx_mesh[]", count)
         run.check(lib.bvx_build_lods(run.context, solid._c, options, count, array))

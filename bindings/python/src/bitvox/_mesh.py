@@ -11,8 +11,8 @@ from ._calls import call, entered
 from ._errors import ArgumentError, RangeError, need
 from ._html import shown
 from ._records import record
-from ._run import Progress, Run, ffi, hinting, in_range, lib, number_of, options_of, quiet
-from ._words import Array, ErrorKind, Topology, Vertices
+from ._run import Progress, Run, ffi, in_range, lib, number_of, options_of, quiet
+from ._words import Array
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -618,18 +618,13 @@ class Mesh:
     def simplify(self, *, triangles: int | None = None, error: float | str | None = None, count: None = None, **options: Unpack[Collapsing]) -> Mesh: ...  # type: ignore[overload-overlap]
     @overload
     def simplify(self, *, triangles: Sequence[int] | None = None, error: Sequence[float | str] | None = None, count: int | None = None, **options: Unpack[Collapsing]) -> list[Mesh]: ...
-    @hinting
     def simplify(self, *, triangles: int | Sequence[int] | None = None, error: float | str | Sequence[float | str] | None = None,
-                 error_kind: ErrorKind | None = None, count: int | None = None, even: float | None = None,
-                 attribute_weight: float | None = None, lock_border: bool = False, locked: Any = None, vertices: Vertices = "placed", topology: Topology = "keep",
-                 strict: bool = False,
-                 samples: int | None = None, dtype: Any = None, threads: int | None = None,
-                 memory_limit: int | None = None, progress: Progress = None) -> Any:
+                 count: int | None = None, **options: Unpack[Collapsing]) -> Any:
         """Fewer triangles for the mesh as it is, by collapsing the edges that cost least.
 
         Parameters
         ----------
-        triangles, error, error_kind, count, even, attribute_weight, lock_border, locked, vertices, topology, strict, samples, dtype
+        triangles, error, count, options
             as for `bitvox.simplify`.
 
         Returns
@@ -642,8 +637,7 @@ class Mesh:
         >>> bitvox.read('knot.ply').simplify(triangles=500).n_faces <= 500
         True
         """
-        return call("simplify", self, triangles=triangles, error=error, error_kind=error_kind, count=count, even=even, attribute_weight=attribute_weight,
-                        lock_border=lock_border, locked=locked, vertices=vertices, topology=topology, strict=strict, samples=samples, dtype=dtype, threads=threads, memory_limit=memory_limit, progress=progress)
+        return call("simplify", self, triangles=triangles, error=error, count=count, **options)
 
     def content_hash(self) -> int:
         """The library's hash of type, counts, frame, vertices and triangles: the same on every machine.

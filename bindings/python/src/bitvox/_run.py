@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import contextlib
 import contextvars
+import difflib
 import functools
 import os
 import re
 import sys
 import time
 import warnings
-from typing import Any, Callable, Iterator, NamedTuple, ParamSpec, TypeVar, Union
+from typing import Any, Callable, Iterator, NamedTuple, Union
 
 from . import _native
 from ._errors import BY_CODE, ArgumentError, Error, OptionRangeError, ResultWarning, UnsupportedError, VersionError, need
@@ -337,6 +338,13 @@ def in_range(name: str, value: Any, low: int, high: int) -> int:
     return number
 
 
+def connected(connectivity: Any) -> int:
+    """Neighbors of a voxel: through faces, edges too, or corners too."""
+    if in_range("connectivity", connectivity, -(2**63), 2**63) not in (6, 18, 26):
+        raise OptionRangeError(f"connectivity is {connectivity}; it must be 6 (faces), 18 (edges too) or 26 (corners too)")
+    return int(connectivity)
+
+
 def options_of(kind: str) -> Any:
     """An option struct with its defaults: zero, but for its size."""
     options = ffi.new(f"bvx_{kind} *")
@@ -384,19 +392,15 @@ _PEERS = {"difference": ("subtract", "subtraction", "minus", "sub", "diff", "not
 _TARGETS = {**{name: f"round({name} * mesh.n_faces)" for name in ("ratio", "target_ratio", "percent", "factor")},
             **{name: f"round((1 - {name}) * mesh.n_faces)" for name in ("reduction", "target_reduction")},
             **{name: name for name in ("face_count", "target_count", "target_faces", "target_number_of_triangles")}}
-P = ParamSpec("P")
-R = TypeVar("R")
 
 
-def hinting(function: Callable[P, R]) -> Callable[P, R]:
-    """A function that says what it calls a target that other libraries name otherwise."""
-    @functools.wraps(function)
-    def called(*arguments: P.args, **options: P.kwargs) -> R:
-        for name in options.keys() & _TARGETS:
+def known(function: Any, options: Any, given: Any) -> None:
+    """Refuse a name that is none of a function's options, with the nearest one, or with what other libraries' name of a target is here."""
+    for name in given.keys() - options.__annotations__.keys():
+        if name in _TARGETS and "triangles" in function.__kwdefaults__:
             raise TypeError(f"{function.__name__} takes no {name}: give triangles={_TARGETS[name]}")
-        return function(*arguments, **options)
-
-    return called
+        near = difflib.get_close_matches(name, [*function.__kwdefaults__, *options.__annotations__], 1)
+        raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}" + "".join(f". Did you mean {word!r}?" for word in near))
 
 
 def number_of(format: str) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any, ClassVar, Iterable, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Iterable, NamedTuple, Sequence
 
 from . import _arrays as arrays
 from ._calls import call
@@ -12,10 +12,14 @@ from ._errors import ArgumentError, Error
 from ._grid import Grid
 from ._html import shown
 from ._mesh import Mesh, new_mesh, position_type
+from ._options import SectionsOptions
 from ._records import record
-from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of, or_none
+from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, known, lib, names_of, options_of, or_none
 from ._stages import collapsed, level_target, surface
-from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting, Touching
+from ._words import Axis, Caps, Touching
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 CAPS = names_of("BVX_CAPS_")
 BLENDS = names_of("BVX_BLEND_")
@@ -421,27 +425,17 @@ def from_sections(
     *,
     grid: Sequence[int] | None = None,
     spacing: float | None = None,
-    cells: int | None = None,
-    agree: float | None = None,
     layers: int = 1,
     caps: Caps = "flat",
     thickness: float | None = None,
-    join: float | None = None,
-    blend: Blend = "auto",
-    nesting: Nesting = "levels",
     mend: bool | None = None,
-    crossings: Crossings = "exact",
-    subdivide: int | None = None,
     label: str | int | None = None,
-    parts: int | None = None,
-    genus: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: ErrorKind | None = None,
-    dtype: Any = "float64",
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[SectionsOptions],
 ) -> Mesh:
     """The closed surface of a body through all of its section contours.
 
@@ -453,12 +447,6 @@ def from_sections(
     grid
         cells along the planes' two axes, or ``spacing``: the side of a square cell [world]. Default: twice the mean length
         of the contours' segments.
-    cells
-        planes that are not parallel: cells along the longest side of the contours' box. Default 64; ``spacing`` does the
-        same by a cell's side.
-    agree
-        planes that are not parallel: contours at most so far apart where two planes cross are moved to agree [world].
-        Default: a hundredth of that longest side.
     layers
         cells from section to section.
     caps
@@ -466,33 +454,17 @@ def from_sections(
     thickness
         of a body with a single section, which is refused without: half to either side of it, a slab with flat caps, with
         tapered ones a lens [world]. Bodies with several sections ignore it.
-    join
-        parallel planes: parts of neighboring sections that share no area, as of slanted vessels, are joined by shifting
-        where their centroids are at most so far apart on the planes [world]. Sections are put in on the way.
-    blend
-        from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
-        "auto" is cubic from five sections on.
-    nesting
-        loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
-        have no windows; "whole" blends sections as they are.
     mend
         split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
         number of loops enclose. Default: contours of `slice_mesh` are, as of a mesh that crosses itself; others are refused.
-    crossings
-        on the planes: "exact" (by the contours themselves, all of whose points become vertices), "paper" (by
-        interpolated distances with the contours' points put in) or "classic" (marching cubes).
-    subdivide
-        a cell that a contour crosses twice on a side is halved at most this often. Default 5.
     label
         which body, when there are several; `Sections.bodies` makes all of them.
-    parts, genus
-        wishes: surfaces in one piece each (those around cavities too), and handles of all of them together. A warning says
-        when the body has another number.
-    triangles, error, error_kind
+    triangles, error
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
-    dtype
-        float64 keeps the contours' points; float32 rounds them.
+    advanced
+        `SectionsOptions`: ``cells``, ``agree``, ``join``, ``blend``, ``nesting``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
+        ``error_kind``, ``dtype``.
 
     Returns
     -------
@@ -516,8 +488,10 @@ def from_sections(
     >>> body.check().closed, round(body.check().volume, 2)
     (True, 2.0)
     """
+    known(from_sections, SectionsOptions, advanced)
+    join, subdivide, parts, genus = (advanced.get("join"), advanced.get("subdivide"), advanced.get("parts"), advanced.get("genus"))
     build = function("bvx_build_sections")
-    targets = level_target(triangles, error, error_kind)
+    targets = level_target(triangles, error, advanced.get("error_kind"))
     if targets and caps == "open":
         raise ArgumentError(f"{next(iter(targets))} needs a closed body; caps 'open' leaves it open")
     if caps == "open" and (parts is not None or genus is not None):
@@ -534,18 +508,18 @@ def from_sections(
         if len(grid) != 2:
             raise ArgumentError("grid must be two numbers of cells")
         options.grid = [in_range("grid", n, 2, 8192) for n in grid]
-    _set_cells(options, cells, spacing, agree)
+    _set_cells(options, advanced.get("cells"), spacing, advanced.get("agree"))
     options.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
         options.thickness = float(thickness)
     if join is not None:
         options.join = float(join)
-    options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
-    options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
+    options.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
+    options.nesting = choice("nesting", advanced.get("nesting", "levels"), "BVX_NESTING_", NESTING)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
-    options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
+    options.crossings = choice("crossings", advanced.get("crossings", "exact"), "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
         options.depth = or_none(in_range("subdivide", subdivide, 0, 8))
     if label is None and len(given.labels) > 1:
@@ -555,7 +529,7 @@ def from_sections(
         if label not in numbers:
             raise ArgumentError(f"no loop has the label {label!r}; there are: {', '.join(map(repr, given.labels))}")
         options.label = numbers[label] or lib.BVX_LABEL_ZERO
-    options.position_type = position_type(dtype)
+    options.position_type = position_type(advanced.get("dtype", "float64"))
     report = ffi.new("bvx_sections_report *")
     options.report = report
     made = new_mesh()

@@ -15,12 +15,15 @@ from ._grid import Attached, Grid, new_grid
 from ._html import shown
 from ._lattice import Lattice, WindowLike, place, set_window
 from ._mesh import Mesh, new_mesh, used_bounds, with_positions
+from ._options import BooleanOptions, RepairOptions, VoxelizeOptions
 from ._records import record
-from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, lib, names_of, options_of,
+from ._run import (FACE_RULES, FILLS, REPAIR_SIGNS, SIDES, Progress, Rise, Run, choice, ffi, function, in_range, known, lib, names_of, options_of,
                    or_none, sharpness)
-from ._words import Array, Axis, BooleanFill, ErrorKind, FaceRule, Fill, Interpolation, Mode, Operation, RepairSign, Thin, ThinCheck
+from ._words import Array, BooleanFill, ErrorKind, FaceRule, Fill, Mode, Operation, RepairSign
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .reports import Certificate, Difference, Distances, Seed
 
 OPERATIONS = names_of("BVX_BOOLEAN_")
@@ -39,16 +42,11 @@ def voxelize(
     window: WindowLike = None,
     mode: Mode = "solid",
     fill: Fill | None = None,
-    close_gaps: int | None = None,
-    add_shell: bool = False,
-    check_thin: ThinCheck | None = None,
-    base: float | None = None,
-    second: Any = None,
-    up: Axis | None = None,
     attached: bool = False,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[VoxelizeOptions],
 ) -> Grid:
     """The voxels of a mesh: what lies inside it, or what its surface touches.
 
@@ -77,20 +75,10 @@ def voxelize(
         (nested shells are cavities), "nonzero" (overlapping and inverted shells are one solid), "vote" (majority of three axes:
         whichever way triangles face), "flood" (what a flood from outside cannot reach), "regions" (each region that the surface
         separates, as a whole), "below" (all under a terrain), "winding" (more than half a turn: holes and overlaps).
-    close_gaps
-        with fill "flood": gaps of up to this many voxels stop the flood.
-    add_shell
-        set all voxels that the surface touches too.
-    check_thin
-        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_box`` and
-        ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume``,
-        ``mesh_volume`` (0 where that says nothing) and ``crossing_volume`` tell more: where they are more than 1 % apart,
-        ``volume_resolution`` is the resolution that is within it, else 0.
-    base, up, second
-        with fill "below": the height that columns stand on [world], the axis that is up ("x", "y" or "z"), a
-        second terrain: what lies between the two. Where no lattice is given it holds both terrains, down to the base.
     attached
         surface modes: keep the triangles that touch each voxel in ``grid.attached``.
+    advanced
+        `VoxelizeOptions`: ``close_gaps``, ``add_shell``, ``check_thin``, ``base``, ``second``, ``up``.
 
     Returns
     -------
@@ -116,6 +104,9 @@ def voxelize(
     >>> (solid - touched) <= solid
     True
     """
+    known(voxelize, VoxelizeOptions, advanced)
+    of_solids: dict[str, Any] = {"fill": fill, **advanced}
+    close_gaps, check_thin, base, second, up = (of_solids.get(name) for name in ("close_gaps", "check_thin", "base", "second", "up"))
     source = Mesh.of(mesh)
     where = place(source, resolution, spacing, padding, lattice, corner)
     if lattice is None and fill == "below" and (second is not None or base is not None):
@@ -125,9 +116,8 @@ def voxelize(
         warnings.warn(f"the mesh begins at {source.bounds[0]}, below the corner {where.corner}: what lies below it is left out", stacklevel=2)
     made = new_grid()
     if choice_of_mode(mode) != "solid":
-        for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
-                            "check_thin": check_thin, "second": second, "up": up}.items():
-            if value is not None:
+        for name, value in of_solids.items():
+            if value is not None and value is not False:
                 raise ArgumentError(f"{name} is for mode 'solid', not for {mode!r}")
         return _surface_voxels(source, where, window, choice_of_mode(mode), attached, made, threads, memory_limit, progress)
     if attached:
@@ -143,7 +133,7 @@ def voxelize(
         if options.fill != lib.BVX_FILL_FLOOD:
             raise ArgumentError("close_gaps is for fill 'flood'")
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
-    options.add_shell = int(bool(add_shell))
+    options.add_shell = int(bool(advanced.get("add_shell")))
     if check_thin is not None:
         options.check_thin = choice("check_thin", check_thin, "BVX_CHECK_", THIN_CHECKS)
     if base is not None:
@@ -610,10 +600,8 @@ class Closest:
 
         Parameters
         ----------
-        rays
-            (n, 6) origin and direction, of any length but 0 [world].
-        t_max
-            hits have ``0 <= t <= t_max``, position = origin + t * direction.
+        rays, t_max
+            as in `Grid.cast`.
 
         Returns
         -------
@@ -710,26 +698,16 @@ def repair(
     resolution: int | None = None,
     lattice: Lattice | None = None,
     sign: RepairSign = "auto",
-    interpolation: Interpolation = "tangent",
-    face_rule: FaceRule = "separate",
-    sharp: bool | None = None,
     shell: float | None = None,
-    thin: Thin = "keep",
-    least_part: int | None = None,
     keep_largest: int | None = None,
-    least_cavity: int = 0,
     if_needed: bool = False,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: ErrorKind | None = None,
-    measure: bool = False,
-    measure_samples: int | None = None,
     carry: bool = False,
-    dtype: Any = None,
-    local_frame: bool = False,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[RepairOptions],
 ) -> Mesh:
     """Make a closed, manifold, oriented mesh without crossing triangles from any mesh.
 
@@ -742,21 +720,8 @@ def repair(
     sign
         what decides that a center is inside: "winding" (holes and overlaps), "vote" (holes and flipped triangles), "exact"
         (nested shells are cavities), or "auto": winding, flipped triangles turned before, or vote where they cannot be oriented.
-    interpolation
-        where vertices go: "tangent" (by the planes at the closest points), "vector" (by the line
-        through them), "scalar" (by the signed distances), "middle" or "paper" (vector with the paper's clamps).
-    sharp
-        cells on sharp edges and corners get a vertex there: always, never, or (None) where many of the mesh's edges are sharp,
-        as in machine parts.
     shell
         thickness that open sheets are given [largest spacings]; 0: none are made. Default 2.
-    thin
-        walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
-        a voxel become shells, other walls are lost where no center lies in them) or "drop" (lost). They are described by
-        the report's ``thin_voxels`` and ``thin_resolution``.
-    least_part, least_cavity
-        smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
-        pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.
     keep_largest
         this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves; the report
         counts ``parts_dropped``. None: all.
@@ -767,13 +732,12 @@ def repair(
         most triangles: edges of the result collapse as by `simplify`; 0 or None: no limit.
     error
         as few triangles as keep this distance to the repaired surface: a number [world], or a part of its diagonal
-        as ``"0.1%"``; in place of ``triangles``. error_kind: "mean" (the default) or "max" distance.
-    measure
-        measure the distances between input and result, from ``measure_samples`` points a side.
+        as ``"0.1%"``; in place of ``triangles``.
     carry
         give the result the colors and texture coordinates of the nearest points on the mesh.
-    face_rule, dtype, local_frame
-        as for `surface`.
+    advanced
+        `RepairOptions`: ``interpolation``, ``sharp``, ``thin``, ``least_part``, ``least_cavity``, ``error_kind``, ``measure``,
+        ``measure_samples``, ``face_rule``, ``dtype``, ``local_frame``.
 
     Returns
     -------
@@ -799,27 +763,20 @@ def repair(
     >>> bitvox.repair(torn, resolution=64).check().closed
     True
     """
+    known(repair, RepairOptions, advanced)
+    dtype, measure, measure_samples = advanced.get("dtype"), advanced.get("measure"), advanced.get("measure_samples")
     mend = function("bvx_repair")
     options = options_of("repair_options")
-    if lattice is not None:
-        if resolution is not None:
-            raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.fit.lattice = lattice._c
-    elif resolution is not None:
-        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
+    set_fit(options, resolution, lattice)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
-    options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.placing.sharp = sharpness(sharp)
-    options.placing.local_frame, options.measure = int(bool(local_frame)), int(bool(measure))
+    _set_placing(options.placing, {"interpolation": "tangent", **advanced})
+    options.measure = int(bool(measure))
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
-    options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_"))
-    options.parts.keep_crumbs, options.if_needed = int(least_part is not None), int(bool(if_needed))
-    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
-    options.parts.least_cavity = in_range("least_cavity", least_cavity, 0, 2**64 - 1)
-    targets = level_target(triangles, error, error_kind)
+    options.thin = choice("thin", advanced.get("thin", "keep"), "BVX_THIN_", names_of("BVX_THIN_"))
+    options.if_needed, options.parts.keep_crumbs = int(bool(if_needed)), int(advanced.get("least_part") is not None)
+    set_parts(options.parts, keep_largest, advanced)
+    targets = level_target(triangles, error, advanced.get("error_kind"))
     if measure_samples is not None:
         if not measure:
             raise ArgumentError("measure_samples is taken together with measure")
@@ -844,6 +801,31 @@ def repair(
             made = carry_over(source, made, **limits)
     made.report = found
     return made
+
+
+def set_fit(options: Any, resolution: Any, lattice: Lattice | None) -> None:
+    """The lattice to measure on, or its voxels along the longest axis."""
+    if lattice is not None:
+        if resolution is not None:
+            raise ArgumentError("resolution and lattice contradict each other; give one of them")
+        options.fit.lattice = lattice._c
+    elif resolution is not None:
+        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
+
+
+def set_parts(parts: Any, keep_largest: int | None, given: Any) -> None:
+    """Which parts and cavities are kept."""
+    for name, value, least in (("keep_largest", keep_largest, 1), *((name, given.get(name), 0) for name in ("least_part", "least_cavity"))):
+        if value is not None:
+            setattr(parts, name, in_range(name, value, least, 2**64 - 1))
+
+
+def _set_placing(placing: Any, given: Any) -> None:
+    """Where vertices go."""
+    if given.get("interpolation") is not None:
+        placing.interpolation = choice("interpolation", given["interpolation"], "BVX_EDGE_", EDGES)
+    placing.face_rule = choice("face_rule", given.get("face_rule", "separate"), "BVX_FACE_", FACE_RULES)
+    placing.sharp, placing.local_frame = sharpness(given.get("sharp")), int(bool(given.get("local_frame")))
 
 
 def level_target(triangles: Any, error: Any, error_kind: ErrorKind | None) -> dict[str, Any]:
@@ -875,20 +857,14 @@ def boolean(
     resolution: int | None = None,
     lattice: Lattice | None = None,
     fill: BooleanFill = "auto",
-    interpolation: Interpolation | None = None,
-    face_rule: FaceRule = "separate",
     sharp: bool | None = None,
-    thin: Thin = "keep",
-    least_part: int | None = None,
     keep_largest: int | None = None,
     triangles: int | None = None,
     error: float | str | None = None,
-    error_kind: ErrorKind | None = None,
-    dtype: Any = None,
-    local_frame: bool = False,
     threads: int | None = None,
     memory_limit: int | None = None,
     progress: Progress = None,
+    **advanced: Unpack[BooleanOptions],
 ) -> Mesh:
     """The union, intersection, difference or symmetric difference of two bodies, as a closed, manifold mesh.
 
@@ -907,22 +883,14 @@ def boolean(
         of both together. Default 256. Or a ``lattice`` to work on.
     fill
         what is inside a mesh: "auto" (what suits it, as for `voxelize`), "parity", "nonzero", "vote" or "winding".
-    interpolation
-        where vertices go: "vector", "scalar", "middle", "paper" or "tangent". None: the library's default.
     sharp
         cells on sharp edges and corners, and where the meshes meet, get a vertex there; None: as for `repair`.
-    thin
-        walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
-        difference) or "drop" (lost where no center lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
-        ``thin_voxels`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
-    least_part
-        smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
     keep_largest
         this many of the largest parts are kept, as for `repair`; None: all.
-    triangles, error, error_kind
+    triangles, error
         most triangles of the result, or its distance to what it would be without: as for `repair`.
-    face_rule, dtype, local_frame
-        as for `surface`.
+    advanced
+        `BooleanOptions`: ``interpolation``, ``thin``, ``least_part``, ``error_kind``, ``face_rule``, ``dtype``, ``local_frame``.
 
     Returns
     -------
@@ -943,34 +911,25 @@ def boolean(
     >>> bitvox.boolean(knot, moved, 'union', resolution=64).check().closed
     True
     """
+    known(boolean, BooleanOptions, advanced)
     if operation is None:
         a, b, operation = _listed_bodies(a, b)
     options = options_of("boolean_options")
-    if lattice is not None:
-        if resolution is not None:
-            raise ArgumentError("resolution and lattice contradict each other; give one of them")
-        options.fit.lattice = lattice._c
-    elif resolution is not None:
-        options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
+    set_fit(options, resolution, lattice)
     number = choice("operation", operation, "BVX_BOOLEAN_", OPERATIONS)
     options.fill = choice("fill", fill, "BVX_FILL_", FILLS)
-    if interpolation is not None:
-        options.placing.interpolation = choice("interpolation", interpolation, "BVX_EDGE_", EDGES)
-    options.placing.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-    options.placing.sharp = sharpness(sharp)
-    options.thin = choice("thin", thin, "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
-    options.placing.local_frame = int(bool(local_frame))
-    options.parts.keep_crumbs = int(least_part is not None)
-    options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
-    options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
+    _set_placing(options.placing, {"sharp": sharp, **advanced})
+    options.thin = choice("thin", advanced.get("thin", "keep"), "BVX_THIN_", names_of("BVX_THIN_", "BVX_THIN_SHELL"))
+    options.parts.keep_crumbs = int(advanced.get("least_part") is not None)
+    set_parts(options.parts, keep_largest, advanced)
     report = ffi.new("bvx_boolean_report *")
     options.report = report
-    targets = level_target(triangles, error, error_kind)
+    targets = level_target(triangles, error, advanced.get("error_kind"))
     first, second = Mesh.of(a), Mesh.of(b)
     limits: dict[str, Any] = {"threads": threads, "memory_limit": memory_limit, "progress": progress}
     with Rise(progress, 60, *((40,) if targets else ())) as limits["progress"]:
         made = with_positions(
-            options, dtype, lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out), **limits)
+            options, advanced.get("dtype"), lambda run, out: lib.bvx_boolean(run.context, first._view(run), second._view(run), number, options, out), **limits)
         made = collapsed(made, targets, limits)
     made.report = record(report)
     return made

@@ -32,9 +32,10 @@ def voxelized(mesh: Any, pitch: float, **options: Any) -> Any:
     return base.VoxelGrid(grid.to_numpy(), transform=transformations.scale_and_translate(scale=pitch, translate=low * pitch))
 
 
-def register() -> None:
-    """Put it into trimesh's table of voxelizers under the name "bitvox"; as often as one likes. `import bitvox` does it too, whether
-    trimesh is imported before or after.
+def register_with_trimesh() -> None:
+    """Put it into trimesh's table of voxelizers under the name "bitvox", as often as one likes.
+
+    `import bitvox` does it too, whether trimesh is imported before or after.
 
     Examples
     --------
@@ -76,10 +77,10 @@ class _WhenImported:
 
 
 def register_with_its_import() -> None:
-    """`register`, now when trimesh's voxelizers are there, else when they are imported."""
+    """`register_with_trimesh`, now when trimesh's voxelizers are there, else when they are imported."""
     if _WhenImported.name in sys.modules:
         try:
-            register()
+            register_with_trimesh()
         except Exception:  # trimesh without its own optional parts, or half imported: it works without us
             pass
     elif not any(isinstance(finder, _WhenImported) for finder in sys.meta_path):

@@ -18,13 +18,16 @@ from ._html import shown
 from ._lattice import Lattice, WindowLike, set_window
 from ._mesh import Mesh, with_positions
 from ._nrrd import unpacked
+from ._options import SurfaceOptions
 from ._records import record
-from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, lib, options_of
+from ._run import FACE_RULES, SIDES, Progress, Rise, Run, choice, ffi, formats_in, in_range, known, lib, options_of
 from ._stages import collapsed, level_target
 from ._vti import without_blocks
-from ._words import Array, ErrorKind, FaceRule, Frame, Order, Resampling
+from ._words import Array, Frame, Order, Resampling
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .reports import Label
 
 _TYPES = {"u1": "U8", "i1": "I8", "u2": "U16", "i2": "I16", "u4": "U32", "i4": "I32", "u8": "U64", "i8": "I64", "f4": "F32", "f8": "F64"}
@@ -515,10 +518,9 @@ class Volume:
         labels = [record(found[i]) for i in range(count[0])]
         return [one._replace(value=one.value % 2**64) for one in labels] if unsigned else labels
 
-    def surface(self, level: float = 0.0, *, below: bool = False, face_rule: FaceRule = "separate", dtype: Any = None,
-                open_sides: str | Iterable[str] = (), keys: bool = False, keep_largest: int | None = None, triangles: int | None = None,
-                error: float | str | None = None, error_kind: ErrorKind | None = None, local_frame: bool = False, threads: int | None = None,
-                memory_limit: int | None = None, progress: Progress = None) -> Mesh:
+    def surface(self, level: float = 0.0, *, below: bool = False, dtype: Any = None, open_sides: str | Iterable[str] = (), keys: bool = False,
+                keep_largest: int | None = None, triangles: int | None = None, error: float | str | None = None, threads: int | None = None,
+                memory_limit: int | None = None, progress: Progress = None, **advanced: Unpack[SurfaceOptions]) -> Mesh:
         """The closed, manifold surface of a level by marching cubes, vertices by linear interpolation between samples.
 
         Parameters
@@ -527,13 +529,15 @@ class Volume:
             what lies at or above it is inside; vertices stay 1/128 of an edge off the samples. NaN and infinite samples are outside, and so is all beyond the volume.
         below
             what lies at or below the level is inside.
-        face_rule, dtype, open_sides, keys, local_frame
+        dtype, open_sides, keys
             as for `bitvox.surface`.
         keep_largest
             the surface of this many of the largest connected parts, without the crumbs; each has its cavities.
-        triangles, error, error_kind
+        triangles, error
             most triangles of the surface, or its distance to what it would be without, by edges that
             collapse: as for `bitvox.repair`. Not with ``keys`` or ``open_sides``.
+        advanced
+            `SurfaceOptions`: ``face_rule``, ``local_frame``, ``error_kind``.
 
         Returns
         -------
@@ -547,7 +551,8 @@ class Volume:
         >>> ball.check().closed, round(ball.check().volume, 1)
         (True, 1.4)
         """
-        targets = level_target(triangles, error, error_kind)
+        known(Volume.surface, SurfaceOptions, advanced)
+        targets = level_target(triangles, error, advanced.get("error_kind"))
         if self._turn is not None and (keys or open_sides):
             raise ArgumentError("keys and open_sides are for volumes whose axes are the world's: take volume.aligned() first")
         if self._turn is not None and dtype is None:
@@ -559,8 +564,8 @@ class Volume:
         given = self if keep_largest is None else self._without_crumbs(number("level", level), below, keep_largest, {**limits, "progress": None})
         options, report = options_of("scalar_options"), ffi.new("bvx_volume_report *")
         options.level, options.below, options.report = number("level", level), int(bool(below)), report
-        options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
-        options.keys, options.local_frame = int(bool(keys)), int(bool(local_frame))
+        options.face_rule = choice("face_rule", advanced.get("face_rule", "separate"), "BVX_FACE_", FACE_RULES)
+        options.keys, options.local_frame = int(bool(keys)), int(bool(advanced.get("local_frame")))
         for side in open_sides.split(",") if isinstance(open_sides, str) and open_sides else open_sides:
             options.open_sides |= choice("open_sides", side, "BVX_OPEN_", SIDES)
         with Rise(progress, 30, *((70,) if targets else ())) as limits["progress"]:
@@ -601,9 +606,9 @@ class Volume:
 
 def frame_of(frame: str | None) -> Frame | None:
     """A frame's name, or an error."""
-    for known in FRAMES:
-        if frame == known:
-            return known
+    for one in FRAMES:
+        if frame == one:
+            return one
     if frame is None:
         return None
     raise ArgumentError(f"frame is {frame!r}; it must be 'lps' or 'ras'")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Literal
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Literal, TypedDict
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -12,22 +12,27 @@ else:
     Array = Any
 
 if TYPE_CHECKING:
-    from typing_extensions import TypedDict
+    from ._options import SimplifyOptions
 
-    class Collapsing(TypedDict, total=False):
-        error_kind: ErrorKind | None
-        even: float | None
-        attribute_weight: float | None
-        lock_border: bool
-        locked: Any
-        vertices: Vertices
-        topology: Topology
-        strict: bool
-        samples: int | None
-        dtype: Any
+    class Running(TypedDict, total=False):
         threads: int | None
         memory_limit: int | None
         progress: bool | Callable[[str, float], Any] | None
+
+    class Collapsing(SimplifyOptions, Running, total=False):
+        lock_border: bool
+        strict: bool
+        dtype: Any
+
+    class Surfacing(Running, total=False):
+        face_rule: FaceRule
+        dtype: Any
+        open_sides: str | Iterable[str]
+        keys: bool
+        local_frame: bool
+        mesh: Any
+        offset: float
+        sharp: bool | None
 
 Fill = Literal["parity", "nonzero", "vote", "flood", "regions", "below", "winding", "auto"]
 BooleanFill = Literal["parity", "nonzero", "vote", "winding", "auto"]
