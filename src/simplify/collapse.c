@@ -28,7 +28,7 @@ enum {
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
     THRESHOLD_WANTED = 16384,
-    THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at */
+    THRESHOLD_VERTICES = 8192, /* more are wanted: about so many are looked at, else four times as many */
     THRESHOLD_FEW = 64,        /* the share of those wanted that are the cheapest */
 };
 
@@ -317,11 +317,12 @@ static uint32_t cost_bits(float cost)
 }
 
 /* Set the cost that about so many vertices have no cheaper edge than; bits of positive floats are in the order
- * of their values. candidates: how many have. Of many vertices some are looked at. */
+ * of their values. candidates: how many have. Of many vertices some are looked at, but after sweeps in vain. */
 static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
 {
     const bvxi_collapse *const c = s->c;
-    uint64_t const step = wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / THRESHOLD_VERTICES : 1;
+    uint64_t const looked = wanted > THRESHOLD_WANTED ? THRESHOLD_VERTICES : 4 * THRESHOLD_VERTICES;
+    uint64_t const step = idle == 0 || wanted > THRESHOLD_WANTED ? 1 + c->mesh.vertices / looked : 1;
     uint32_t count[COST_BUCKETS], high = COST_BUCKETS - 1, low = COST_BUCKETS, bits;
     uint64_t const enough = (wanted + step - 1) / step, few = enough / THRESHOLD_FEW + 1;
     uint64_t before = 0;
