@@ -293,8 +293,10 @@ static crossing_tree tree_of(const bvxi_collapse *c)
     crossing_tree tree;
 
     memset(&tree, 0, sizeof tree);
-    tree.at = c->mesh.at;
-    tree.triangle = c->mesh.triangle;
+    tree.at = c->mesh.at[0].p;
+    tree.vertex = c->mesh.triangle[0].vertex;
+    tree.at_step = sizeof *c->mesh.at / sizeof *tree.at;
+    tree.vertex_step = sizeof *c->mesh.triangle / sizeof *tree.vertex;
     tree.triangles = c->mesh.triangles;
     tree.scale = c->scale;
     memcpy(tree.low, c->low, sizeof tree.low);
