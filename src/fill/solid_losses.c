@@ -202,11 +202,10 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_voxels = found.voxels;
     report->crossing_volume = bvxi_volume_by_crossings(walls, report->volume);
     if (found.voxels == 0) return;
-    report->thin_wall = found.wall * walls->unit;
     /* Places are counted in the window; the report is in the lattice. */
     for (int a = 0; a < 3; a++) {
-        report->thin_low[a] = found.low[a] + solid->low[a];
-        report->thin_high[a] = found.high[a] + solid->low[a];
+        report->thin_box[0][a] = found.low[a] + solid->low[a];
+        report->thin_box[1][a] = found.high[a] + solid->low[a];
         if (solid->lattice.dims[a] > longest) longest = solid->lattice.dims[a];
     }
     report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
@@ -317,7 +316,7 @@ void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_
     if (r->thin_voxels == 0) return;
     w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels, bvxi_advised(r->thin_resolution));
     w->input = input;
-    bvxi_warn_box(w, lattice, r->thin_low, r->thin_high);
+    bvxi_warn_box(w, lattice, r->thin_box[0], r->thin_box[1]);
 }
 
 void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *r, int32_t input)

@@ -30,6 +30,7 @@ typedef struct levels_job {
     const bvx_levels_options *options;
     bvxi_level_chain chain;
     bvx_levels_report report;
+    bvxi_repair_facts facts; /* beside report.repair */
 } levels_job;
 
 /* ---- Checks ---- */
@@ -229,7 +230,8 @@ static bvx_status repair_surface(levels_job *job, int32_t resolution, int32_t th
 {
     bvx_repair_options const r = repair_options(job, resolution, thin);
 
-    return BVXI_SCOPE(job->ctx, bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, surface));
+    return BVXI_SCOPE(job->ctx,
+                      bvxi_repair_known(job->ctx, job->mesh, &job->report.before, &r, &job->facts, surface));
 }
 
 static int64_t twice_the_handles(const bvx_certificate *c)
@@ -262,6 +264,7 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
 {
     bvx_repair_report *const report = &job->report.repair;
     bvx_repair_report with;
+    bvxi_repair_facts facts;
     bvx_mesh without = {0};
     uint64_t mark;
     bvx_status status;
@@ -271,6 +274,7 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
 
     /* The report is written anew; the better surface's one stays. */
     with = *report;
+    facts = job->facts;
     mark = bvxi_scratch_begin(job->ctx);
     status = bvxi_scratch_keep(
         job->ctx, mark,
@@ -283,6 +287,7 @@ static bvx_status measure_surface(levels_job *job, int32_t resolution, bvx_mesh 
         without = kept;
     } else {
         *report = with;
+        job->facts = facts;
     }
     bvx_mesh_free(job->ctx, &without);
     return BVX_OK;
@@ -415,7 +420,7 @@ static void warn_of_surface(levels_job *job)
         BVXI_WARN(job->ctx, BVX_WARN_LOWERED, r->planned_resolution, r->resolution);
     if (r->crumbs != 0)
         BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, bvxi_advised(2.0 * r->resolution));
-    bvxi_repair_warn(job->ctx, &r->repair, r->resolution);
+    bvxi_repair_warn(job->ctx, &r->repair, &job->facts, r->resolution);
     /* The solid's crumbs are not in its surface. */
     from.components -= r->crumbs - r->repair.crumbs;
     bvxi_levels_warn(job->ctx, &job->chain, &from, NULL);

@@ -162,7 +162,6 @@ static bvx_status grid_compare(const world *w)
 static bvx_status voxelize_solid(const world *w)
 {
     TAKE_OPTIONS(voxelize, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
@@ -599,7 +598,7 @@ static const call calls[] = {
     CALL(grid_cast, GRID, PLAIN),
     CALL(grid_sample, GRID, PLAIN),
     CALL(grid_compare, GRID | OTHER, PLAIN),
-    CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(voxelize_solid, MESH | LATTICE | OPTIONS, TO_GRID),
     CALL(find_seed, GRID, PLAIN),
     CALL(find_pockets, GRID | SECOND | SLOT, PLAIN),
     CALL(grid_fill, GRID, TO_GRID),

@@ -392,7 +392,6 @@ static void test_choices_out_of_range(void)
         BAD(voxelize_solid, voxelize, fill, -1),
         BAD(voxelize_solid, voxelize, close_gaps, -1),
         BAD_SWITCH(voxelize_solid, voxelize, add_shell),
-        BAD_SWITCH(voxelize_solid, voxelize, check_edges),
         BAD(voxelize_solid, voxelize, check_thin, 3),
         BAD(voxelize_solid, voxelize, check_thin, -1),
         BAD(voxelize_solid, voxelize, up, 3),
