@@ -12,6 +12,15 @@
  * Everything here is a sign of orient.h, so it is exact; the order of the tests changes the time only. */
 #include "mesh/cross.h"
 
+/* The corners of q that are no corners of p: bit k for q[k]. */
+static unsigned cross_own(const double *const p[3], const double *const q[3])
+{
+    unsigned own = 0;
+
+    for (unsigned k = 0; k < 3; k++) own |= (unsigned)((q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2])) << k;
+    return own;
+}
+
 /* ---- Triangles and segments in a plane or on a line ---- */
 
 /* A coordinate axis along which the triangle has an area when seen from there, or -1. */
@@ -32,7 +41,7 @@ int bvxi_has_area(const double *const t[3])
  * in q are ends of that edge. Then the triangles meet in these corners only. */
 static int cross_beside(const double *const p[3], const double *const q[3], int axis)
 {
-    unsigned const own = bvxi_cross_own(p, q), not_in_q = bvxi_cross_own(q, p);
+    unsigned const own = cross_own(p, q), not_in_q = cross_own(q, p);
 
     for (unsigned i = 0; i < 3; i++) {
         /* the edge from i to k, opposite to l */
@@ -51,13 +60,11 @@ static int cross_beside(const double *const p[3], const double *const q[3], int 
 }
 
 /* The axis along which a triangle shows most of its area, nearly. */
-static int cross_view_axis(const double *const t[3])
+static int cross_view_axis(const bvxi_orient_plane *plane)
 {
-    bvxi_orient_plane plane;
     double size[3];
 
-    bvxi_orient_plane_of(t, &plane);
-    for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane.normal[k]);
+    for (int k = 0; k < 3; k++) size[k] = bvxi_absolute(plane->normal[k]);
 
     if (size[0] > size[1]) return size[0] > size[2] ? 0 : 2;
     return size[1] > size[2] ? 1 : 2;
@@ -119,19 +126,30 @@ typedef struct cross_triangle {
     int has_area;
 } cross_triangle;
 
+/* Corners, and sides of those that are own. */
+static void cross_open_sides(const double *const p[3], unsigned own, const double *const q[3],
+                             cross_triangle *a)
+{
+    bvxi_orient_plane plane;
+
+    bvxi_orient_plane_of(q, &plane);
+    for (unsigned k = 0; k < 3; k++) {
+        int const side = bvxi_orient_side(&plane, p[k]);
+
+        a->corner[k] = p[k];
+        a->side[k] = (own >> k & 1) == 0 ? 0 : side != 0 ? -side : bvxi_orient_exact(q[0], q[1], q[2], p[k]);
+    }
+}
+
 /* Sides, and whether there are areas: a triangle of which some point is off the plane has one. */
 static void cross_open(const double *const p[3], const double *const q[3], cross_triangle *a,
                        cross_triangle *b)
 {
     /* A common corner lies in both planes, so its side is 0 without being computed. */
-    unsigned const own_p = bvxi_cross_own(q, p), own_q = bvxi_cross_own(p, q);
+    unsigned const own_p = cross_own(q, p), own_q = cross_own(p, q);
 
-    for (unsigned k = 0; k < 3; k++) {
-        a->corner[k] = p[k];
-        b->corner[k] = q[k];
-        a->side[k] = (own_p >> k & 1) != 0 ? bvxi_orient(q[0], q[1], q[2], p[k]) : 0;
-        b->side[k] = (own_q >> k & 1) != 0 ? bvxi_orient(p[0], p[1], p[2], q[k]) : 0;
-    }
+    cross_open_sides(p, own_p, q, a);
+    cross_open_sides(q, own_q, p, b);
 
     /* An area is looked for only where all corners lie in the other's plane. */
     a->has_area = b->side[0] != 0 || b->side[1] != 0 || b->side[2] != 0 || bvxi_has_area(p);
@@ -235,9 +253,10 @@ static void cross_compare(const double *const p[3], const double *const q[3], cr
     }
 }
 
-int bvxi_triangles_cross_rest(const double *const p[3], const double *const q[3])
+int bvxi_triangles_cross_rest(const bvxi_orient_plane *plane, const double *const p[3],
+                              const double *const q[3])
 {
-    int const axis = cross_view_axis(p);
+    int const axis = cross_view_axis(plane);
 
     /* Most that reach this point are neighbours in one plane, or nearly. */
     if (cross_beside(p, q, axis) || cross_beside(q, p, axis)) return 0;

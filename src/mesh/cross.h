@@ -10,54 +10,52 @@
 
 #include "mesh/orient.h"
 
-/* The answer after the filters below, and without any filter of triangles. */
-int bvxi_triangles_cross_rest(const double *const p[3], const double *const q[3]);
+/* The answer after the filters below, with p's plane, and without any filter of triangles. */
+int bvxi_triangles_cross_rest(const bvxi_orient_plane *plane, const double *const p[3],
+                              const double *const q[3]);
 int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3]);
 
 /* 1 when the triangle has an area, exactly. */
 int bvxi_has_area(const double *const t[3]);
 
-/* The corners of q that are no corners of p: bit k for q[k]. */
-static inline unsigned bvxi_cross_own(const double *const p[3], const double *const q[3])
+enum { BVXI_CROSS_OPEN, BVXI_CROSS_APART, BVXI_CROSS_FLAT };
+
+/* How q lies to p's plane. Apart: its own corners lie strictly on one side, for certain, so that it meets the plane in
+ * no more than what both have in common. Flat: of no corner that is certain, so that q's plane tells no more. */
+static inline int bvxi_cross_sides(const bvxi_orient_plane *plane, const double *const p[3],
+                                   const double *const q[3])
 {
-    unsigned own = 0;
+    int side = 0, unsure = 0;
 
-    for (unsigned k = 0; k < 3; k++) own |= (unsigned)((q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2])) << k;
+    for (int k = 0; k < 3; k++) {
+        int const s = bvxi_orient_side(plane, q[k]);
 
-    return own;
+        if (s == 0) unsure |= (q[k] != p[0]) & (q[k] != p[1]) & (q[k] != p[2]);
+        else if (s == -side) return BVXI_CROSS_OPEN;
+        else side = s;
+    }
+    return side == 0 ? BVXI_CROSS_FLAT : unsure ? BVXI_CROSS_OPEN : BVXI_CROSS_APART;
 }
 
-/* 1 when all of q's own corners lie strictly on one side of p's plane, for certain: then q meets that plane
- * in no more than what both have in common. 0 without own corners. */
-static inline int bvxi_cross_apart(const bvxi_orient_plane *plane, const double *const q[3], unsigned own)
+/* As bvxi_triangles_cross, with how q lies to the plane of p. */
+static inline int bvxi_triangles_cross_beside(int sides, const bvxi_orient_plane *plane,
+                                              const double *const p[3], const double *const q[3])
 {
-    int side = 0;
+    if (BVXI_LIKELY(sides == BVXI_CROSS_APART)) return 0;
+    if (sides == BVXI_CROSS_OPEN) {
+        bvxi_orient_plane other;
 
-    /* A side that is not certain, or one on either side, ends the test: the exact answer decides. */
-    for (unsigned k = 0; k < 3; k++) {
-        int s;
-
-        if ((own >> k & 1) == 0) continue;
-        s = bvxi_orient_side(plane, q[k]);
-        if (s == 0 || s == -side) return 0;
-        side = s;
+        bvxi_orient_plane_of(q, &other);
+        if (bvxi_cross_sides(&other, q, p) == BVXI_CROSS_APART) return 0;
     }
-
-    return side != 0;
+    return bvxi_triangles_cross_rest(plane, p, q);
 }
 
 /* As bvxi_triangles_cross, with the plane of p, for one that is held against many. */
 static inline int bvxi_triangles_cross_at(const bvxi_orient_plane *plane, const double *const p[3],
                                           const double *const q[3])
 {
-    bvxi_orient_plane other;
-
-    if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
-
-    bvxi_orient_plane_of(q, &other);
-    if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
-
-    return bvxi_triangles_cross_rest(p, q);
+    return bvxi_triangles_cross_beside(bvxi_cross_sides(plane, p, q), plane, p, q);
 }
 
 /* 1 when the triangles cross, 0 when not: exact for all finite doubles (orient.h says what flushed subnormals

@@ -143,17 +143,21 @@ void bvxi_collapse_end_careful(bvxi_collapse *c)
 /* Boxes over the mesh as it is, for collapses that are looked at one by one. */
 static bvx_status open_tree(bvxi_collapse *c, const uint32_t *live, uint64_t triangles)
 {
-    c->tree.at = c->mesh.at;
-    c->tree.triangle = c->mesh.triangle;
+    c->tree.at = c->mesh.at[0].p;
+    c->tree.vertex = c->mesh.triangle[0].vertex;
+    c->tree.at_step = sizeof *c->mesh.at / sizeof *c->tree.at;
+    c->tree.vertex_step = sizeof *c->mesh.triangle / sizeof *c->tree.vertex;
     c->tree.live = live;
     c->tree.triangles = triangles;
+    /* While as many triangles are gone as there are, memory is to be had for it. */
+    c->tree.slanted = live != NULL && 2 * triangles <= c->mesh.triangles;
     c->tree.scale = c->scale;
     memcpy(c->tree.low, c->low, sizeof c->low);
     return bvxi_crossing_tree_open(c->ctx, &c->tree);
 }
 
-/* Pairs of the level that cross. */
-static bvx_status search_level(bvxi_collapse *c, double from, double to)
+/* Pairs of the level that cross, with a fresh vertex unless that is NULL. */
+static bvx_status search_level(bvxi_collapse *c, const uint8_t *fresh, double from, double to)
 {
     judge_level l = {.c = c};
     uint64_t count = 0;
@@ -167,9 +171,10 @@ static bvx_status search_level(bvxi_collapse *c, double from, double to)
         if (!bvxi_triangle_gone(&c->mesh.triangle[t])) live[count++] = (uint32_t)t;
     BVXI_TRY(open_tree(c, live, count));
     c->tree.graph = l.graph;
+    c->tree.fresh = fresh;
     BVXI_TRY(bvxi_crossings_find(c->ctx, &c->tree, from, to, &c->pairs, &c->crossings));
     bvxi_collapse_end_careful(c);
-    c->tree.graph = NULL;
+    c->tree.graph = c->tree.fresh = NULL;
     bvxi_drop(c->ctx, live);
     bvxi_drop(c->ctx, l.graph);
     return BVX_OK;
@@ -191,8 +196,8 @@ typedef struct judge_origin {
     uint32_t *now;          /* of each vertex of the mesh: the one that it is part of */
     uint8_t *beside;        /* of each vertex: of a crossing triangle */
     uint32_t *small, *part; /* vertices of the small mesh, and those that they are part of */
-    bvxi_corner_vertex *at;
-    bvxi_corner_triangle *triangle;
+    double (*at)[3];
+    uint32_t (*triangle)[3];
     uint64_t vertices;
     crossing_tree tree;
     uint32_t looked; /* triangle */
@@ -237,21 +242,20 @@ static bvx_status gather_origin(bvxi_collapse *c, judge_origin *o)
 
         if (o->small[v] == BVXI_VERTEX_NONE) continue;
         bvxi_view_position(c->view, c->first_source[v], p);
-        for (int k = 0; k < 3; k++) o->at[o->small[v]].p[k] = bvxi_collapse_rounded(c, p[k]);
+        for (int k = 0; k < 3; k++) o->at[o->small[v]][k] = bvxi_collapse_rounded(c, p[k]);
         o->part[o->small[v]] = o->now[v];
     }
     count = 0;
     for (uint64_t t = 0; t < c->first_triangles; t++) {
         if (!is_beside(c, o, t)) continue;
-        for (uint64_t k = 0; k < 3; k++) {
-            o->triangle[count].vertex[k] = o->small[c->origin[3 * t + k]];
-            o->triangle[count].cost[k] = 0;
-        }
+        for (uint64_t k = 0; k < 3; k++) o->triangle[count][k] = o->small[c->origin[3 * t + k]];
         count++;
     }
-    o->tree.at = o->at;
-    o->tree.triangle = o->triangle;
+    o->tree.at = o->at[0];
+    o->tree.vertex = o->triangle[0];
+    o->tree.at_step = o->tree.vertex_step = 3;
     o->tree.triangles = count;
+    o->tree.slanted = 1;
     o->tree.scale = c->scale;
     memcpy(o->tree.low, c->low, sizeof c->low);
     return bvxi_crossing_tree_open(c->ctx, &o->tree);
@@ -263,7 +267,7 @@ static int mark_new_crossing(void *user, uint32_t t)
     const judge_origin *const o = user;
 
     if (t == o->looked) return 0;
-    for (int k = 0; k < 6; k++) o->came[o->part[o->triangle[k < 3 ? t : o->looked].vertex[k % 3]]] = 1;
+    for (int k = 0; k < 6; k++) o->came[o->part[o->triangle[k < 3 ? t : o->looked][k % 3]]] = 1;
     return 1;
 }
 
@@ -271,8 +275,8 @@ static int mark_new_crossing(void *user, uint32_t t)
 static void mark_beside(judge_origin *o)
 {
     for (; o->looked < o->tree.triangles; o->looked++) {
-        const uint32_t *const v = o->triangle[o->looked].vertex;
-        const double *const p[3] = {o->at[v[0]].p, o->at[v[1]].p, o->at[v[2]].p};
+        const uint32_t *const v = o->triangle[o->looked];
+        const double *const p[3] = {o->at[v[0]], o->at[v[1]], o->at[v[2]]};
         int open = 0;
 
         for (int k = 0; k < 3; k++) open |= o->beside[o->part[v[k]]] > o->came[o->part[v[k]]];
@@ -421,15 +425,18 @@ static void look_around(judge_found *list, uint32_t v, int boxes)
 }
 
 /* What the vertices cross that are back since the last look. */
-static void look_at_undone(judge_found *list)
+static bvx_status look_at_undone(judge_found *list)
 {
     bvxi_collapse *const c = list->c;
+    int boxes = c->tree.node[0] != NULL;
 
-    for (int boxes = 1; boxes >= 0; boxes--)
+    if (!boxes) BVXI_TRY(open_tree(c, NULL, c->mesh.triangles));
+    for (; boxes >= 0; boxes--)
         for (uint32_t v = 0; v < c->mesh.vertices; v++)
             if (c->fresh[v] == 1 && !bvxi_collapse_is_gone(c, v)) look_around(list, v, boxes);
     for (uint32_t v = 0; v < c->mesh.vertices; v++)
         c->fresh[v] = c->fresh[v] == 1 ? FRESH_LOOKED : c->fresh[v];
+    return list->status;
 }
 
 /* The last collapse that changed one of both triangles: the vertex that went in it, or BVXI_VERTEX_NONE. */
@@ -480,8 +487,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
     int fresh = 0;
 
     *undone = 0;
-    BVXI_TRY(search_level(c, from, to));
-    BVXI_TRY(open_tree(c, NULL, c->mesh.triangles));
+    BVXI_TRY(search_level(c, c->options.counted ? NULL : c->fresh, from, to));
     for (uint64_t i = 0; i < c->crossings; i++) fresh |= is_fresh_pair(c, c->pairs + 2 * i);
     if (fresh) BVXI_TRY(mark_origin(c));
     for (uint64_t i = 0; i < c->crossings; i++) {
@@ -492,19 +498,21 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
     BVXI_TRY(list.status);
     while (list.count != 0) {
         BVXI_TRY(undo_pairs(&list, undone));
-        look_at_undone(&list);
+        if (*undone != 0) BVXI_TRY(look_at_undone(&list));
     }
     for (uint64_t v = 0; v < c->mesh.vertices; v++) c->fresh[v] = c->fresh[v] != 0;
     c->counts.refused += *undone;
     c->judged = 1;
     bvxi_drop(c->ctx, list.pair);
-    return BVX_OK;
+    return c->tree.node[0] != NULL || c->options.topology == BVX_TOPOLOGY_KEEP
+               ? BVX_OK
+               : open_tree(c, NULL, c->mesh.triangles);
 }
 
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 {
     /* Found when the level was judged, unless it has changed since. */
-    if (!c->judged || bvxi_any_marked(c->fresh, c->mesh.vertices)) BVXI_TRY(search_level(c, 0.0, 1.0));
+    if (!c->judged || bvxi_any_marked(c->fresh, c->mesh.vertices)) BVXI_TRY(search_level(c, NULL, 0.0, 1.0));
     *count = c->crossings;
     return BVX_OK;
 }

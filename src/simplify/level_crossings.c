@@ -1,12 +1,14 @@
 /* level_crossings.c - pairs of triangles of a level that cross.
  *
- * Boxes in whole steps, eight to a node, lie over the triangles in their order, which is one of space. Each
- * node of eight triangles goes down that tree to those after it whose boxes meet its own. Triangles with a
- * common vertex are not looked at where the triangles around that vertex lie side by side: then they meet in
- * nothing else. All others are parted by the plane of one of them, or judged exactly (mesh/cross.h).
+ * Boxes in whole steps, eight to a node, lie over the triangles in their order, which is one of space. Each node of
+ * eight triangles goes down that tree to those after it whose boxes meet its own. Along the diagonals of a cube most
+ * of those are apart that lie aslant beside each other. Triangles with a common vertex are not looked at where the
+ * triangles around that vertex lie side by side: then they meet in nothing else. All others are parted by the plane of
+ * one of them, or judged exactly (mesh/cross.h).
  *
  * Source: Brinkhoff, Kriegel, Seeger. Efficient Processing of Spatial Joins Using R-trees. 1993. Kamel,
- * Faloutsos. On Packing R-trees. 1993.
+ * Faloutsos. On Packing R-trees. 1993. Klosowski, Held, Mitchell, Sowizral, Zikan. Efficient Collision Detection
+ * Using Bounding Volume Hierarchies of k-DOPs. 1998.
  *
  * Each piece of the nodes writes its pairs to a part of its own and counts them; where they are too many for these
  * parts it looks for them again and writes them to where the counts say: no thread shows. */
@@ -18,9 +20,10 @@
 
 enum {
     WIDTH = CROSSING_WIDTH,
+    BOUNDS = 2 * (3 + CROSSING_SLANTS),
     BOX_HIGHEST = 32767,
     CROSSING_GRAIN = 64,  /* nodes of a task, at least */
-    CROSSING_KEYS = 32768 /* pairs that there is room for before they are counted */
+    CROSSING_KEYS = 16384 /* pairs that there is room for before they are counted */
 };
 
 typedef crossing_node box_node;
@@ -30,6 +33,7 @@ typedef struct crossing_job {
     int32_t pieces;
     uint32_t
         *common; /* of each node of level 0: the vertex that all of its triangles have, or BVXI_VERTEX_NONE */
+    uint8_t *fresh;   /* of each node of level 0: bit k where its triangle k has a fresh vertex */
     uint64_t *counts; /* of each piece */
     uint64_t *begins; /* of each piece's pairs in keys, one more than there are pieces */
     uint64_t *keys;   /* lower index << 32 | higher one */
@@ -38,73 +42,124 @@ typedef struct crossing_job {
 
 /* ---- Boxes ---- */
 
+#define BOX_FAR 1e12 /* steps */
+
+/* As of a node, along the axes and the diagonals. */
+typedef struct triangle_box {
+    int16_t bound[BOUNDS];
+} triangle_box;
+
+/* What overlaps has no bound above these. */
 typedef struct box_query {
-    bvxi_shorts low[3], high[3];
+    bvxi_shorts bound[BOUNDS];
 } box_query;
 
-static box_query query_of(const int16_t low[3], const int16_t high[3])
+static box_query query_of(const triangle_box *box, int count)
 {
     box_query q;
 
-    for (int a = 0; a < 3; a++) {
-        q.low[a] = bvxi_shorts_all(low[a]);
-        q.high[a] = bvxi_shorts_all(high[a]);
-    }
+    for (int i = 0; i < count; i++) q.bound[i] = bvxi_shorts_all((int16_t)-box->bound[i ^ 1]);
     return q;
 }
 
-/* Bit k: child k of the node overlaps the box. */
-static uint32_t overlaps(const box_node *node, const box_query *q)
+/* Bit k: child k overlaps along some axes. */
+BVXI_VECTOR_INLINE uint32_t overlaps_along(const int16_t *bound, const bvxi_shorts *most, int count)
 {
     bvxi_shorts apart = bvxi_shorts_all(0);
 
-    for (int a = 0; a < 3; a++) {
-        apart = bvxi_shorts_or(apart, bvxi_shorts_more(bvxi_shorts_load(node->low[a]), q->high[a]));
-        apart = bvxi_shorts_or(apart, bvxi_shorts_more(q->low[a], bvxi_shorts_load(node->high[a])));
-    }
+    for (int i = 0; i < count; i++)
+        apart = bvxi_shorts_or(apart, bvxi_shorts_more(bvxi_shorts_load(bound + i * WIDTH), most[i]));
     return ~bvxi_shorts_bits(apart) & 0xff;
 }
 
-/* The box of all children. */
-static void box_of_all(const box_node *node, int16_t low[3], int16_t high[3])
+static uint32_t overlaps(const box_node *node, const box_query *q)
 {
-    for (int a = 0; a < 3; a++) {
-        low[a] = node->low[a][0];
-        high[a] = node->high[a][0];
-        for (int k = 1; k < WIDTH; k++) {
-            if (node->low[a][k] < low[a]) low[a] = node->low[a][k];
-            if (node->high[a][k] > high[a]) high[a] = node->high[a][k];
-        }
+    return overlaps_along(node->bound[0], q->bound, 6);
+}
+
+static uint32_t overlaps_leaf(const crossing_tree *tree, uint64_t node, const box_query *q)
+{
+    uint32_t const bits = overlaps(&tree->node[0][node], q);
+
+    if (bits == 0 || !tree->slanted) return bits;
+    return bits & overlaps_along(tree->slant[node].bound[0], q->bound + 6, 2 * CROSSING_SLANTS);
+}
+
+/* The box of all children, along the axes. */
+static triangle_box box_of_all(const box_node *node)
+{
+    triangle_box box;
+
+    for (int i = 0; i < 6; i++) {
+        box.bound[i] = node->bound[i][0];
+        for (int k = 1; k < WIDTH; k++)
+            if (node->bound[i][k] < box.bound[i]) box.bound[i] = node->bound[i][k];
     }
+    return box;
+}
+
+/* What is not there overlaps nothing. */
+static triangle_box no_box(void)
+{
+    triangle_box box;
+
+    for (int i = 0; i < BOUNDS; i++) box.bound[i] = INT16_MAX;
+    return box;
 }
 
 /* Rounding down keeps order: what overlaps, overlaps in steps too. */
-static int16_t step_between(const crossing_tree *tree, double x, int axis)
+static int16_t step_of(double at)
 {
-    double const at = (x - tree->low[axis]) * tree->scale * BOX_HIGHEST;
     double const above = at > 0 ? at : 0;
 
     return (int16_t)(int32_t)(above < BOX_HIGHEST ? above : BOX_HIGHEST);
 }
 
 /* The box of three corners. */
-static void box_of(const crossing_tree *tree, const double *const p[3], int16_t low[3], int16_t high[3])
+static triangle_box box_of(const crossing_tree *tree, const double *const p[3])
 {
-    for (int a = 0; a < 3; a++) {
-        double const x = p[0][a], y = p[1][a], z = p[2][a];
-        double const least = x < y ? x : y, most = x > y ? x : y;
+    double const steps = tree->scale * BOX_HIGHEST;
+    double at[BOUNDS / 2][3];
+    triangle_box box;
+    int const axes = tree->slanted ? BOUNDS / 2 : 3;
+    int far = 0;
 
-        low[a] = step_between(tree, least < z ? least : z, a);
-        high[a] = step_between(tree, most > z ? most : z, a);
+    for (int k = 0; k < 3; k++) {
+        double const x = (p[k][0] - tree->low[0]) * steps, y = (p[k][1] - tree->low[1]) * steps;
+        double const z = (p[k][2] - tree->low[2]) * steps;
+
+        at[0][k] = x;
+        at[1][k] = y;
+        at[2][k] = z;
+        if (!tree->slanted) continue;
+        at[3][k] = (x + y + z) * (1.0 / 3);
+        at[4][k] = (x + y - z + BOX_HIGHEST) * (1.0 / 3);
+        at[5][k] = (x - y + z + BOX_HIGHEST) * (1.0 / 3);
+        at[6][k] = (y - x + z + BOX_HIGHEST) * (1.0 / 3);
     }
+    for (int a = 0; a < axes; a++) {
+        /* Sums are rounded, by less than half a step unless their terms are huge. */
+        double const slack = a < 3 ? 0 : far ? BOX_FAR : 0.5, x = at[a][0], y = at[a][1], z = at[a][2];
+        double const less = x < y ? x : y, more = x > y ? x : y;
+        double const least = less < z ? less : z, most = more > z ? more : z;
+
+        far |= (a < 3) & ((least < -BOX_FAR) | (most > BOX_FAR));
+        box.bound[2 * a] = step_of(least - slack);
+        box.bound[2 * a + 1] = (int16_t)-step_of(most + slack);
+    }
+    return box;
 }
 
-static void put_box(box_node *node, uint64_t child, const int16_t low[3], const int16_t high[3])
+static void put_box(box_node *node, uint64_t child, const triangle_box *box)
 {
-    for (int a = 0; a < 3; a++) {
-        node->low[a][child % WIDTH] = low[a];
-        node->high[a][child % WIDTH] = high[a];
-    }
+    for (int i = 0; i < 6; i++) node->bound[i][child % WIDTH] = box->bound[i];
+}
+
+static void put_leaf(const crossing_tree *tree, uint64_t t, const triangle_box *box)
+{
+    put_box(&tree->node[0][t / WIDTH], t, box);
+    for (int i = 0; i < 2 * CROSSING_SLANTS && tree->slanted; i++)
+        tree->slant[t / WIDTH].bound[i][t % WIDTH] = box->bound[6 + i];
 }
 
 /* The triangle at a place. */
@@ -115,17 +170,17 @@ static uint64_t triangle_at(const crossing_tree *tree, uint64_t t)
 
 static const uint32_t *vertices_in(const crossing_tree *tree, uint64_t t)
 {
-    return tree->triangle[triangle_at(tree, t)].vertex;
+    return tree->vertex + triangle_at(tree, t) * tree->vertex_step;
 }
 
 static int is_alive(const crossing_tree *tree, uint64_t t)
 {
-    return t < tree->triangles && (tree->live != NULL || !bvxi_triangle_gone(&tree->triangle[t]));
+    return t < tree->triangles && (tree->live != NULL || tree->vertex[t * tree->vertex_step + 1] >> 31 == 0);
 }
 
 static void corners_in(const crossing_tree *tree, const uint32_t *v, const double *p[3])
 {
-    for (int k = 0; k < 3; k++) p[k] = tree->at[v[k]].p;
+    for (int k = 0; k < 3; k++) p[k] = tree->at + v[k] * tree->at_step;
 }
 
 static void leaf_piece(void *user, int32_t index)
@@ -136,25 +191,24 @@ static void leaf_piece(void *user, int32_t index)
 
     bvxi_piece(tree->nodes[0], job->pieces, index, &begin, &end);
     for (uint64_t t = begin * WIDTH; t < end * WIDTH; t++) {
-        /* What is not there overlaps nothing. */
-        int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
+        triangle_box box = no_box();
         const double *p[3];
 
         if (is_alive(tree, t)) {
             corners_in(tree, vertices_in(tree, t), p);
-            box_of(tree, p, low, high);
+            box = box_of(tree, p);
         }
-        put_box(&tree->node[0][t / WIDTH], t, low, high);
+        put_leaf(tree, t, &box);
     }
 }
 
 static void upper_boxes(const crossing_tree *tree, int32_t level)
 {
     for (uint64_t i = 0; i < tree->nodes[level] * WIDTH; i++) {
-        int16_t low[3] = {INT16_MAX, INT16_MAX, INT16_MAX}, high[3] = {INT16_MIN, INT16_MIN, INT16_MIN};
+        triangle_box box = no_box();
 
-        if (i < tree->nodes[level - 1]) box_of_all(&tree->node[level - 1][i], low, high);
-        put_box(&tree->node[level][i / WIDTH], i, low, high);
+        if (i < tree->nodes[level - 1]) box = box_of_all(&tree->node[level - 1][i]);
+        put_box(&tree->node[level][i / WIDTH], i, &box);
     }
 }
 
@@ -170,7 +224,10 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
         tree->nodes[tree->levels++] = count;
         sum += count;
     } while (count > 1);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, sum * sizeof *block, "the triangles' boxes", &block));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH,
+                        sum * sizeof *block + (tree->slanted ? tree->nodes[0] * sizeof *tree->slant : 0),
+                        "the triangles' boxes", &block));
+    tree->slant = (crossing_slant *)(void *)(block + sum);
     for (int32_t l = 0; l < tree->levels; l++) {
         tree->node[l] = block;
         block += tree->nodes[l];
@@ -182,15 +239,15 @@ bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree)
 }
 
 /* Grow the box of a child; 0 when it contained the other already. */
-static int grow_box(box_node *node, uint64_t child, const int16_t low[3], const int16_t high[3])
+static int grow_box(box_node *node, uint64_t child, const triangle_box *box)
 {
-    uint64_t const k = child % WIDTH;
     int grown = 0;
 
-    for (int a = 0; a < 3; a++) {
-        grown |= (low[a] < node->low[a][k]) | (high[a] > node->high[a][k]);
-        if (low[a] < node->low[a][k]) node->low[a][k] = low[a];
-        if (high[a] > node->high[a][k]) node->high[a][k] = high[a];
+    for (int i = 0; i < 6; i++) {
+        int16_t *const bound = &node->bound[i][child % WIDTH];
+
+        grown |= box->bound[i] < *bound;
+        if (box->bound[i] < *bound) *bound = box->bound[i];
     }
     return grown;
 }
@@ -198,15 +255,15 @@ static int grow_box(box_node *node, uint64_t child, const int16_t low[3], const 
 void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t)
 {
     const double *p[3];
-    int16_t low[3], high[3];
+    triangle_box box;
     uint64_t child = t / WIDTH;
 
-    corners_in(tree, tree->triangle[t].vertex, p);
-    box_of(tree, p, low, high);
-    put_box(&tree->node[0][child], t, low, high);
+    corners_in(tree, tree->vertex + t * tree->vertex_step, p);
+    box = box_of(tree, p);
+    put_leaf(tree, t, &box);
 
     /* Up to the first node that contains it already; those above it do too. */
-    for (int32_t l = 1; l < tree->levels && grow_box(&tree->node[l][child / WIDTH], child, low, high); l++)
+    for (int32_t l = 1; l < tree->levels && grow_box(&tree->node[l][child / WIDTH], child, &box); l++)
         child /= WIDTH;
 }
 
@@ -222,30 +279,28 @@ typedef struct held_triangle {
 
 static int same_position(const double *p, const double *q)
 {
-    return (p[0] == q[0]) & (p[1] == q[1]) & (p[2] == q[2]);
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
 }
 
 static int crosses(const crossing_tree *tree, const bvxi_orient_plane *plane, const double *const p[3],
                    const uint32_t *v)
 {
     const double *q[3];
-    bvxi_orient_plane other;
-    int joined = 0;
+    int sides, joined = 0;
 
     corners_in(tree, v, q);
-    if (BVXI_LIKELY(bvxi_cross_apart(plane, q, bvxi_cross_own(p, q)))) return 0;
-    bvxi_orient_plane_of(q, &other);
-    if (bvxi_cross_apart(&other, p, bvxi_cross_own(q, p))) return 0;
+    sides = bvxi_cross_sides(plane, p, q);
+    if (BVXI_LIKELY(sides == BVXI_CROSS_APART)) return 0;
 
-    /* What planes leave open: equal positions are one pointer to the exact test. */
+    /* Equal positions are one pointer to the exact test. */
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) {
             if (q[k] == p[i] || !same_position(q[k], p[i])) continue;
             q[k] = p[i];
             joined = 1;
         }
-    return (joined ? bvxi_triangles_cross_at(plane, p, q) : bvxi_triangles_cross_rest(p, q)) &&
-           bvxi_has_area(p) && bvxi_has_area(q);
+    if (joined) sides = bvxi_cross_sides(plane, p, q);
+    return bvxi_triangles_cross_beside(sides, plane, p, q) && bvxi_has_area(p) && bvxi_has_area(q);
 }
 
 /* 1: both have a vertex whose triangles lie side by side, and so meet in nothing else. */
@@ -268,11 +323,11 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
     /* The second node's box shows which triangles of the first one may meet any of it. */
     if (first != second) {
         const box_node *const above = &tree->node[1][second / WIDTH];
-        uint64_t const k = second % WIDTH;
-        int16_t const low[3] = {above->low[0][k], above->low[1][k], above->low[2][k]};
-        int16_t const high[3] = {above->high[0][k], above->high[1][k], above->high[2][k]};
-        box_query const query = query_of(low, high);
+        triangle_box box;
+        box_query query;
 
+        for (int i = 0; i < 6; i++) box.bound[i] = above->bound[i][second % WIDTH];
+        query = query_of(&box, 6);
         near = overlaps(&tree->node[0][first], &query);
     }
     for (; near != 0; near &= near - 1) {
@@ -280,7 +335,8 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
         uint32_t bits;
 
         if (held[i].vertex == NULL) continue;
-        bits = overlaps(&tree->node[0][second], &held[i].query);
+        bits = overlaps_leaf(tree, second, &held[i].query);
+        if ((job->fresh[first] >> i & 1) == 0) bits &= job->fresh[second];
         if (first == second) bits &= ~0u << (i + 1);
         for (; bits != 0; bits &= bits - 1) {
             uint64_t const t = second * WIDTH + (uint64_t)bvxi_lowest(bits);
@@ -299,18 +355,20 @@ static uint64_t pairs_of_nodes(const crossing_job *job, const held_triangle *hel
 static int hold_node(const crossing_job *job, uint64_t node, held_triangle held[WIDTH])
 {
     const crossing_tree *const tree = job->tree;
-    const box_node *const box = &tree->node[0][node];
     int any = 0;
 
     for (uint64_t i = 0; i < WIDTH; i++) {
         uint64_t const t = node * WIDTH + i;
-        int16_t const low[3] = {box->low[0][i], box->low[1][i], box->low[2][i]};
-        int16_t const high[3] = {box->high[0][i], box->high[1][i], box->high[2][i]};
+        triangle_box box;
 
         held[i].vertex = is_alive(tree, t) ? vertices_in(tree, t) : NULL;
         if (held[i].vertex == NULL) continue;
         any = 1;
-        held[i].query = query_of(low, high);
+        for (int k = 0; k < BOUNDS; k++)
+            box.bound[k] = k < 6           ? tree->node[0][node].bound[k][i]
+                           : tree->slanted ? tree->slant[node].bound[k - 6][i]
+                                           : 0;
+        held[i].query = query_of(&box, BOUNDS);
         corners_in(tree, held[i].vertex, held[i].p);
         bvxi_orient_plane_of(held[i].p, &held[i].plane);
     }
@@ -329,11 +387,14 @@ static void common_piece(void *user, int32_t index)
         uint32_t common[3] = {BVXI_VERTEX_NONE, BVXI_VERTEX_NONE, BVXI_VERTEX_NONE};
         int any = 0;
 
+        job->fresh[i] = tree->fresh == NULL ? 0xff : 0;
         for (uint64_t t = i * WIDTH; t < (i + 1) * WIDTH; t++) {
             const uint32_t *v;
 
             if (!is_alive(tree, t)) continue;
             v = vertices_in(tree, t);
+            if (tree->fresh != NULL && (tree->fresh[v[0]] | tree->fresh[v[1]] | tree->fresh[v[2]]) != 0)
+                job->fresh[i] |= (uint8_t)(1 << t % WIDTH);
             if (!any) memcpy(common, v, sizeof common);
             for (int k = 0; k < 3 && any; k++)
                 if (common[k] != v[0] && common[k] != v[1] && common[k] != v[2]) common[k] = BVXI_VERTEX_NONE;
@@ -359,13 +420,13 @@ static uint64_t pairs_of_node(const crossing_job *job, uint64_t node, uint64_t *
     held_triangle held[WIDTH];
     box_query whole;
     uint64_t stack[WIDTH * CROSSING_LEVELS]; /* level in the low bits */
-    int16_t low[3], high[3];
     int32_t depth = 0;
+    triangle_box box;
 
     if (!hold_node(job, node, held)) return found;
     if (!share_a_fan(job, node, node)) found = pairs_of_nodes(job, held, node, node, keys, room, found);
-    box_of_all(&tree->node[0][node], low, high);
-    whole = query_of(low, high);
+    box = box_of_all(&tree->node[0][node]);
+    whole = query_of(&box, 6);
 
     if (tree->levels > 1) stack[depth++] = (uint64_t)(tree->levels - 1);
     while (depth > 0) {
@@ -444,7 +505,8 @@ bvx_status bvxi_crossings_find(bvx_context *ctx, const crossing_tree *tree, doub
     job.counts = job.begins + job.pieces + 1;
     job.written = (uint8_t *)(job.counts + job.pieces + 1);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, CROSSING_KEYS * 8, "the crossings' keys", &job.keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 4, "the nodes' fans", &job.common));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, tree->nodes[0] * 5, "the nodes' fans", &job.common));
+    job.fresh = (uint8_t *)(job.common + tree->nodes[0]);
     for (int32_t i = 0; i <= job.pieces; i++)
         job.begins[i] = CROSSING_KEYS * (uint64_t)i / (uint64_t)job.pieces;
     bvxi_tasks(ctx, job.pieces, common_piece, &job);
@@ -463,15 +525,17 @@ static int visit_node(const crossing_tree *tree, uint64_t node, const box_query 
                       const bvxi_orient_plane *plane, const double *const p[3], const uint32_t ends[2],
                       const uint8_t *skip, crossing_visit *visit, void *user)
 {
-    for (uint32_t bits = overlaps(&tree->node[0][node], query); bits != 0; bits &= bits - 1) {
+    for (uint32_t bits = overlaps_leaf(tree, node, query); bits != 0; bits &= bits - 1) {
         uint64_t const t = node * WIDTH + (uint64_t)bvxi_lowest(bits);
-        const uint32_t *const v = tree->triangle[t].vertex;
+        const uint32_t *const v = tree->vertex + t * tree->vertex_step;
+        const double *q[3];
 
         if (!is_alive(tree, t) || (skip != NULL && (skip[v[0]] | skip[v[1]] | skip[v[2]]) != 0)) continue;
         for (int k = 0; k < 2; k++)
             if ((v[0] == ends[k]) | (v[1] == ends[k]) | (v[2] == ends[k])) goto next;
         /* Not itself. */
-        if (tree->at[v[0]].p == p[0] && tree->at[v[1]].p == p[1] && tree->at[v[2]].p == p[2]) continue;
+        corners_in(tree, v, q);
+        if (q[0] == p[0] && q[1] == p[1] && q[2] == p[2]) continue;
         if (crosses(tree, plane, p, v) && (visit == NULL || visit(user, (uint32_t)t))) return 1;
 next:;
     }
@@ -483,13 +547,11 @@ int bvxi_crossing_tree_visit(const crossing_tree *tree, const double *const p[3]
 {
     uint32_t const ends[2] = {u, v};
     uint64_t stack[WIDTH * CROSSING_LEVELS];
-    int16_t low[3], high[3];
+    triangle_box const box = box_of(tree, p);
+    box_query const query = query_of(&box, tree->slanted ? BOUNDS : 6);
     int32_t depth = 0;
     bvxi_orient_plane plane;
-    box_query query;
 
-    box_of(tree, p, low, high);
-    query = query_of(low, high);
     bvxi_orient_plane_of(p, &plane);
     stack[depth++] = (uint64_t)(tree->levels - 1);
     while (depth > 0) {
@@ -511,7 +573,7 @@ int bvxi_crossing_pair(const crossing_tree *tree, uint32_t s, uint32_t t)
     const double *p[3];
     bvxi_orient_plane plane;
 
-    corners_in(tree, tree->triangle[s].vertex, p);
+    corners_in(tree, tree->vertex + s * tree->vertex_step, p);
     bvxi_orient_plane_of(p, &plane);
-    return crosses(tree, &plane, p, tree->triangle[t].vertex);
+    return crosses(tree, &plane, p, tree->vertex + t * tree->vertex_step);
 }

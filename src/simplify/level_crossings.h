@@ -5,18 +5,28 @@
 
 #include "simplify/corners.h"
 
-enum { CROSSING_WIDTH = 8, CROSSING_LEVELS = 12 };
+enum { CROSSING_WIDTH = 8, CROSSING_LEVELS = 12, CROSSING_SLANTS = 4 };
 
+/* Boxes along the axes: of each the lowest coordinate, then the highest one with the other sign, so that a larger
+ * box has smaller numbers. */
 typedef struct crossing_node {
-    int16_t low[3][CROSSING_WIDTH], high[3][CROSSING_WIDTH];
+    int16_t bound[6][CROSSING_WIDTH];
 } crossing_node;
+
+/* Along the four diagonals of a cube. */
+typedef struct crossing_slant {
+    int16_t bound[2 * CROSSING_SLANTS][CROSSING_WIDTH];
+} crossing_slant;
 
 /* Boxes over triangles in an order of space; those that are gone have none. */
 typedef struct crossing_tree {
-    const bvxi_corner_vertex *at;
-    const bvxi_corner_triangle *triangle;
+    /* Positions, and triangles' vertices, each so many numbers after the one before. */
+    const double *at;
+    const uint32_t *vertex;
+    uint64_t at_step, vertex_step;
     const uint8_t
         *graph; /* of each vertex, 1: its triangles lie side by side, seen along some direction; or NULL */
+    const uint8_t *fresh; /* of each vertex; pairs without such a one are left out; NULL: none are */
     const uint32_t
         *live; /* triangles that are not gone, ascending; NULL: all have a place [Size: triangles] */
     uint64_t triangles;
@@ -25,10 +35,11 @@ typedef struct crossing_tree {
     /* node[0][i]: triangles 8i .. 8i + 7; node[l][i]: nodes 8i .. 8i + 7 of level l - 1 */
     crossing_node *node[CROSSING_LEVELS];
     uint64_t nodes[CROSSING_LEVELS];
-    int32_t levels;
+    int32_t levels, slanted; /* slanted 1: with */
+    crossing_slant *slant;   /* of each node of level 0 */
 } crossing_tree;
 
-/* Set the boxes of a tree whose fields before node are set. Scratch: 14 bytes a triangle, at node[0]. */
+/* Set the boxes of a tree whose fields before node are set. Scratch: 14 bytes a triangle, slanted 30, at node[0]. */
 bvx_status bvxi_crossing_tree_open(bvx_context *ctx, crossing_tree *tree);
 /* Triangle t has moved or come back: its box is its own again, those above grow. */
 void bvxi_crossing_tree_move(crossing_tree *tree, uint32_t t);

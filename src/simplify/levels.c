@@ -328,6 +328,7 @@ static bvx_status open_collapse(bvx_context *ctx, bvxi_level_chain *c, const bvx
     uint64_t mark;
     bvx_status status;
 
+    c->collapse.counted = c->reports != NULL;
     c->collapse.borders = BVXI_BORDERS_REFUSED;
     if (c->collapse.simple) return bvxi_collapse_open(ctx, c->function, mesh, made, &c->collapse, collapse);
     c->collapse.borders = BVXI_BORDERS_KEPT;

@@ -34,6 +34,7 @@ typedef struct bvxi_collapse_options {
     /* As in bvx_collapse; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
     double attribute_weight;
     int32_t lock_border, vertices, topology;
+    int32_t counted; /* 1: crossings are, those that were there before too */
     const uint8_t *locked;
 } bvxi_collapse_options;
 

@@ -10,7 +10,7 @@ static double stated_bytes(uint64_t triangles, uint64_t grid_bytes, int beside)
 {
     double const n = (double)triangles, s = (double)found.triangles, g = (double)grid_bytes;
     double const measuring = 200 * n + 45 * s + 5 * g, collapsing = 12 * n + 170 * s;
-    double const most = !found.solid             ? (beside ? 235 : 175) * n
+    double const most = !found.solid             ? (beside ? 205 : 165) * n
                         : measuring > collapsing ? measuring
                                                  : collapsing;
     return most + 36 * (double)found.before.boundary_edges + 400e3 + (found.triangles > 20000 ? 1.3e6 : 0);

@@ -293,8 +293,10 @@ static crossing_tree tree_of(const bvxi_collapse *c)
     crossing_tree tree;
 
     memset(&tree, 0, sizeof tree);
-    tree.at = c->mesh.at;
-    tree.triangle = c->mesh.triangle;
+    tree.at = c->mesh.at[0].p;
+    tree.vertex = c->mesh.triangle[0].vertex;
+    tree.at_step = sizeof *c->mesh.at / sizeof *tree.at;
+    tree.vertex_step = sizeof *c->mesh.triangle / sizeof *tree.vertex;
     tree.triangles = c->mesh.triangles;
     tree.scale = c->scale;
     memcpy(tree.low, c->low, sizeof tree.low);
@@ -307,23 +309,49 @@ static void assert_pairs(const uint32_t *wanted, uint64_t wanted_count, const ui
     if (count != 0) TEST_ASSERT_EQUAL_MEMORY_MESSAGE(wanted, pairs, (size_t)count * 8, where);
 }
 
-/* All of a tree's pairs, and those of one triangle. */
+/* Of pairs, those with a vertex that is marked, in place; returns how many. */
+static uint64_t keep_fresh(const bvxi_corners *m, const uint8_t *fresh, uint32_t *pairs, uint64_t count)
+{
+    uint64_t kept = 0;
+
+    for (uint64_t i = 0; i < count; i++) {
+        int any = 0;
+
+        for (int k = 0; k < 6; k++) any |= fresh[m->triangle[pairs[2 * i + (k > 2)]].vertex[k % 3]];
+        if (any) memmove(pairs + 2 * kept++, pairs + 2 * i, 8);
+    }
+    return kept;
+}
+
+/* All of a tree's pairs, those with a fresh vertex, and those of one triangle, with either kind of boxes. */
 static uint64_t check_crossings(const bvxi_collapse *c)
 {
     crossing_tree tree = tree_of(c);
     uint32_t *wanted, *pairs;
     uint64_t const wanted_count = plain_pairs(&c->mesh, &wanted);
+    uint8_t *const fresh = maker_grow(NULL, (size_t)c->mesh.vertices);
     uint64_t count;
 
+    for (tree.slanted = 0; tree.slanted < 2; tree.slanted++) {
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossing_tree_open(ctx, &tree));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossings_find(ctx, &tree, 0.0, 1.0, &pairs, &count));
+        assert_pairs(wanted, wanted_count, pairs, count);
+        bvxi_drop(ctx, pairs);
+        for (uint64_t i = 0; i < wanted_count && tree.slanted; i++)
+            TEST_ASSERT_TRUE(bvxi_crossing_pair(&tree, wanted[2 * i], wanted[2 * i + 1]) &&
+                             bvxi_crossing_pair(&tree, wanted[2 * i + 1], wanted[2 * i]));
+        bvxi_drop(ctx, tree.node[0]);
+    }
+    for (uint64_t v = 0; v < c->mesh.vertices; v++) fresh[v] = maker_below(&seed, 8) == 0;
+    tree.slanted = 1;
+    tree.fresh = fresh;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossing_tree_open(ctx, &tree));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossings_find(ctx, &tree, 0.0, 1.0, &pairs, &count));
-    assert_pairs(wanted, wanted_count, pairs, count);
+    assert_pairs(wanted, keep_fresh(&c->mesh, fresh, wanted, wanted_count), pairs, count);
     bvxi_drop(ctx, pairs);
-    for (uint64_t i = 0; i < wanted_count; i++)
-        TEST_ASSERT_TRUE(bvxi_crossing_pair(&tree, wanted[2 * i], wanted[2 * i + 1]) &&
-                         bvxi_crossing_pair(&tree, wanted[2 * i + 1], wanted[2 * i]));
-    free(wanted);
     bvxi_drop(ctx, tree.node[0]);
+    free(fresh);
+    free(wanted);
     return wanted_count;
 }
 
@@ -426,6 +454,7 @@ static void test_boxes_follow_what_moves(void)
 
     open_way(0, 0, &o);
     tree = tree_of(collapse);
+    tree.slanted = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_crossing_tree_open(ctx, &tree));
     seen = maker_grow(NULL, (size_t)collapse->mesh.triangles);
     for (int round = 0; round < 400; round++) {
