@@ -1403,7 +1403,7 @@ typedef struct bvx_boolean_report {
 /** Meshes of which thin walls were kept. */
 enum { BVX_KEPT_A = 1, BVX_KEPT_B = 2 };
 
-/** What has few voxels: fewer than 16 along its longest axis as far as it lies on the lattice, or none. */
+/** What has few voxels: fewer than 6 along its longest axis as far as it lies on the lattice, or none. */
 enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 
 typedef struct bvx_boolean_options {
