@@ -503,7 +503,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 
 /* ---- Warnings ---- */
 
-#define BOOLEAN_OFF    0.05 /* of a volume */
+#define BOOLEAN_OFF    0.02 /* of a volume */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
 /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */

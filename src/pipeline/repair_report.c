@@ -149,14 +149,17 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
     return BVX_OK;
 }
 
-/* Volume or area of a closed mesh have changed by a twentieth: overlaps may be why. */
+#define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
+#define REPAIR_CHANGED 0.05 /* of an area, or a volume that lines of centres see, the same */
+
+/* Volume or area of a closed mesh have changed: overlaps may be why. */
 static int has_other_size(const bvx_repair_report *r)
 {
     double const volume = bvxi_absolute(r->before.volume);
 
     if (!r->before.closed || !r->before.oriented) return 0;
-    return bvxi_absolute(r->after.volume - volume) > 0.05 * volume ||
-           bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
+    return bvxi_absolute(r->after.volume - volume) > REPAIR_OFF * volume ||
+           bvxi_absolute(r->after.area - r->before.area) > REPAIR_CHANGED * r->before.area;
 }
 
 /* Of a certificate, with lids in so many holes. */
@@ -200,7 +203,6 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
 /* ---- Warnings ---- */
 
-#define REPAIR_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
@@ -273,7 +275,7 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double fi
         !(bvxi_changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer);
     else if (bvxi_changed_as_asked(r) || (r->shelled && !own)) return;
-    else if (bvxi_absolute(off) > REPAIR_CHANGED && (own || off < 0.0 || r->thin_voxels == 0))
+    else if (bvxi_absolute(off) > (own ? REPAIR_OFF : REPAIR_CHANGED) && (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer);
     else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
         BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer);
