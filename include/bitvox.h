@@ -768,8 +768,9 @@ typedef struct bvx_solid_report {
     double thin_wall;        /**< nine tenths of them have a wall at least this thick [Units: world] */
     int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: lattice's voxels] */
     double crossing_volume;    /**< with thin_checked and without add_shell: volume, if the solid ended where
-                                    lines of centres cross the mesh and not half way between centres. Rounded
-                                    to a float [Units: world] */
+                                    lines of centres cross the mesh and not half way between centres; where a
+                                    closed mesh without mesh_volume is then off, of a solid of half the
+                                    spacing. Rounded to a float [Units: world] */
     int32_t volume_resolution; /**< resolution from which volume is within 1 % of mesh_volume (of
                                     crossing_volume where that is 0), by how far off it is now; 0: it is
                                     within 1 %, or no resolution is. Not in bvx_boolean_report */
@@ -1246,9 +1247,10 @@ typedef struct bvx_repair_report {
                                 its sides are unknown [Units: world] */
     uint64_t thin_shelled;  /**< of shelled_triangles, those of components that have a volume but no voxel at
                                 the back of most of their area: a higher resolution makes them bodies */
-    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh: what
-                                 volume the result should have, overlaps counted once, whatever was wrong with
-                                 the input. Walls that thin_voxels counts are not all in it. 0: copied, or
+    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh (of a
+                                 closed one whose result is then off, at half the spacing): what volume the
+                                 result should have, overlaps counted once, whatever was wrong with the input.
+                                 Walls that thin_voxels counts are not all in it. 0: copied, or
                                  nothing encloses a centre. Rounded to a float [Units: world] */
     double shelled_area;    /**< of shelled_triangles [Units: world^2] */
     uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */

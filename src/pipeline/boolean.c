@@ -523,21 +523,32 @@ static double shared_volume(const boolean_job *job)
     return shared[0] < shared[1] ? shared[0] : shared[1];
 }
 
-/* The volume of the result beside those of the meshes. An intersection's does not follow from these. */
-static void warn_of_operands_volume(boolean_job *job, double volume, double finer)
+/* The volume of the result beside those of the meshes, these seen nearer where it matters. An intersection's does
+ * not follow from these. */
+static bvx_status warn_of_operands_volume(boolean_job *job, double volume, double finer)
 {
-    const bvx_boolean_report *const r = &job->report;
-    int const alone = job->operation == BVX_BOOLEAN_DIFFERENCE;
-    double const a = r->solid_a.crossing_volume, b = alone ? 0.0 : r->solid_b.crossing_volume;
-    double const shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
-    double const wanted = a + b - shared;
+    bvx_boolean_report *const r = &job->report;
+    bvx_solid_report *const of[2] = {&r->solid_a, &r->solid_b};
+    int const count = job->operation == BVX_BOOLEAN_DIFFERENCE ? 1 : 2;
+    double shared, wanted = 0.0;
 
-    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0 || !(a > 0.0) ||
-        !(alone || b > 0.0) || !(wanted > 0.0))
-        return;
-    if (volume < (1.0 - BOOLEAN_OFF) * (a + b - shared * BOOLEAN_SHARED) ||
-        volume > (1.0 + BOOLEAN_OFF) * (a + b - shared / BOOLEAN_SHARED))
-        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted, volume / wanted - 1.0, finer);
+    for (int i = 0; i < count; i++)
+        if (!(bvxi_known_volume(of[i]) > 0.0)) return BVX_OK;
+    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0) return BVX_OK;
+    shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
+    for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
+    for (int i = 0; i < count; i++)
+        if (bvxi_known_volume(of[i]) == of[i]->crossing_volume && bvxi_solid_is_closed(of[i]))
+            BVXI_TRY(bvxi_see_volume(job->ctx, boolean_name, job->body[i].mesh, &job->lattice,
+                                     job->options->fill, of[i]->crossing_volume + volume + shared - wanted,
+                                     &of[i]->crossing_volume));
+    wanted = 0.0;
+    for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
+    if (volume < (1.0 - BOOLEAN_OFF) * (wanted - shared * BOOLEAN_SHARED) ||
+        volume > (1.0 + BOOLEAN_OFF) * (wanted - shared / BOOLEAN_SHARED))
+        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted - shared, volume / (wanted - shared) - 1.0,
+                  finer);
+    return BVX_OK;
 }
 
 /* A union has no more parts than its meshes have together. They are counted only where that is in question: one
@@ -590,7 +601,7 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvx_mesh_view_of(result, &view);
         BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &c));
         BVXI_TRY(warn_of_operands_parts(job, c.components, finer));
-        warn_of_operands_volume(job, c.volume, finer);
+        BVXI_TRY(warn_of_operands_volume(job, c.volume, finer));
     }
     r->warnings = bvxi_warned(job->ctx);
     return BVX_OK;

@@ -183,6 +183,19 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
+/* 1: volume and area of the mesh are those of its body. */
+static int has_own_size(const bvx_repair_report *r)
+{
+    return r->before.closed && r->before.oriented && r->overlaps == 0 && r->turned == 0 &&
+           r->before.duplicates == 0 && r->before.volume != 0.0;
+}
+
+/* 1: no lids and shells are in its body. */
+static int is_closed(const bvx_repair_report *r)
+{
+    return r->holes == 0 && !r->shelled && r->before.boundary_edges == 0;
+}
+
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
     bvx_mesh_view result;
@@ -197,6 +210,10 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
     if (job->options->measure || has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
+    if (is_closed(&job->report) && !has_own_size(&job->report))
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
+                            bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
+                                            job->report.after.volume, &job->report.crossing_volume)));
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }
@@ -252,13 +269,6 @@ static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r)
         BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), r->longest_hole);
 }
 
-/* 1: volume and area of the mesh are those of its body. */
-static int has_own_size(const bvx_repair_report *r)
-{
-    return r->before.closed && r->before.oriented && r->overlaps == 0 && r->turned == 0 &&
-           r->before.duplicates == 0 && r->before.volume != 0.0;
-}
-
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
 static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double finer)
@@ -275,7 +285,8 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double fi
         !(bvxi_changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer);
     else if (bvxi_changed_as_asked(r) || (r->shelled && !own)) return;
-    else if (bvxi_absolute(off) > (own ? REPAIR_OFF : REPAIR_CHANGED) && (own || off < 0.0 || r->thin_voxels == 0))
+    else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
+             (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer);
     else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
         BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer);
