@@ -234,6 +234,7 @@ completions := $(PREFIX)/share/bash-completion/completions
 
 install: all $(found_by) $(pages) ## library, header, bitvox.pc, CMake's files, program, man page, completion
 	$(call put,include/bitvox.h,$(PREFIX)/include/bitvox.h,644)
+	$(call put,include/bitvox_io.h,$(PREFIX)/include/bitvox_io.h,644)
 	$(call put,$(BUILD)/libbitvox.a,$(LIBDIR)/libbitvox.a,644)
 	$(call put,$(BUILD)/libbitvox.so,$(LIBDIR)/libbitvox.so.$(version),755)
 	@ln -sf libbitvox.so.$(version) $(call quote,$(DESTDIR)$(LIBDIR)/$(soname))
@@ -246,7 +247,7 @@ install: all $(found_by) $(pages) ## library, header, bitvox.pc, CMake's files, 
 	$(call put,$(BUILD)/bitvox.bash,$(completions)/bitvox,644)
 
 uninstall: ## remove what install put there
-	rm -f $(addprefix $(DESTDIR),$(PREFIX)/include/bitvox.h $(addprefix $(LIBDIR)/,libbitvox.a libbitvox.so $(soname) \
+	rm -f $(addprefix $(DESTDIR),$(PREFIX)/include/bitvox.h $(PREFIX)/include/bitvox_io.h $(addprefix $(LIBDIR)/,libbitvox.a libbitvox.so $(soname) \
 	    libbitvox.so.$(version) pkgconfig/bitvox.pc cmake/bitvox/bitvoxConfig.cmake \
 	    cmake/bitvox/bitvoxConfigVersion.cmake) $(PREFIX)/bin/bitvox $(PREFIX)/share/man/man1/bitvox.1 $(completions)/bitvox)
 
@@ -286,7 +287,7 @@ deb: ## build/debian: Debian packages of library and program (debhelper; lintian
 packaging: all ## projects that use the library: CMake by make and Ninja, gcc, clang, mingw; pkg-config; vcpkg; Conan; parts as one file (ROWS=cmake: these alone)
 	@BUILD=$(BUILD) MAKE_COMMAND='$(MAKE_COMMAND)' sh tests/tools/packaging.sh $(ROWS)
 
-amalgamation: ## build/bitvox.c and build/bitvox.h: the library as one source file (PARTS="solid levels": what these calls need, in build/parts)
+amalgamation: ## build/bitvox.c and both headers: the library as one source file (PARTS="solid levels": what these calls need, in build/parts)
 	@sh src/amalgamate.sh $(BUILD)$(if $(PARTS),/parts $(call quote,$(PARTS))) && echo "$(BUILD)$(if $(PARTS),/parts)/bitvox.c $(BUILD)$(if $(PARTS),/parts)/bitvox.h"
 
 # ---- Running ----

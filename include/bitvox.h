@@ -1,4 +1,5 @@
-/* bitvox.h - shapes to voxels and voxels to shapes: the whole public interface of libbitvox. Licence: MIT.
+/* bitvox.h - shapes to voxels and voxels to shapes: the interface of libbitvox. Files and pictures: bitvox_io.h.
+ * Licence: MIT.
  *
  * Start here: two levels of detail of any mesh.
  *
@@ -18,7 +19,6 @@
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
- *     Formats, Pictures                                    files, from and to memory
  * What holds for all stages: docs/exactness.md. How each decides, and its memory in detail: docs/rules.md.
  *
  * What holds for every function, unless its comment says otherwise
@@ -600,10 +600,10 @@ typedef struct bvx_lattice_options {
 
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
  *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
- *  smallest count that covers them.
+ *  smallest count that covers them. Of a mesh without triangles, a cloud of points, all vertices count.
  *  resolution  [Limit: 1..2^25] below it is BVX_ERR_ARGUMENT, above BVX_ERR_RANGE
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (a coordinate that is not finite, an index beyond the
- *  vertices, dims beyond 2^25).
+ *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (a coordinate that is not
+ *  finite, an index beyond the vertices, dims beyond 2^25).
  *  [Memory: none]
  *  [Cost: O(vertices + triangles)] */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
@@ -894,7 +894,7 @@ enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 typedef struct bvx_fit {
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
     int32_t resolution;         /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256; of
-                                     bvx_build_levels that of bvx_plan_levels] */
+                                     bvx_build_levels 256 to 320, by its finest target] */
     int32_t reserved;
 } bvx_fit;
 
@@ -994,12 +994,6 @@ typedef struct bvx_faces_options {
     int32_t merged;        /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_faces_options;
-
-/** The exact size of what bvx_extract_faces would make.
- *  [Memory: 8 bytes a row; merged: as bvx_extract_faces] */
-BVX_API bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_faces_options *options, uint64_t *vertex_count,
-                                   uint64_t *triangle_count);
 
 /** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel.
  *  Beyond the window is empty. The mesh is closed and has the volume of the set voxels. It is not manifold
@@ -1329,7 +1323,8 @@ typedef struct bvx_levels_options {
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
                         from its default] */
-    bvx_fit fit;   /**< solid: [Default: the resolution of bvx_plan_levels] */
+    bvx_fit fit;   /**< solid: [Default: a resolution from 256 to 320, by which the surface has about 16 times
+                        the triangles of the finest level] */
     int32_t sign;  /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO] */
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
@@ -1346,15 +1341,6 @@ typedef struct bvx_levels_options {
     int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
     int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_levels_options;
-
-/** The resolution at which bvx_build_levels measures a mesh when none is given: from 256 to 320, so that the
- *  measured surface has about 16 times the triangles of the finest level.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
- *  [Memory: none]
- *  [Cost: O(triangles)] */
-BVX_API bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh,
-                                   const bvx_levels_options *options, uint64_t level_count,
-                                   int32_t *resolution);
 
 /** Levels of detail from any mesh: the main job.
  *
@@ -1795,6 +1781,17 @@ BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, 
 
 /* ---- Morphology and distances -------------------------------------------------------------------------- */
 
+/** DILATE  voxels with a set one within the neighbourhood (steps times) or the ball
+ *  ERODE   voxels with no empty one there
+ *  OPEN    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid
+ *  CLOSE   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid */
+#define BVX_MORPH_LIST(X)            \
+    X(BVX_MORPH_DILATE, 0, "dilate") \
+    X(BVX_MORPH_ERODE, 1, "erode")   \
+    X(BVX_MORPH_OPEN, 2, "open")     \
+    X(BVX_MORPH_CLOSE, 3, "close")
+enum { BVX_MORPH_LIST(BVX_LIST_ENUM) };
+
 /** A ball of a radius in place of neighbours. */
 enum { BVX_BALL = 1 };
 
@@ -1810,25 +1807,16 @@ typedef struct bvx_morph_options {
     int32_t reserved;
 } bvx_morph_options;
 
-/** Grow and shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
+/** Grow or shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
  *  the window; both halves of open and close, and only the end is cut to the window.
- *  dilate  voxels with a set one within the neighbourhood (steps times) or the ball
- *  erode   voxels with no empty one there
- *  open    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid
- *  close   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid
+ *  operation  BVX_MORPH_...
  *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400).
  *  [Memory: the result, and some slices for each worker; balls of more than 35 voxels up to 136 bytes a row;
  *  open and close with a ball one or two more grids (docs/rules.md)]
  *  [Cost: O(words * steps); a ball: O(words * radius^2), at most O(voxels)]
  *  [Exact: yes; a window with a halo of the reach (open, close: twice) has the bits of the whole]
  *  Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance. */
-BVX_API bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_morph_options *options, bvx_grid *result);
-BVX_API bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid,
-                                  const bvx_morph_options *options, bvx_grid *result);
-BVX_API bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                                 bvx_grid *result);
-BVX_API bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid,
+BVX_API bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
                                   const bvx_morph_options *options, bvx_grid *result);
 
 typedef struct bvx_hollow_report {
@@ -1860,7 +1848,7 @@ typedef struct bvx_hollow_options {
  *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
  *  the result is the grid itself, without a hole, wherever drain_at is.
  *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below
- *  a voxel, which would leave no shell), and as bvx_grid_erode with a ball, whose memory and cost it has.
+ *  a voxel, which would leave no shell), and as bvx_grid_morph with a ball, whose memory and cost it has.
  *  [Exact: yes] */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid,
                                    const bvx_hollow_options *options, bvx_grid *result);
@@ -1882,6 +1870,9 @@ enum { BVX_DISTANCE_LIST(BVX_LIST_ENUM) };
     X(BVX_BEYOND_SET, 2, "set")
 enum { BVX_BEYOND_LIST(BVX_LIST_ENUM) };
 
+/** A third type of values, beside BVX_F32 and BVX_F64. */
+enum { BVX_SQUARES = 3 };
+
 typedef struct bvx_distance_options {
     size_t struct_size;
     int32_t side;      /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
@@ -1895,9 +1886,12 @@ typedef struct bvx_distance_options {
 /** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y,
  *  then z. SIGNED is negative on set voxels. With BVX_BEYOND_NOTHING an empty grid has infinity everywhere
  *  (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED: minus infinity).
- *  value_type  BVX_F32 or BVX_F64: the last rounding
+ *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels,
+ *              OUTSIDE or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
  *  values      [Size: nx * ny * nz] [Units: world]
- *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100).
+ *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100; squares of a
+ *  window whose diagonal has one of 2^32 - 2^16 or more), BVX_ERR_ARGUMENT (also squares of voxels that are
+ *  not cubic, or SIGNED).
  *  [Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of
  *  the longer side along y or z for each worker]
  *  [Cost: O(voxels), SIGNED twice]
@@ -1908,15 +1902,6 @@ typedef struct bvx_distance_options {
 BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid,
                                      const bvx_distance_options *options, int32_t value_type, void *values,
                                      uint64_t capacity);
-
-/** The squares as integers, for cubic voxels and OUTSIDE or INSIDE [Units: voxels^2]; UINT32_MAX where there
- *  is no such voxel.
- *  Returns as bvx_grid_distance; BVX_ERR_ARGUMENT also for SIGNED and for voxels that are not cubic,
- *  BVX_ERR_RANGE for windows whose squared diagonal is 2^32 - 2^16 or more (bvx_grid_distance has no such
- *  limit). */
-BVX_API bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
-                                             const bvx_distance_options *options, uint32_t *squares,
-                                             uint64_t capacity);
 
 /* ---- Components ---------------------------------------------------------------------------------------- */
 
@@ -2108,14 +2093,6 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
-/** A lattice around a cloud of points, as bvx_lattice_fit_with around a mesh. All vertices of the view count;
- *  triangles are ignored.
- *  Returns BVX_ERR_EMPTY (no point; only one position and no spacing), BVX_ERR_RANGE.
- *  [Memory: none]
- *  [Cost: O(points)] */
-BVX_API bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points,
-                                          const bvx_lattice_options *options, bvx_lattice *lattice);
-
 /** Counts of one call, for its window. */
 typedef struct bvx_points_report {
     uint64_t inside, outside; /**< points in the window, and beyond it */
@@ -2254,65 +2231,6 @@ typedef struct bvx_label {
  *  [Cost: O(samples)] */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
-
-/** A volume that was read. */
-typedef struct bvx_volume {
-    bvx_volume_view view;
-    uint64_t bytes; /**< of view.samples where the library made them */
-    int32_t owned;  /**< 1 when bvx_volume_free frees view.samples; 0: they lie in the file's bytes */
-    int32_t placed; /**< 0: the file has no lattice; origin 0 and spacing 1 are assumed */
-    uint64_t reserved[2];
-} bvx_volume;
-
-BVX_API void bvx_volume_free(bvx_context *context, bvx_volume *volume);
-
-/** Unpack gzip or zlib data to exactly plain_size bytes. Returns 0 when that is what they hold; any other
- *  number when they are damaged, longer or shorter. Called on the calling thread. */
-typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain,
-                               uint64_t plain_size);
-
-typedef struct bvx_read_volume_options {
-    size_t struct_size;
-    const void *data;   /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
-    uint64_t data_size; /**< [Units: bytes] [Limit: any] [Default: 0] */
-    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip [Default: NULL, refused] */
-    void *inflate_user;      /**< first argument of inflate [Default: NULL] */
-    int32_t sample_type;     /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
-    int32_t big_endian;      /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
-    int32_t size[3];         /**< RAW: samples along each axis [Units: voxels] [Limit: any] [Default: 0] */
-    int32_t reserved0;
-    uint64_t offset;   /**< RAW: bytes to skip first; those after the last sample are ignored [Limit: any]
-                            [Default: 0] */
-    double origin[3];  /**< RAW: low corner of the first voxel [Units: world] [Limit: any] [Default: 0] */
-    double spacing[3]; /**< RAW [Units: world] [Limit: any] [Default: 1] */
-    uint64_t reserved[2];
-} bvx_read_volume_options;
-
-/** Read a volume from the bytes of a file. Where the file holds the samples as they are needed, the view
- *  points into bytes (or options.data), which must then outlive it; else they are copied, packed with x
- *  fastest. The lattice is the file's box, as in bvx_read_grid. Encodings, and how numbers of a text become
- *  samples: docs/formats.md.
- *  BVX_FORMAT_NRRD  three axes, x fastest, any scalar type; raw, ascii, or gzip with options.inflate; samples
- *                   in other files come by bvx_volume_data_name and options.data
- *  BVX_FORMAT_NPY   any whole-number or float type, three axes [x,y,z]
- *  BVX_FORMAT_VTI   raw, base64 or ascii without compression, cell or point data
- *  BVX_FORMAT_RAW   samples only, of the options' size, type and byte order
- *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (dims beyond the limits),
- *  BVX_ERR_UNSUPPORTED (a format or encoding that is not read, turned axes, gzip without inflate),
- *  BVX_ERR_ARGUMENT (also a detached header without data).
- *  [Memory: none, or the samples: at most 4 times size and data_size and 32 KiB; gzip up to 1100 times its
- *  bytes, and three times that while halves or the other byte order are converted. Set a memory limit for
- *  files from strangers] */
-BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                   const bvx_read_volume_options *options, bvx_volume *volume);
-
-/** The name of data file index of an NRRD's detached header, zero-terminated, to be found beside the header.
- *  A header from a stranger may name any file: the program and the Python package refuse what is not in its
- *  folder or below. *count is the number of names, 0 when the samples follow the header. Each call reads the
- *  header: one whose data files times its bytes exceed 2^31 (a LIST of 60,000 names) is refused.
- *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_UNSUPPORTED. */
-BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size,
-                                        uint64_t index, char *name, uint64_t capacity, uint64_t *count);
 
 /* ---- Section contours ---------------------------------------------------------------------------------- */
 
@@ -2711,402 +2629,6 @@ BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tre
  *  [Cost: O(surface + blocks of 256 x 256 x 256 voxels)] */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
-
-/* ---- Formats ------------------------------------------------------------------------------------------- */
-
-/** Every format and the ending of its file names, which is also its own name. NRRD has .nhdr too. */
-#define BVX_FORMAT_LIST(X)            \
-    X(BVX_FORMAT_STL, 1, "stl")       \
-    X(BVX_FORMAT_OBJ, 2, "obj")       \
-    X(BVX_FORMAT_PLY, 3, "ply")       \
-    X(BVX_FORMAT_NPY, 4, "npy")       \
-    X(BVX_FORMAT_PNG, 5, "png")       \
-    X(BVX_FORMAT_OFF, 6, "off")       \
-    X(BVX_FORMAT_GLB, 7, "glb")       \
-    X(BVX_FORMAT_BINVOX, 8, "binvox") \
-    X(BVX_FORMAT_VOX, 9, "vox")       \
-    X(BVX_FORMAT_NRRD, 10, "nrrd")    \
-    X(BVX_FORMAT_VTI, 11, "vti")      \
-    X(BVX_FORMAT_BVX, 12, "bvx")      \
-    X(BVX_FORMAT_VTU, 13, "vtu")      \
-    X(BVX_FORMAT_RAW, 14, "raw")      \
-    X(BVX_FORMAT_XYZ, 15, "xyz")      \
-    X(BVX_FORMAT_CSL, 20, "csl")      \
-    X(BVX_FORMAT_CSV, 21, "csv")      \
-    X(BVX_FORMAT_SVG, 22, "svg")      \
-    X(BVX_FORMAT_GLTF, 23, "gltf")
-enum {
-    BVX_FORMAT_UNKNOWN = 0,
-    BVX_FORMAT_LIST(BVX_LIST_ENUM)
-    /** What formats hold: bit 1 << format. */
-    BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
-                      1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_GLTF,
-    BVX_MESHES_WRITTEN = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY |
-                         1 << BVX_FORMAT_OFF | 1 << BVX_FORMAT_GLB,
-    BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX |
-                     1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
-    BVX_GRIDS_WRITTEN = BVX_GRIDS_READ,
-    BVX_VOLUMES_READ = 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_RAW,
-    BVX_POINTS_READ = 1 << BVX_FORMAT_XYZ | 1 << BVX_FORMAT_PLY,
-    BVX_SECTIONS_READ = 1 << BVX_FORMAT_CSL | 1 << BVX_FORMAT_CSV,
-    BVX_SECTIONS_WRITTEN = BVX_SECTIONS_READ | 1 << BVX_FORMAT_SVG
-};
-
-/** Bytes made by the library; freed by bvx_buffer_free. */
-typedef struct bvx_buffer {
-    uint8_t *bytes;
-    uint64_t size;
-    uint64_t capacity;
-} bvx_buffer;
-
-BVX_API void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer);
-
-/** The format of a file name's ending (also before ".gz"), in either case of letters. */
-BVX_API int32_t bvx_format_of_name(const char *name);
-
-/** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
- *  overlap nor turn over. STL vertices are welded where their bits are equal. Colours and texture coordinates
- *  are read when all vertices or faces have them. What is read of each format: docs/formats.md.
- *  format  BVX_FORMAT_STL (ASCII and binary are recognised), _OBJ, _PLY, _OFF, _GLB or _GLTF (both are
- *          recognised by content)
- *  mesh    brings no arrays of the caller's; positions are f32 where the file says float (STL, PLY, glTF), else
- *          f64
- *  Returns BVX_ERR_FORMAT (also a file that is cut off: byte, line or element, and why), BVX_ERR_RANGE (a
- *  coordinate that is not finite, an index beyond the vertices), BVX_ERR_EMPTY (no triangle),
- *  BVX_ERR_UNSUPPORTED (glTF: an extension that must be known and is not, by its name).
- *  [Memory: with the mesh at most 8 (STL), 64 (OBJ, OFF), 128 (PLY) or 4096 (glTF: nodes repeat meshes) times
- *  size and 32 KiB; counts that the size cannot hold are refused before allocation] */
-BVX_API bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                 bvx_mesh *mesh);
-
-/** The bytes of a file that another one names. */
-typedef struct bvx_file_bytes {
-    const void *bytes;
-    uint64_t size;
-    void *handle; /**< the callback's own */
-} bvx_file_bytes;
-
-/** Fills file with the bytes of the file called name, and returns 0; any other result: there is none. name is
- *  relative to the folder of the file that is read, in UTF-8 with / between folders, without "..", backslash
- *  and colon. The bytes must stay until bvx_close_fn has been called with the same struct. */
-typedef int32_t bvx_open_fn(void *user, const char *name, bvx_file_bytes *file);
-typedef void bvx_close_fn(void *user, bvx_file_bytes *file);
-
-/** What a file holds that its mesh does not: skins with their joints and weights, morph targets, animations,
- *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh. Bits. */
-#define BVX_LOST_LIST(X)                    \
-    X(BVX_LOST_SKINS, 1, "skins")           \
-    X(BVX_LOST_MORPHS, 2, "morphs")         \
-    X(BVX_LOST_ANIMATIONS, 4, "animations") \
-    X(BVX_LOST_POINTS, 8, "points")         \
-    X(BVX_LOST_IMAGES, 16, "images")        \
-    X(BVX_LOST_ATTRIBUTES, 32, "attributes")
-enum { BVX_LOST_LIST(BVX_LIST_ENUM) };
-
-typedef struct bvx_read_report {
-    uint64_t dropped; /**< triangles left out by drop_nonfinite */
-    uint32_t lost;    /**< what the mesh does not hold: bits of BVX_LOST_... */
-    uint32_t reserved;
-} bvx_read_report;
-
-typedef struct bvx_read_options {
-    size_t struct_size;
-    int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a
-                                 polygon all are [Limit: 0..1] [Default: 0] */
-    int32_t keep_file;      /**< 1: of glTF, for bvx_write_options.source [Limit: 0..1] [Default: 0] */
-    bvx_open_fn *open_file; /**< [Default: NULL, no other file is opened] */
-    bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
-    void *user;               /**< first argument of open_file and close_file [Default: NULL] */
-    bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
-} bvx_read_options;
-
-/** The same with all options. glTF names files for buffers and images: a buffer that is not there is
- *  BVX_ERR_FORMAT, an image a loss. Materials, textures and images become mesh.assets; a triangle without a
- *  material has the index after the last one. With keep_file the mesh has the file beside it, where that can be,
- *  and nothing but images is lost. What else is read of glTF: docs/formats.md.
- *  Returns what bvx_read_mesh returns; BVX_ERR_EMPTY also when no triangle remains. Colours and texture
- *  coordinates must be finite.
- *  [Memory: as bvx_read_mesh, files that open_file hands out count as size; 4 bytes a vertex more, where
- *  triangles are left out; the file's bytes once more by keep_file]
- *  Source: Khronos Group. glTF 2.0 Specification (ISO/IEC 12113:2022); KHR_mesh_quantization. */
-BVX_API bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                      const bvx_read_options *options, bvx_mesh *mesh);
-
-/** Read a cloud of points: the vertices of a mesh without triangles.
- *  BVX_FORMAT_XYZ  text, a point a line: x y z, further columns are ignored; between them spaces, tabs,
- *                  commas or semicolons. Lines that begin with #, // or % are comments; a first line of
- *                  names, or of one number (a count), is skipped. Positions are f64
- *  BVX_FORMAT_PLY  the element vertex, as bvx_read_mesh reads it; faces are ignored
- *  Returns BVX_ERR_FORMAT (line or byte, and why), BVX_ERR_RANGE (a point that is not finite, with its
- *  index: none is left out), BVX_ERR_EMPTY (no point).
- *  [Memory: the points, at most 16 times size and 32 KiB]
- *  [Cost: O(bytes)] */
-BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                   bvx_mesh *points);
-
-/** Write a mesh; its frame is added. PLY, OBJ (without alpha) and OFF keep colours, PLY and OBJ texture
- *  coordinates too. GLB has all that a mesh has. What each format holds: docs/formats.md. Coordinates stay as
- *  they are, whichever axis is up. A mesh that rounding to 32-bit floats would spoil, like one in metres of a
- *  map projection as STL, is refused with BVX_ERR_RANGE (BVX_ROUNDING_REFUSE says from where on; below that a
- *  few vertices may become one): take another format, or subtract from mesh.frame an origin that the file's
- *  user knows. bvx_check_written reports what a file would hold.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE (beyond what the format holds), BVX_ERR_UNSUPPORTED.
- *  [Memory: the file (text: up to about 1.5 times); GLB: and 24 bytes a vertex without normals, 84 a
- *  triangle while texture coordinates are split, 4 a triangle where materials differ] */
-BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format,
-                                  bvx_buffer *file);
-
-/* STL and GLB hold 32-bit floats: STL of the position, GLB too where meshes have 32-bit floats and no frame,
- * else of what it is from the middle of the bounds; or whole steps where they are quantized. A mesh is spoilt
- * where that moves a coordinate by more than 1/16 of the mean length of edges, or leaves more than one triangle
- * in 20 without its area or turned over. */
-enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
-
-/* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
-enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
-
-typedef struct bvx_write_options {
-    size_t struct_size;
-    int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL and OFF are
-                           refused [Limit: 0..1] [Default: 0] */
-    int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_...
-                           [Limit: 0..1] [Default: BVX_ROUNDING_REFUSE] */
-    int32_t turn;     /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2]
-                           [Default: BVX_TURN_NONE] */
-    int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
-                           side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
-                           formats are refused [Limit: 0..1] [Default: 0] */
-    const bvx_mesh *source; /**< its materials, textures and images go into a GLB. Where it was read with
-                                 keep_file and a single mesh has its vertices, as read (BVX_VERTICES_KEPT),
-                                 the file is written again, with other indices
-                                 [Default: NULL, those of the mesh, or of the first level that has some] */
-} bvx_write_options;
-
-/** The same with all options. Normals are those of the mesh, at length 1; without any they are smooth, as
- *  bvx_mesh_normals computes them at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after
- *  the coordinates; OBJ: vn, with the vertex's index.
- *  Returns what bvx_write_mesh returns; BVX_ERR_UNSUPPORTED for normals in STL (which has those of triangles)
- *  or OFF, and for quantize in other formats than GLB.
- *  [Memory: normals: 24 bytes a vertex more where the mesh has none; turn: its positions and normals once more]
- *  [Cost: O(vertices + triangles)]
- *  Source: Khronos Group. KHR_mesh_quantization, an extension of glTF 2.0. */
-BVX_API bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh,
-                                       const bvx_write_options *options, int32_t format, bvx_buffer *file);
-
-typedef struct bvx_write_report {
-    bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
-    uint64_t merged;      /**< positions that differ in the mesh and equal another in the file */
-    uint64_t spoilt;      /**< triangles that lose their area by rounding, or are turned over */
-    double largest_move;  /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
-    double mean_edge;     /**< mean length of edges, where there is rounding [Units: world] */
-    int32_t fits;         /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
-    int32_t reserved;
-} bvx_write_report;
-
-/** What readers will get of meshes in a format, without writing them: certificates with the positions as the
- *  file rounds them.
- *  levels   [Size: level_count] what one file is to hold, as for bvx_write_levels; 1: one mesh
- *  options  those of the writer, or NULL
- *  format   STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of others are files of their own
- *  reports  [Size: level_count] out; unspecified after a failure
- *  Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0
- *  then.
- *  [Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and
- *  10 a vertex while equal ones are counted; turn: positions and normals of all levels once more]
- *  [Cost: O(vertices + triangles)] */
-BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                     const bvx_write_options *options, int32_t format,
-                                     bvx_write_report *reports);
-
-/** Write levels of detail as one file: nodes "level_0", "level_1", ... with a mesh each, as
- *  bvx_write_mesh_with writes it, all about one centre, with materials, textures and images once. Only
- *  level_0 is in the scene; MSFT_lod, an extension that few readers know, attaches the others, and all other
- *  viewers show level_0. When a level gives way to the next: docs/formats.md.
- *  levels       [Size: level_count] the finest first, each with triangles
- *  level_count  [Limit: 1..65536] 1: the bytes of bvx_write_mesh_with
- *  options      NULL: all defaults
- *  format       BVX_FORMAT_GLB; the others hold one mesh a file
- *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds: 2^32 - 1
- *  bytes, f32 positions about the centre), BVX_ERR_UNSUPPORTED (another format). Messages name the level.
- *  [Memory: the file; for all levels what bvx_write_mesh_with takes for one, but the 72 bytes a triangle that
- *  splitting texture coordinates takes for a while; about 700 bytes a level]
- *  [Cost: O(vertices + triangles)]
- *  Source: Microsoft. MSFT_lod, a vendor extension of glTF 2.0. */
-BVX_API bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                    const bvx_write_options *options, int32_t format, bvx_buffer *file);
-
-/** Write a grid. The low corner of its window and the spacing go where the format keeps them:
- *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice
- *  BVX_FORMAT_BINVOX  translate is the low corner, scale the longest side; cubic voxels only
- *  BVX_FORMAT_VOX     MagicaVoxel: at most 256 voxels a side; no lattice
- *  BVX_FORMAT_NRRD    uint8, raw, attached header; "space origin" is the centre of the first voxel
- *  BVX_FORMAT_VTI     VTK image, cell data uint8, raw appended; Origin is the low corner
- *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
- *  Returns BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
- *  that it cannot hold).
- *  [Memory: the file; BINVOX: and 64 layers of x a worker]
- *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
-BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format,
-                                  bvx_buffer *file);
-
-/** Write an octree.
- *  states          VTU: the leaves in a set of states (0: surface and inside); BVX: 0, all of the tree
- *  BVX_FORMAT_BVX  our own: all levels with their states, each with a checksum; bvx_read_octree reads it
- *  BVX_FORMAT_VTU  VTK unstructured grid: voxels (cells of type 11) with cell data uint8 "level" and "state",
- *                  in the order of bvx_octree_leaves; corners are shared, f64 [Units: world]; raw appended
- *  Returns BVX_ERR_EMPTY (no such leaf), BVX_ERR_RANGE (2^28 leaves or more, dims beyond 2^21 - 1),
- *  BVX_ERR_UNSUPPORTED (no octree format).
- *  [Memory: the file; VTU: and 16 bytes a leaf, and 192 while corners are merged] */
-BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
-                                    int32_t format, bvx_buffer *file);
-
-/** Read an octree from the bytes of a .bvx file that bvx_write_octree made; *tree as for bvx_refine.
- *  Everything is checked before anything is allocated, and no file expands to more than its bytes.
- *  Returns BVX_ERR_FORMAT (byte, and why), BVX_ERR_UNSUPPORTED (a newer version).
- *  [Memory: the tree, at most twice size and 32 KiB]
- *  [Cost: O(bytes)] */
-BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t size, bvx_octree **tree);
-
-/** Write a field, dense, in its own type: signed distances (vectors 0) or vectors (1). Beyond the band stand
- *  half_width, negative inside, or 0 0 0. The sign bit is that of the field's inside everywhere.
- *  BVX_FORMAT_NPY   f4 or f8, axes [x,y,z] or [x,y,z,3], Fortran order: all x of vectors, then all y, then
- *                   all z; no lattice: see bvx_write_lattice
- *  BVX_FORMAT_NRRD  float or double, raw; vectors along a first axis of 3; "space origin" is the centre of
- *                   the first voxel
- *  BVX_FORMAT_VTI   point data "distance" or "vector" at the centres, raw appended; Origin is the first one
- *  Returns BVX_ERR_ARGUMENT (also a field without vectors, or whose rows are not those of its band),
- *  BVX_ERR_LATTICE, BVX_ERR_UNSUPPORTED (no format for fields), BVX_ERR_RANGE.
- *  [Memory: the file]
- *  [Cost: O(voxels)] */
-BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors,
-                                   int32_t format, bvx_buffer *file);
-
-/** Read a grid from the bytes of a file: values other than 0 are set. Its lattice is the file's box (BVX: the
- *  lattice that was written; the window's low is that of the file and of window, added). Without one in the
- *  file, origin is 0 and spacing 1; where the file has the centre of the first voxel, the origin is half a
- *  voxel below it. Types and encodings: docs/formats.md.
- *  format  as for bvx_write_grid
- *  window  NULL: all of the file; else only these voxels, counted from the file's first one
- *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (window outside the file, dims beyond the
- *  limits), BVX_ERR_UNSUPPORTED (a newer version of the format, compressed data, more than one model, turned
- *  axes).
- *  [Memory: the grid, and at most size and 32 KiB (VTI in base64: the decoded samples; BVX: the offsets of
- *  slices); BINVOX: and 64 layers of x a worker. Packed formats can expand to far more than their bytes: set
- *  a memory limit for files from strangers]
- *  [Cost: O(bytes + words)] */
-BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                 const bvx_window *window, bvx_grid *grid);
-
-/** The side-car of a format without a lattice, as JSON: origin, spacing, dims, fraction_bits, window,
- *  center0.
- *  Returns BVX_ERR_RANGE. */
-BVX_API bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buffer *file);
-
-/** Put a grid on the lattice and window of a side-car.
- *  Returns BVX_ERR_FORMAT, BVX_ERR_LATTICE (its window has other sides than the grid), BVX_ERR_ARGUMENT.
- *  After a failure the grid is unchanged. */
-BVX_API bvx_status bvx_read_lattice(bvx_context *context, const void *bytes, uint64_t size, bvx_grid *grid);
-
-/** Write a .bvx file slice by slice: the head for a window of a lattice (NULL: all of it), then its slices in
- *  order, any number in each part. A part is a grid of the same lattice whose window covers x and y whole and
- *  continues in z where the last one ended. Head and parts one after the other are the bytes of
- *  bvx_write_grid. */
-BVX_API bvx_status bvx_write_head(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
-                                  bvx_buffer *file);
-BVX_API bvx_status bvx_write_slices(bvx_context *context, const bvx_grid *part, bvx_buffer *file);
-
-typedef struct bvx_read_sections_options {
-    size_t struct_size;
-    double close_gap; /**< CSV: loops whose ends lie farther apart are refused as open polylines; 0 closes all
-                           by a straight side [Units: world] [Limit: >= 0] [Default: 0] */
-    uint64_t reserved;
-    uint64_t *flipped; /**< CSL: receives how many planes were read although their D has the other sign. All
-                            planes of the file agree in that, else it is refused [Default: NULL] */
-} bvx_read_sections_options;
-
-/** Read section contours from the bytes of a file. How holes and labels of CSL are read: docs/formats.md.
- *  BVX_FORMAT_CSL  planes with their equation, points and loops with labels. Planes parallel within 1e-4 rad
- *                  have one normal, else normals are set; points lie within 1/1000 of the largest coordinate
- *                  of their plane
- *  BVX_FORMAT_CSV  a head line with section, position, loop, x, y and perhaps label (any order, other columns
- *                  are ignored); comma, semicolon or tab. Planes are z = position, or with the columns z, nx,
- *                  ny, nz of any direction (normals are set). A first point repeated at the end is left out.
- *                  A line without loop and point states a section, which may hold no loop
- *  Returns BVX_ERR_FORMAT (line and why), BVX_ERR_UNSUPPORTED (no contour format), BVX_ERR_EMPTY,
- *  BVX_ERR_RANGE.
- *  [Memory: with the stack at most 40 times size and 32 KiB]
- *  [Cost: O(bytes)] */
-BVX_API bvx_status bvx_read_sections(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                                     const bvx_read_sections_options *options, bvx_sections *sections);
-
-/** Write section contours: BVX_FORMAT_CSL, BVX_FORMAT_CSV (planes z = position, or normals) or BVX_FORMAT_SVG
- *  (a drawing: sections side by side, filled by even-odd, y up). Numbers of CSL and CSV read back to the same
- *  ones.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE, BVX_ERR_UNSUPPORTED.
- *  [Memory: the file] */
-BVX_API bvx_status bvx_write_sections(bvx_context *context, const bvx_sections *sections, int32_t format,
-                                      bvx_buffer *file);
-
-/* ---- Pictures ------------------------------------------------------------------------------------------ */
-
-/** Pixels, top row first, red green blue. */
-typedef struct bvx_image {
-    uint8_t *pixels; /**< [Size: width * height * 3] */
-    int32_t width, height;
-} bvx_image;
-
-BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
-
-typedef struct bvx_render_options {
-    size_t struct_size;
-    int32_t width, height; /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
-    double direction[3];   /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
-    double up[3];          /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
-    uint8_t colour[4];     /**< of the surface: red, green, blue, and any number that makes black not all zero
-                                [Limit: any] [Default: 200, 196, 188] */
-    uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth;     /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
-    int32_t samples;    /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe;  /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t cut;        /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
-    double cut_low[3];  /**< what lies below, on low sides in cut [Units: world] [Limit: any] [Default: 0] */
-    double cut_high[3]; /**< what lies above, on the high sides; grids by whole voxels [Units: world]
-                             [Limit: any] [Default: 0] */
-    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
-                         and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
-                         [Default: 0, 0: the model fills it] */
-} bvx_render_options;
-
-/** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from
- *  the depths around. Colours of the view's vertices replace options.colour. Back faces are reddish; a cut
- *  opens the mesh and shows them. The same bytes everywhere.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
- *  [Cost: O(pixels * samples^2 + triangles)] */
-BVX_API bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh,
-                                   const bvx_render_options *options, bvx_image *image);
-
-/** The same for a grid: its exposed voxel faces. A cut shows the voxels inside, flat and a little darker. */
-BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_render_options *options, bvx_image *image);
-
-/** Two grids of one lattice and window in one picture: voxels of both in options.colour, only of before
- *  (removed) red, only of after (added) green.
- *  Returns BVX_ERR_LATTICE too.
- *  [Memory: as bvx_render_grid] */
-BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *before, const bvx_grid *after,
-                                         const bvx_render_options *options, bvx_image *image);
-
-/** A sheet of count slices across an axis (0, 1, 2), evenly spaced from the lowest voxel to the highest, in
- *  reading order [Limit: count 1..1024]. Set voxels are in options.colour; up is y (axis 2) or z, and the
- *  spacing gives the voxels' shape. A pixel that covers several voxels shows the share that is set, at least
- *  a quarter of the colour when one is. options.cut applies; direction, up, smooth, wireframe
- *  are ignored.
- *  Returns BVX_ERR_EMPTY (nothing is set). */
-BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
-                                     const bvx_render_options *options, bvx_image *image);
-
-/** Write a PNG with stored blocks: its bytes depend only on the pixels. */
-BVX_API bvx_status bvx_write_png(bvx_context *context, const bvx_image *image, bvx_buffer *file);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# amalgamate.sh FOLDER [PARTS] - all of the library's sources as two files, FOLDER/bitvox.c and FOLDER/bitvox.h; with PARTS (words,
-# see parts.awk) what these calls need, and a header without the declarations of those that are left out.
+# amalgamate.sh FOLDER [PARTS] - all of the library's sources as FOLDER/bitvox.c, and its headers beside it; with PARTS (words, see
+# parts.awk) what these calls need, and headers without the declarations of those that are left out.
 # Internal headers are put where they are first included, those named ..._body.h wherever they are; nothing else changes. Run from
 # the repository root.
 set -eu
@@ -8,12 +8,13 @@ out=$1 parts=${2:-}
 mkdir -p "$out"
 sources=$(find src -name '*.c' ! -path 'src/cli_*' | LC_ALL=C sort)
 if [ -z "$parts" ]; then
-    cp include/bitvox.h "$out/bitvox.h"
+    cp include/bitvox.h include/bitvox_io.h "$out"
 else
     # shellcheck disable=SC2046,SC2086
-    chosen=$(awk -f src/parts.awk -v parts="$parts" include/bitvox.h $(find src -name '*.h' ! -path 'src/cli_*') $sources)
+    chosen=$(awk -f src/parts.awk -v parts="$parts" include/bitvox.h include/bitvox_io.h $(find src -name '*.h' ! -path 'src/cli_*') $sources)
     sources=$(echo "$chosen" | sed '/^-/d')
     # Paragraph by paragraph, a comment goes with the last of its declarations.
+    for header in bitvox.h bitvox_io.h; do
     awk -v parts="$parts" -v left="$(echo "$chosen" | sed -n 's/^-//p' | tr '\n' ' ')" '
         BEGIN { count = split(left, names, " "); for (i = 1; i <= count; i++) out["" names[i]] = 1 }
         function finish(    i) {
@@ -41,12 +42,13 @@ else
             if (declaring && /;/) declaring = dropping = 0
             if (/^#define BITVOX_H$/) kept[++n] = "#define BVX_PARTS \"" parts "\" /* a part of the library: the other calls are not declared */"
         }
-        END { if (n) for (i = 1; i <= n; i++) print kept[i] }' include/bitvox.h >"$out/bitvox.h"
+        END { if (n) for (i = 1; i <= n; i++) print kept[i] }' "include/$header" >"$out/$header"
+    done
 fi
 version=$(sed -n 's/^#define BVX_VERSION_\(MAJOR\|MINOR\|PATCH\) //p' include/bitvox.h | tr '\n' '.' | sed 's/\.$//')
 {
     cat <<END
-/* bitvox.c - the bitvox library $version${parts:+ ($parts)} in one file, put together from its sources; include bitvox.h to use it.
+/* bitvox.c - the bitvox library $version${parts:+ ($parts)} in one file, put together from its sources; include bitvox.h to use it, and bitvox_io.h for files.
  *
  *   cc -std=c99 -O3 -ffp-contract=off -c bitvox.c        (-fopenmp or -pthread for threads)
  *
@@ -70,7 +72,7 @@ END
                 if (line ~ /^[ \t]*#[ \t]*include[ \t]*"/) {
                     name = line
                     gsub(/^[^"]*"|".*$/, "", name)
-                    if (name == "bitvox.h") {
+                    if (name == "bitvox.h" || name == "bitvox_io.h") {
                         if (!seen[name]++) print line
                         continue
                     }

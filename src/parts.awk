@@ -1,7 +1,7 @@
 # parts.awk - the sources that some calls of the library need, for amalgamate.sh.
-#     awk -f src/parts.awk -v parts="solid surface levels" include/bitvox.h HEADERS... SOURCES...
-# A part is a word, or several joined by _, of public functions' names: "levels" stands for bvx_plan_levels and bvx_build_levels. Calls that
-# begin with read, write, render or octree are meant only by parts that begin so too: "write_levels", "read". Contexts, lattices, and
+#     awk -f src/parts.awk -v parts="solid surface levels" include/bitvox.h include/bitvox_io.h HEADERS... SOURCES...
+# A part is a word, or several joined by _, of public functions' names: "levels" stands for bvx_build_levels. Calls that
+# begin with read, write, render or octree are meant only by parts that begin so too: "write_mesh", "read". Contexts, lattices, and
 # what frees or fills the types of the calls come with every part.
 # A source is needed when it defines a name that a needed source, or a header that one includes, uses; so the calls decide, nothing
 # is listed by hand. Conditional code counts whatever the condition, so one set of files serves every machine. Prints the sources in
@@ -43,10 +43,10 @@ function has_words(name, words) {
     return index(substr(name, 4) "_", "_" words "_") > 0
 }
 
-FNR == 1 { inside = 0; head = ""; public = (FILENAME == "include/bitvox.h"); known[FILENAME] = 1; order[++files] = FILENAME }
+FNR == 1 { inside = 0; head = ""; public = FILENAME ~ /^include/; known[FILENAME] = 1; order[++files] = FILENAME }
 /^[ \t]*#[ \t]*include[ \t]*"/ {
     split($0, quoted, "\"")
-    if (quoted[2] != "bitvox.h") includes[FILENAME] = includes[FILENAME] " " quoted[2]
+    if (quoted[2] !~ /^bitvox/) includes[FILENAME] = includes[FILENAME] " " quoted[2]
     next
 }
 { line = strip($0) }
@@ -98,7 +98,7 @@ END {
         for (c = 1; c <= call_count; c++)
             if (has_words(calls[c], part[p])) found = root[calls[c]] = 1
         if (!found) {
-            print "amalgamate: no function of include/bitvox.h has the word '" part[p] "'; a part is a word of such names, like solid or extract_surface" >"/dev/stderr"
+            print "amalgamate: no public function has the word '" part[p] "'; a part is a word of such names, like solid or extract_surface" >"/dev/stderr"
             exit 1
         }
     }

@@ -20,7 +20,7 @@ mkdirSync(`${folder}/package`, { recursive: true });
 const source = ['machine', 'call', 'bitvox']
     .map(name => readFileSync(`${here}/src/${name}.js`, 'utf8'))
     .join('\n');
-const header = readHeader(readFileSync('include/bitvox.h', 'utf8'));
+const header = readHeader(['bitvox', 'bitvox_io'].map(name => readFileSync(`include/${name}.h`, 'utf8')).join('\n'));
 const structs = Object.keys(header.structs).filter(name => source.includes(`'${name.slice(4)}'`));
 const calls = [...new Set(source.match(/\bbvx_[a-z_]+\b/g).filter(name => !name.endsWith('_')))];
 for (const name of structs) {

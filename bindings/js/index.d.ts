@@ -542,9 +542,9 @@ export interface Bitvox {
         format: MeshFormatIn,
         options?: CallOptions & { finite?: false | undefined },
     ): Mesh;
-    /** [bvx_write_mesh_with] */
+    /** [bvx_write_mesh] */
     writeMesh(mesh: AnyMesh, format: MeshFormat, options?: WriteOptions): Uint8Array<ArrayBuffer>;
-    /** All levels in one file. [bvx_write_levels] */
+    /** All levels in one file. [bvx_write_mesh] */
     writeLevels(meshes: readonly AnyMesh[], format: 'glb', options?: WriteOptions): Uint8Array<ArrayBuffer>;
 
     /** [bvx_mesh_check]; weld takes vertices at equal positions for one. */
@@ -589,7 +589,7 @@ export interface Bitvox {
         factor: number | TripleIn,
         options?: CallOptions & { rule?: 'any' | 'all' | 'majority' | undefined },
     ): Grid;
-    /** [bvx_grid_dilate] and its neighbours */
+    /** [bvx_grid_morph] */
     dilate(grid: GridIn, options?: MorphOptions): Grid;
     erode(grid: GridIn, options?: MorphOptions): Grid;
     open(grid: GridIn, options?: MorphOptions): Grid;

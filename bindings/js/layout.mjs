@@ -1,4 +1,4 @@
-// layout.mjs - reads include/bitvox.h: the layout of each struct in WebAssembly's 32-bit memory, and the names of choices.
+// layout.mjs - reads the headers: the layout of each struct in WebAssembly's 32-bit memory, and the names of choices.
 //
 // A field is [name, type, offset, count]; type is i32, u32, i64, u64, f32, f64, u8, ptr or the name of a struct. Choices of a field
 // follow from its comment: "BVX_FILL_..."; "1: ..." is a yes or no.

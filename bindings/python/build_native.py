@@ -23,7 +23,7 @@ extern "Python" void bvxpy_close(void *, bvx_file_bytes *);
 THINGS = ("grid", "mesh", "attached", "buffer", "image", "closest", "octree", "field", "sections", "volume")
 
 GLUE = """
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #define BVXPY_FREE(name, type) \\
     static void bvxpy_free_##name(type *thing) \\

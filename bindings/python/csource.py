@@ -24,13 +24,21 @@ _UNIT_HEAD = """#if defined(__linux__) && !defined(_GNU_SOURCE)
 """
 
 
+HEADERS = ("bitvox.h", "bitvox_io.h")
+
+
+def _text(header: Path) -> str:
+    """Both headers, of which the first one is given."""
+    return "\n".join((header.parent / name).read_text(encoding="utf-8") for name in HEADERS)
+
+
 def prepare() -> Path:
     """Make sure that the sources and the header are in csrc and up to date; returns the header's path."""
     if (REPOSITORY / "src" / "core").is_dir() and (REPOSITORY / "include" / "bitvox.h").is_file():
         rooms = [path for path in sorted((REPOSITORY / "src").iterdir()) if path.is_dir()]
         files = {f"src/{room.name}/{path.name}": path.read_bytes() for room in rooms for path in sorted(room.glob("*.[ch]"))}
         files |= {f"unit_{i:02}.c": text.encode() for i, text in enumerate(_units(files))}
-        files |= {"bitvox.h": (REPOSITORY / "include" / "bitvox.h").read_bytes(), "LICENSE": (REPOSITORY / "LICENSE").read_bytes()}
+        files |= {name: (REPOSITORY / "include" / name).read_bytes() for name in HEADERS} | {"LICENSE": (REPOSITORY / "LICENSE").read_bytes()}
         _lay(files)
     header = SOURCE / "bitvox.h"
     if not header.is_file() or not units():
@@ -98,8 +106,7 @@ def declarations(header: Path) -> str:
             if "Include file" not in message:
                 raise SystemExit(f"{file}:{line}: {message}")
 
-    text = header.read_text(encoding="utf-8")
-    text = re.sub(r"^#\s*include.*$", "", text, flags=re.M)
+    text = re.sub(r"^#\s*include.*$", "", _text(header), flags=re.M)
     reader = Reader()
     reader.line_directive = None
     reader.define("BVX_STATIC_API 1")
@@ -115,7 +122,7 @@ def declarations(header: Path) -> str:
 
 def declared(header: Path) -> list[str]:
     """Names of the functions that the header exports."""
-    text = re.sub(r"/\*.*?\*/", " ", header.read_text(encoding="utf-8"), flags=re.S)
+    text = re.sub(r"/\*.*?\*/", " ", _text(header), flags=re.S)
     return sorted(set(re.findall(r"^BVX_API [^;]*?\b(bvx_\w+)\(", text, flags=re.M)))
 
 
@@ -167,7 +174,7 @@ def _note(note: str, sizes: list[int]) -> str:
 
 def reports(header: Path) -> str:
     """A module of one named tuple for each struct that calls fill, with the header's words on each field."""
-    text = header.read_text(encoding="utf-8")
+    text = _text(header)
     structs = re.findall(r"^typedef struct (bvx_\w+) \{\n(.*?)^\} \1;", text, flags=re.M | re.S)
     wanted = [(name, body) for name, body in structs if name.endswith("_report") or name in _REPORTS]
     classes = {name: _REPORTS.get(name) or "".join(w.capitalize() for w in name.split("_")[1:]) for name, _ in wanted}

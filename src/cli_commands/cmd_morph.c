@@ -225,14 +225,11 @@ static int open_morph(cli_run *run, morph_job *job, cli_made *made)
 static bvx_status change_voxels(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
-    static bvx_status (*const operation[4])(bvx_context *, const bvx_grid *, const bvx_morph_options *,
-                                            bvx_grid *) = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open,
-                                                           bvx_grid_close};
     bvx_morph_options m = own->change;
 
     m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
     m.beyond = own->distance.beyond == BVX_BEYOND_SET;
-    return operation[job->action](run->context, &job->in.grid, &m, &job->out);
+    return bvx_grid_morph(run->context, &job->in.grid, job->action, &m, &job->out);
 }
 
 static bvx_status hollow_voxels(cli_run *run, morph_job *job)

@@ -399,7 +399,7 @@ static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32
         options.close_file = close_beside;
         options.user = beside;
     }
-    return bvx_read_mesh_with(run->context, b->bytes, b->size, format, &options, mesh);
+    return bvx_read_mesh(run->context, b->bytes, b->size, format, &options, mesh);
 }
 
 /* cloud NULL: a mesh alone will do. */

@@ -64,8 +64,8 @@ static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_latti
 {
     if (target->box != NULL)
         return bvx_lattice_fit_box(run->context, target->box->low, target->box->high, fit, lattice);
-    if (target->points != NULL) return bvx_lattice_fit_points(run->context, target->points, fit, lattice);
-    return bvx_lattice_fit_with(run->context, target->mesh, fit, lattice);
+    return bvx_lattice_fit_with(run->context, target->points != NULL ? target->points : target->mesh, fit,
+                                lattice);
 }
 
 /* From a given corner up to the mesh's high end. */

@@ -415,7 +415,7 @@ static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *
 
     note_kept(run, mesh, path);
     return cli_write_buffer(run, number,
-                            bvx_write_mesh_with(run->context, &placed, &o, bvx_format_of_name(path), &file),
+                            bvx_write_mesh(run->context, &placed, 1, &o, bvx_format_of_name(path), &file),
                             &file, path);
 }
 
@@ -478,8 +478,8 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
     if (result == CLI_DONE)
         result = cli_write_buffer(
             run, 0,
-            bvx_write_levels(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), &file),
-            &file, path);
+            bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), &file), &file,
+            path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     if (result == CLI_DONE) cli_stage_end(run);
     free(placed);

@@ -3,7 +3,7 @@
 #ifndef BVX_CLI_SHELL_H
 #define BVX_CLI_SHELL_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "cli_shell/endings.h"
 
 #include <stddef.h>

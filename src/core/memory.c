@@ -360,13 +360,6 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
     return BVX_OK;
 }
 
-void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer)
-{
-    if (context == NULL || buffer == NULL) return;
-    bvxi_free(context, buffer->bytes, buffer->capacity);
-    memset(buffer, 0, sizeof *buffer);
-}
-
 uint64_t bvxi_memory_limit(const bvx_context *ctx)
 {
     return ctx->memory_limit;

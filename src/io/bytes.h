@@ -6,6 +6,7 @@
 #ifndef BVXI_BYTES_H
 #define BVXI_BYTES_H
 
+#include "bitvox_io.h"
 #include "core/core.h"
 
 static inline uint16_t bvxi_load_u16(const uint8_t *p, int big)

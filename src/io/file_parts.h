@@ -5,7 +5,7 @@
 #ifndef BVXI_FILE_PARTS_H
 #define BVXI_FILE_PARTS_H
 
-#include "core/core.h"
+#include "io/bytes.h"
 
 /* One run: vertices, triangles. put writes those from begin to end at a place and returns where it ended. */
 typedef struct bvxi_file_part {

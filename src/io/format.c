@@ -55,3 +55,10 @@ bvx_status bvxi_fail_format(bvx_context *ctx, bvx_status status, const char *fun
     return bvxi_fail_for(ctx, status, BVX_REASON_CHOICE, "%s: format %d holds no %s; take%s", function,
                          (int64_t)format, what, endings);
 }
+
+void bvx_buffer_free(bvx_context *context, bvx_buffer *buffer)
+{
+    if (context == NULL || buffer == NULL) return;
+    bvxi_free(context, buffer->bytes, buffer->capacity);
+    memset(buffer, 0, sizeof *buffer);
+}

@@ -1,4 +1,4 @@
-/* read_mesh.c - a mesh from the bytes of a file: bvx_read_mesh, bvx_read_mesh_with. The checks around the
+/* read_mesh.c - a mesh from the bytes of a file: bvx_read_mesh. The checks around the
  * formats' own readers: arguments, text of two bytes a letter, corners that are not finite. */
 #include "io_mesh/mesh_formats.h"
 #include "mesh/view.h"
@@ -67,9 +67,10 @@ static bvx_status check_read(bvx_context *context, const char *function, const v
     return BVX_OK;
 }
 
-static bvx_status run_read_mesh(bvx_context *context, const char *function, const void *bytes, uint64_t size,
-                                int32_t format, const bvx_read_options *given, bvx_mesh *mesh)
+static bvx_status run_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
+                                const bvx_read_options *given, bvx_mesh *mesh)
 {
+    static const char function[] = "bvx_read_mesh";
     bvxi_source source = {0};
     bvx_mesh made = {0};
     bvx_read_report report = {0};
@@ -108,14 +109,7 @@ static bvx_status run_read_mesh(bvx_context *context, const char *function, cons
 }
 
 bvx_status bvx_read_mesh(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                         bvx_mesh *mesh)
+                         const bvx_read_options *options, bvx_mesh *mesh)
 {
-    return BVXI_CALL(context, run_read_mesh(context, "bvx_read_mesh", bytes, size, format, NULL, mesh));
-}
-
-bvx_status bvx_read_mesh_with(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
-                              const bvx_read_options *options, bvx_mesh *mesh)
-{
-    return BVXI_CALL(context,
-                     run_read_mesh(context, "bvx_read_mesh_with", bytes, size, format, options, mesh));
+    return BVXI_CALL(context, run_read_mesh(context, bytes, size, format, options, mesh));
 }

@@ -1,4 +1,4 @@
-/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: bvx_write_mesh, bvx_write_levels,
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: bvx_write_mesh,
  * bvx_check_written.
  *
  * The checks around the formats' own writers: arguments, normals, and whether rounding to 32-bit floats
@@ -107,7 +107,7 @@ static bvx_status write_with_normals(bvx_context *ctx, const bvx_mesh *mesh, nor
     if (mesh->normals == NULL) {
         /* Text and doubles hold coordinates whose products leave the range of doubles. */
         bvx_mesh_view_of(mesh, &view);
-        BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh_with", &view, low, high));
+        BVXI_TRY(bvxi_view_bounds(ctx, "bvx_write_mesh", &view, low, high));
         BVXI_TRY(bvxi_sum_normals(ctx, &view, bvxi_unit_scale(low, high), &sum));
     }
 
@@ -197,31 +197,6 @@ static bvx_status take_write_options(bvx_context *context, const char *function,
 
     BVXI_TRY(bvxi_take_options(context, function, options, o, sizeof *o));
     return bvxi_check_options(context, function, o, BVXI_OPTIONS(rows));
-}
-
-static bvx_status write_mesh(bvx_context *ctx, const char *function, const bvx_mesh *mesh,
-                             const bvx_write_options *options, int32_t format, bvx_buffer *file)
-{
-    bvx_write_options o;
-
-    BVXI_TRY(take_write_options(ctx, function, options, &o));
-    if (mesh == NULL) return bvxi_fail_null(ctx, function, "mesh");
-    BVXI_TRY(bvxi_renew_buffer(ctx, function, file));
-    BVXI_TRY(check_mesh_format(ctx, function, format, &o));
-    BVXI_TRY(bvxi_progress(ctx, "write", 0.0));
-    BVXI_TRY(check_written_mesh(ctx, function, mesh));
-    return write_checked(ctx, function, mesh, 1, &o, format, file);
-}
-
-bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *mesh, int32_t format, bvx_buffer *file)
-{
-    return BVXI_CALL(context, write_mesh(context, "bvx_write_mesh", mesh, NULL, format, file));
-}
-
-bvx_status bvx_write_mesh_with(bvx_context *context, const bvx_mesh *mesh, const bvx_write_options *options,
-                               int32_t format, bvx_buffer *file)
-{
-    return BVXI_CALL(context, write_mesh(context, "bvx_write_mesh_with", mesh, options, format, file));
 }
 
 /* ---- what a file holds ---- */
@@ -321,10 +296,8 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
                              "%s: level_count is %u; 1 to %u levels make a file", function, level_count,
                              (uint64_t)WRITTEN_LEVELS);
     /* A message names the level, so each is checked under its own name. */
-    for (uint64_t l = 0; l < level_count; l++) {
-        bvxi_level_name(function, l, name);
-        BVXI_TRY(check_written_mesh(ctx, name, &levels[l]));
-    }
+    for (uint64_t l = 0; l < level_count; l++)
+        BVXI_TRY(check_written_mesh(ctx, level_name(function, l, level_count, name), &levels[l]));
     return BVX_OK;
 }
 
@@ -363,28 +336,30 @@ bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint6
     return BVXI_CALL(context, run_check_written(context, levels, level_count, options, format, reports));
 }
 
-/* ---- levels of detail ---- */
+/* ---- the file ---- */
 
-static bvx_status run_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                   const bvx_write_options *options, int32_t format, bvx_buffer *file)
+static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                                 const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
-    static const char *const function = "bvx_write_levels";
+    static const char *const function = "bvx_write_mesh";
     bvx_write_options o;
 
     BVXI_TRY(take_write_options(context, function, options, &o));
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
-    if (format != BVX_FORMAT_GLB)
+    BVXI_TRY(check_mesh_format(context, function, format, &o));
+    if (level_count > 1 && format != BVX_FORMAT_GLB)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
                          "%s: format %d does not hold levels; write one file a level, or take GLB", function,
                          (int64_t)format);
 
+    BVXI_TRY(bvxi_progress(context, "write", 0.0));
     BVXI_TRY(check_levels(context, function, levels, level_count));
     return write_checked(context, function, levels, level_count, &o, format, file);
 }
 
-bvx_status bvx_write_levels(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                            const bvx_write_options *options, int32_t format, bvx_buffer *file)
+bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
+                          const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {
-    return BVXI_CALL(context, run_write_levels(context, levels, level_count, options, format, file));
+    return BVXI_CALL(context, run_write_mesh(context, levels, level_count, options, format, file));
 }

@@ -48,10 +48,9 @@ static double least_cover(double extent, double spacing)
     return whole < 1 ? 1 : whole;
 }
 
-/* What is fitted to: the first that is not NULL, else the corners. All
- * vertices of points count, and their triangles do not. */
+/* What is fitted to: the mesh, or the corners where it is NULL. */
 typedef struct fit_target {
-    const bvx_mesh_view *mesh, *points;
+    const bvx_mesh_view *mesh;
     const double *low, *high;
 } fit_target;
 
@@ -84,14 +83,14 @@ static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target 
 static bvx_status take_target(bvx_context *ctx, const char *name, const fit_target *target, double low[3],
                               double high[3])
 {
-    if (target->points != NULL) {
+    if (target->mesh == NULL) return take_box(ctx, name, target, low, high);
+    /* A cloud of points is a mesh without triangles: all its vertices count. */
+    if (target->mesh->triangle_count == 0) {
         bvx_mesh_view cloud;
 
-        BVXI_TRY(bvxi_view_take_points(ctx, name, target->points, &cloud));
+        BVXI_TRY(bvxi_view_take_points(ctx, name, target->mesh, &cloud));
         return bvxi_view_point_bounds(ctx, name, &cloud, low, high);
     }
-    if (target->mesh == NULL) return take_box(ctx, name, target, low, high);
-
     BVXI_TRY(bvxi_view_check(ctx, name, target->mesh));
     return bvxi_view_bounds(ctx, name, target->mesh, low, high);
 }
@@ -116,7 +115,7 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
 
     if (!by_spacing && !(extent[longest] > 0))
         return bvxi_fail(context, BVX_ERR_EMPTY,
-                         target->mesh == NULL && target->points == NULL
+                         target->mesh == NULL
                              ? "%s: the box is a point, so a resolution gives no spacing"
                              : "%s: all vertices lie at one point, so a resolution gives no spacing",
                          name);
@@ -180,22 +179,6 @@ bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const 
                                const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     return BVXI_CALL(context, run_fit_box(context, low, high, options, lattice));
-}
-
-static bvx_status run_fit_points(bvx_context *context, const bvx_mesh_view *points,
-                                 const bvx_lattice_options *options, bvx_lattice *lattice)
-{
-    static const char name[] = "bvx_lattice_fit_points";
-    fit_target const target = {.points = points};
-
-    if (points == NULL) return bvxi_fail_null(context, name, "points");
-    return fit_lattice(context, name, &target, options, lattice);
-}
-
-bvx_status bvx_lattice_fit_points(bvx_context *context, const bvx_mesh_view *points,
-                                  const bvx_lattice_options *options, bvx_lattice *lattice)
-{
-    return BVXI_CALL(context, run_fit_points(context, points, options, lattice));
 }
 
 static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,

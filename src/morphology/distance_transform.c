@@ -20,7 +20,6 @@ enum { DISTANCE_GROUPS = 4 };
 typedef struct distance_job {
     const bvx_grid *grid;
     bvx_distance_options o;
-    uint32_t *squares; /* these, or */
     void *values;
     int32_t value_type, whole, inside, cpu;
     double factor; /* of a root */
@@ -91,8 +90,8 @@ static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t co
     if (wanted == 0) return;
     for (int32_t i = 0; i < count && nearest != NULL; i++)
         if (wanted >> i & 1) job->o.nearest[at + (size_t)i] = nearest[i];
-    if (job->squares != NULL) {
-        memcpy(job->squares + at, squares, (size_t)count * sizeof *job->squares);
+    if (job->value_type == BVX_SQUARES) {
+        memcpy((uint32_t *)job->values + at, squares, (size_t)count * sizeof(uint32_t));
         return;
     }
 #if BVXI_HAVE_AVX2
@@ -176,6 +175,40 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
+/* Floats have less room, for the distances themselves. */
+static bvx_status check_floats(bvx_context *ctx, const char *function, const double spacing[3])
+{
+    for (int32_t a = 0; a < 3; a++)
+        if (spacing[a] < DISTANCE_LEAST_FLOAT || spacing[a] > DISTANCE_MOST_FLOAT)
+            return bvxi_fail_for(
+                ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
+                "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64", function,
+                spacing[a]);
+    return BVX_OK;
+}
+
+static bvx_status check_squares(bvx_context *ctx, const char *function, const distance_job *job)
+{
+    const double *const s = job->grid->lattice.spacing;
+    const int32_t *const n = job->grid->size;
+
+    if (job->o.side == BVX_DISTANCE_SIGNED)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+                             "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",
+                             function);
+    if (s[0] != s[1] || s[0] != s[2])
+        return bvxi_fail_for(
+            ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
+            "%s: voxels of %g x %g x %g are not cubic, so their squares are not whole; take BVX_F64",
+            function, s[0], s[1], s[2]);
+    if (!bvxi_transform_fits_whole(n))
+        return bvxi_fail_for(
+            ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+            "%s: squares in a window of %d x %d x %d voxels do not fit 32 bits; take BVX_F64", function,
+            (int64_t)n[0], (int64_t)n[1], (int64_t)n[2]);
+    return BVX_OK;
+}
+
 static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
                                     const bvx_distance_options *options, int32_t value_type, void *values,
                                     uint64_t capacity)
@@ -185,17 +218,12 @@ static bvx_status run_grid_distance(bvx_context *context, const bvx_grid *grid,
 
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
-    if (value_type != BVX_F32 && value_type != BVX_F64)
+    if (value_type < BVX_F32 || value_type > BVX_SQUARES)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: value_type is %d; it must be BVX_F32 or BVX_F64", function,
+                             "%s: value_type is %d; it must be BVX_F32, BVX_F64 or BVX_SQUARES", function,
                              (int64_t)value_type);
-    /* Floats have less room, for the distances themselves. */
-    for (int32_t a = 0; a < 3 && value_type == BVX_F32; a++)
-        if (grid->lattice.spacing[a] < DISTANCE_LEAST_FLOAT || grid->lattice.spacing[a] > DISTANCE_MOST_FLOAT)
-            return bvxi_fail_for(
-                context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
-                "%s: floats do not hold distances of voxels with a spacing of %g; take BVX_F64", function,
-                grid->lattice.spacing[a]);
+    if (value_type == BVX_F32) BVXI_TRY(check_floats(context, function, grid->lattice.spacing));
+    if (value_type == BVX_SQUARES) BVXI_TRY(check_squares(context, function, &job));
     job.values = values;
     job.value_type = value_type;
     return measure_grid_distances(context, &job);
@@ -205,40 +233,4 @@ bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const b
                              int32_t value_type, void *values, uint64_t capacity)
 {
     return BVXI_CALL(context, run_grid_distance(context, grid, options, value_type, values, capacity));
-}
-
-static bvx_status run_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
-                                            const bvx_distance_options *options, uint32_t *squares,
-                                            uint64_t capacity)
-{
-    static const char *const function = "bvx_grid_distance_squares";
-    const double *s;
-    distance_job job;
-
-    if (squares == NULL) return bvxi_fail_null(context, function, "squares");
-    BVXI_TRY(check_distance(context, function, grid, options, capacity, &job));
-    s = grid->lattice.spacing;
-    /* Whole squares of steps: that is all this function gives, so it refuses what would need more. */
-    if (job.o.side == BVX_DISTANCE_SIGNED)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: squares have no sign; take BVX_DISTANCE_OUTSIDE or BVX_DISTANCE_INSIDE",
-                             function);
-    if (s[0] != s[1] || s[0] != s[2])
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: voxels of %g x %g x %g are not cubic; bvx_grid_distance takes them",
-                             function, s[0], s[1], s[2]);
-    if (!bvxi_transform_fits_whole(grid->size))
-        return bvxi_fail_for(
-            context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-            "%s: squares in a window of %d x %d x %d voxels do not fit 32 bits; take bvx_grid_distance",
-            function, (int64_t)grid->size[0], (int64_t)grid->size[1], (int64_t)grid->size[2]);
-    job.squares = squares;
-    return measure_grid_distances(context, &job);
-}
-
-bvx_status bvx_grid_distance_squares(bvx_context *context, const bvx_grid *grid,
-                                     const bvx_distance_options *options, uint32_t *squares,
-                                     uint64_t capacity)
-{
-    return BVXI_CALL(context, run_grid_distance_squares(context, grid, options, squares, capacity));
 }

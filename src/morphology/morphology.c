@@ -183,48 +183,40 @@ static bvx_status take_morph_options(bvx_context *ctx, const char *function, con
                                        : BVX_OK;
 }
 
-static bvx_status change_grid(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                              const bvx_morph_options *options, bvxi_morph *morph, bvx_grid *result)
+/* What each operation is made of, by BVX_MORPH_... */
+static const bvxi_morph morphs[] = {
+    {.stage = "dilate", .operation = {BVXI_DILATE, BVXI_DILATE}, .operations = 1},
+    {.stage = "erode", .operation = {BVXI_ERODE, BVXI_ERODE}, .operations = 1},
+    {.stage = "open", .operation = {BVXI_ERODE, BVXI_DILATE}, .operations = 2},
+    {.stage = "close", .operation = {BVXI_DILATE, BVXI_ERODE}, .operations = 2},
+};
+
+static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t operation,
+                              const bvx_morph_options *options, bvx_grid *result)
 {
+    static const char function[] = "bvx_grid_morph";
     bvx_window window;
+    bvxi_morph morph;
     bvx_grid made;
     bvx_status status;
 
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
-    BVXI_TRY(take_morph_options(ctx, function, grid, options, morph));
+    if (operation < BVX_MORPH_DILATE || operation > BVX_MORPH_CLOSE)
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+                             "%s: operation is %d; it must be BVX_MORPH_...", function, (int64_t)operation);
+    morph = morphs[operation];
+    BVXI_TRY(take_morph_options(ctx, function, grid, options, &morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
     made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
-    status = bvxi_morph_run(ctx, morph, grid, &made);
+    status = bvxi_morph_run(ctx, &morph, grid, &made);
     return bvxi_grid_put(ctx, status, &made, result);
 }
 
-bvx_status bvx_grid_dilate(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                           bvx_grid *result)
+bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
+                          const bvx_morph_options *options, bvx_grid *result)
 {
-    bvxi_morph morph = {"dilate", {BVXI_DILATE, BVXI_DILATE}, 1, 0, 0, 0, {0, 0, 0}, 0};
-    return BVXI_CALL(context, change_grid(context, "bvx_grid_dilate", grid, options, &morph, result));
-}
-
-bvx_status bvx_grid_erode(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                          bvx_grid *result)
-{
-    bvxi_morph morph = {"erode", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
-    return BVXI_CALL(context, change_grid(context, "bvx_grid_erode", grid, options, &morph, result));
-}
-
-bvx_status bvx_grid_open(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                         bvx_grid *result)
-{
-    bvxi_morph morph = {"open", {BVXI_ERODE, BVXI_DILATE}, 2, 0, 0, 0, {0, 0, 0}, 0};
-    return BVXI_CALL(context, change_grid(context, "bvx_grid_open", grid, options, &morph, result));
-}
-
-bvx_status bvx_grid_close(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                          bvx_grid *result)
-{
-    bvxi_morph morph = {"close", {BVXI_DILATE, BVXI_ERODE}, 2, 0, 0, 0, {0, 0, 0}, 0};
-    return BVXI_CALL(context, change_grid(context, "bvx_grid_close", grid, options, &morph, result));
+    return BVXI_CALL(context, change_grid(context, grid, operation, options, result));
 }

@@ -62,24 +62,24 @@ static int wants_solid(const bvx_levels_options *o)
            o->parts.keep_largest != 0 || o->parts.least_cavity != 0 || o->parts.keep_crumbs || o->outer;
 }
 
-static bvx_status check_levels_options(bvx_context *ctx, const char *function, bvx_levels_options *o)
+static bvx_status check_levels_options(bvx_context *ctx, bvx_levels_options *o)
 {
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(levels_rows)));
+    BVXI_TRY(bvxi_check_options(ctx, levels_name, o, BVXI_OPTIONS(levels_rows)));
     if (o->outer && o->parts.least_cavity != 0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: outer fills every cavity; least_cavity is not used with it", function);
+                             "%s: outer fills every cavity; least_cavity is not used with it", levels_name);
     if (wants_solid(o) && (o->lock_border || o->locked != NULL || o->vertices != BVX_VERTICES_PLACED))
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
             "the options that imply it, measure a new surface",
-            function);
+            levels_name);
     if (wants_solid(o) && o->attribute_weight != LEVELS_WEIGHT)
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: attribute_weight is %g, and the surface that solid, and the options that imply it, "
             "measure has no attributes",
-            function, o->attribute_weight);
+            levels_name, o->attribute_weight);
     return BVX_OK;
 }
 
@@ -98,40 +98,22 @@ static uint64_t finest_of(const bvx_levels_options *o, uint64_t level_count, uin
     return finest;
 }
 
-static bvx_status run_plan_levels(bvx_context *context, const bvx_mesh_view *mesh,
-                                  const bvx_levels_options *options, uint64_t level_count,
-                                  int32_t *resolution)
+/* From 256 to 320: so fine that the surface has about 16 times the triangles of the finest level. Marching cubes
+ * makes about 2.6 triangles for each square of the surface as large as a voxel. */
+static bvx_status plan_resolution(const levels_job *job, int32_t *resolution)
 {
-    static const char plan_name[] = "bvx_plan_levels";
-    bvx_levels_options o;
-    double low[3], high[3], area, longest = 0, wanted;
+    const bvx_mesh_view *const mesh = job->mesh;
+    double const area = bvxi_view_area(mesh);
+    double low[3], high[3], longest = 0, wanted = PLAN_LEAST;
 
-    if (resolution == NULL) return bvxi_fail_null(context, plan_name, "resolution");
-    BVXI_TRY(bvxi_take_options(context, plan_name, options, &o, sizeof o));
-    BVXI_TRY(check_levels_options(context, plan_name, &o));
-    BVXI_TRY(bvxi_view_check(context, plan_name, mesh));
-    if (mesh->triangle_count == 0)
-        return bvxi_fail(context, BVX_ERR_EMPTY, "%s: the mesh has no triangles", plan_name);
-    if (level_count == 0)
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", plan_name);
-    BVXI_TRY(bvxi_view_bounds(context, plan_name, mesh, low, high));
-
-    /* Marching cubes makes about 2.6 triangles for each square of the surface as large as a voxel. */
+    BVXI_TRY(bvxi_view_bounds(job->ctx, levels_name, mesh, low, high));
     for (int a = 0; a < 3; a++)
         if (high[a] - low[a] > longest) longest = high[a] - low[a];
-    area = bvxi_view_area(mesh);
-    wanted = PLAN_LEAST;
     if (area > 0)
-        wanted = sqrt(PLAN_RATIO * (double)finest_of(&o, level_count, mesh->triangle_count) / 2.6 * longest /
-                      area * longest);
+        wanted = sqrt(PLAN_RATIO * (double)finest_of(job->options, job->chain.count, mesh->triangle_count) /
+                      2.6 * longest / area * longest);
     *resolution = !(wanted > PLAN_LEAST) ? PLAN_LEAST : wanted < PLAN_MOST ? (int32_t)wanted : PLAN_MOST;
     return BVX_OK;
-}
-
-bvx_status bvx_plan_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
-                           uint64_t level_count, int32_t *resolution)
-{
-    return BVXI_CALL(context, run_plan_levels(context, mesh, options, level_count, resolution));
 }
 
 /* ---- Crumbs ---- */
@@ -349,7 +331,7 @@ static bvx_status simplify_measured(levels_job *job)
     bvx_status status;
 
     /* A resolution that was given is not changed. */
-    if (!is_given) BVXI_TRY(bvx_plan_levels(job->ctx, job->mesh, o, job->chain.count, &resolution));
+    if (!is_given) BVXI_TRY(plan_resolution(job, &resolution));
     job->report.planned_resolution = resolution;
     mark = bvxi_scratch_begin(job->ctx);
 
@@ -469,7 +451,7 @@ static bvx_status run_build_levels(bvx_context *context, const bvx_mesh_view *me
     if (levels == NULL) return bvxi_fail_null(context, levels_name, "levels");
     used = bvx_memory_used(context);
     BVXI_TRY(bvxi_take_options(context, levels_name, options, &o, sizeof o));
-    BVXI_TRY(check_levels_options(context, levels_name, &o));
+    BVXI_TRY(check_levels_options(context, &o));
     BVXI_TRY(bvxi_view_check(context, levels_name, mesh));
     BVXI_TRY(bvxi_view_check_uvs(context, levels_name, mesh));
     /* No level may be the mesh itself. */

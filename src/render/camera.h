@@ -3,6 +3,7 @@
 #ifndef BVXI_CAMERA_H
 #define BVXI_CAMERA_H
 
+#include "bitvox_io.h"
 #include "core/core.h"
 #include "core/vec3.h"
 

@@ -1,4 +1,4 @@
-/* extract_faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces, bvx_faces_count.
+/* extract_faces.c - the faces between set and empty voxels as a mesh: bvx_extract_faces.
  * Single faces and merged ones have files of their own (faces.h); here options are checked, and the mesh is
  * counted and made. */
 #include "surface/faces.h"
@@ -50,27 +50,6 @@ static bvx_status run_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *gri
     status = f->options.merged ? bvxi_faces_merge(ctx, f, mesh) : bvxi_faces_single(ctx, f, mesh);
     bvxi_drop(ctx, empty);
     return status;
-}
-
-static bvx_status run_faces_count(bvx_context *context, const bvx_grid *grid,
-                                  const bvx_faces_options *options, uint64_t *vertex_count,
-                                  uint64_t *triangle_count)
-{
-    bvxi_faces f;
-
-    memset(&f, 0, sizeof f);
-    f.function = "bvx_faces_count";
-    if (vertex_count == NULL || triangle_count == NULL) return bvxi_fail_null(context, f.function, "a count");
-    BVXI_TRY(run_faces(context, &f, grid, options, NULL));
-    *vertex_count = f.vertex_count;
-    *triangle_count = 2 * f.face_count;
-    return BVX_OK;
-}
-
-bvx_status bvx_faces_count(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
-                           uint64_t *vertex_count, uint64_t *triangle_count)
-{
-    return BVXI_CALL(context, run_faces_count(context, grid, options, vertex_count, triangle_count));
 }
 
 static bvx_status run_extract_faces(bvx_context *context, const bvx_grid *grid,

@@ -191,7 +191,7 @@ int bench_read_mesh(bvx_context *ctx, const char *path, bvx_mesh *mesh)
     uint8_t *const bytes = bench_read_file(path, &size);
     memset(mesh, 0, sizeof *mesh);
     if (bytes == NULL) return 0;
-    bench_try(ctx, bvx_read_mesh(ctx, bytes, size, bvx_format_of_name(path), mesh), path);
+    bench_try(ctx, bvx_read_mesh(ctx, bytes, size, bvx_format_of_name(path), NULL, mesh), path);
     free(bytes);
     return 1;
 }
@@ -210,7 +210,7 @@ void bench_write_mesh(bvx_context *ctx, const char *path, const bvx_mesh *mesh)
 {
     bvx_buffer buffer = {0};
 
-    bench_try(ctx, bvx_write_mesh(ctx, mesh, bvx_format_of_name(path), &buffer), path);
+    bench_try(ctx, bvx_write_mesh(ctx, mesh, 1, NULL, bvx_format_of_name(path), &buffer), path);
     FILE *const file = bench_open(path);
     int const ok = fwrite(buffer.bytes, 1, (size_t)buffer.size, file) == buffer.size;
     if (fclose(file) != 0 || !ok) {

@@ -2,7 +2,7 @@
 #ifndef BENCH_H
 #define BENCH_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdio.h>
 

@@ -59,7 +59,7 @@ static int unite_grids(void)
 
 static int dilate_grid(void)
 {
-    return bvx_grid_dilate(ctx, &solid, NULL, &made) == BVX_OK;
+    return bvx_grid_morph(ctx, &solid, BVX_MORPH_DILATE, NULL, &made) == BVX_OK;
 }
 
 static int count_parts(void)
@@ -115,7 +115,7 @@ static int find_closest(void)
 static int read_file(void)
 {
     bvx_mesh m = {0};
-    int const good = bvx_read_mesh(ctx, file.bytes, file.size, BVX_FORMAT_PLY, &m) == BVX_OK;
+    int const good = bvx_read_mesh(ctx, file.bytes, file.size, BVX_FORMAT_PLY, NULL, &m) == BVX_OK;
 
     bvx_mesh_free(ctx, &m);
     return good;
@@ -144,7 +144,7 @@ static const struct {
              {"bvx_lattice_fit", fit_lattice},
              {"bvx_grid_count", count_voxels},
              {"bvx_grid_union, into itself again", unite_grids},
-             {"bvx_grid_dilate", dilate_grid},
+             {"bvx_grid_morph", dilate_grid},
              {"bvx_grid_components", count_parts},
              {"bvx_voxelize_solid", voxelize},
              {"bvx_voxelize_surface", voxelize_surface},
@@ -182,7 +182,7 @@ static void prepare(void)
         bvx_voxelize_solid(ctx, &mesh, &lattice, NULL, &solid) != BVX_OK ||
         bvx_closest_create(ctx, &mesh, &closest) != BVX_OK ||
         bvx_extract_surface(ctx, &solid, NULL, &whole) != BVX_OK ||
-        bvx_write_mesh(ctx, &whole, BVX_FORMAT_PLY, &file) != BVX_OK) {
+        bvx_write_mesh(ctx, &whole, 1, NULL, BVX_FORMAT_PLY, &file) != BVX_OK) {
         fprintf(stderr, "bench_calls: %s\n", bvx_last_message(ctx));
         exit(1);
     }

@@ -45,7 +45,7 @@ static void time_mesh_read(bvx_context *ctx, const char *name, const void *bytes
     for (int i = 0; i < runs; i++) {
         bvx_mesh mesh = {0};
         double const start = bench_clock(1);
-        bvx_status const status = bvx_read_mesh(ctx, bytes, size, format, &mesh);
+        bvx_status const status = bvx_read_mesh(ctx, bytes, size, format, NULL, &mesh);
         bench_add(&t, bench_clock(1) - start);
         bench_try(ctx, status, name);
         bvx_mesh_free(ctx, &mesh);
@@ -65,7 +65,7 @@ static void time_mesh_formats(bvx_context *ctx, const char *path, const char *fo
     bvx_mesh mesh = {0};
 
     if (original == NULL) exit(1);
-    bench_try(ctx, bvx_read_mesh(ctx, original, size, BVX_FORMAT_PLY, &mesh), path);
+    bench_try(ctx, bvx_read_mesh(ctx, original, size, BVX_FORMAT_PLY, NULL, &mesh), path);
     keep(folder, "dragon_ascii.ply", original, size);
     time_mesh_read(ctx, "dragon_ascii.ply", original, size, BVX_FORMAT_PLY, runs);
     free(original);
@@ -76,7 +76,7 @@ static void time_mesh_formats(bvx_context *ctx, const char *path, const char *fo
         for (int i = 0; i < runs; i++) {
             bvx_buffer_free(ctx, &file);
             double const start = bench_clock(1);
-            bvx_status const status = bvx_write_mesh(ctx, &mesh, cases[c].format, &file);
+            bvx_status const status = bvx_write_mesh(ctx, &mesh, 1, NULL, cases[c].format, &file);
             bench_add(&t, bench_clock(1) - start);
             bench_try(ctx, status, cases[c].name);
         }

@@ -91,9 +91,11 @@ static void run_job(stage *s, const bvx_grid *g, const job *j, int threads)
     switch (j->kind) {
     case COPY: memcpy(s->result.words, g->words, (size_t)voxels / 8); break;
     case STEPS:
-    case BALL: bench_try(ctx, bvx_grid_dilate(ctx, g, &m, &s->result), j->name); break;
-    case CLOSE: bench_try(ctx, bvx_grid_close(ctx, g, &m, &s->result), j->name); break;
-    case SQUARES: bench_try(ctx, bvx_grid_distance_squares(ctx, g, NULL, s->squares, voxels), j->name); break;
+    case BALL: bench_try(ctx, bvx_grid_morph(ctx, g, BVX_MORPH_DILATE, &m, &s->result), j->name); break;
+    case CLOSE: bench_try(ctx, bvx_grid_morph(ctx, g, BVX_MORPH_CLOSE, &m, &s->result), j->name); break;
+    case SQUARES:
+        bench_try(ctx, bvx_grid_distance(ctx, g, NULL, BVX_SQUARES, s->squares, voxels), j->name);
+        break;
     case LENGTHS:
         bench_try(ctx, bvx_grid_distance(ctx, g, NULL, BVX_F32, s->squares, voxels), j->name);
         break;

@@ -3,7 +3,7 @@
 #ifndef BOX_TRIANGLE_LOOP_H
 #define BOX_TRIANGLE_LOOP_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 /* A triangle made ready for tests against many boxes. */
 typedef struct box_triangle {

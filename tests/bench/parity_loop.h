@@ -2,7 +2,7 @@
 #ifndef PARITY_LOOP_H
 #define PARITY_LOOP_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 /* Fill the grid (its words are there) with what lies inside a packed f32,
  * u32 mesh. One thread, no memory of its own. */

@@ -6,7 +6,7 @@
  * The library allocates nothing but from the block: the levels grow from its low end, what is needed
  * meanwhile from its high end. So a tool can bake assets in parallel with a known number of bytes each, and
  * give everything back at once. */
-#include <bitvox.h>
+#include <bitvox_io.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -43,7 +43,7 @@ static int bake(bvx_context *ctx, const void *file, size_t size)
     bvx_grid solid = {0};
     bvx_lod_report report[LEVELS];
     bvx_lod_options options = {.struct_size = sizeof options};
-    if (bvx_read_mesh(ctx, file, size, BVX_FORMAT_PLY, &mesh) != BVX_OK) return fail(ctx, "reading");
+    if (bvx_read_mesh(ctx, file, size, BVX_FORMAT_PLY, NULL, &mesh) != BVX_OK) return fail(ctx, "reading");
     bvx_mesh_view_of(&mesh, &view); /* an engine points the view at its own arrays instead */
     if (bvx_lattice_fit(ctx, &view, 8 * FINEST, &lattice) != BVX_OK) return fail(ctx, "lattice");
     if (bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK) return fail(ctx, "solid");

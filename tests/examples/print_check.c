@@ -5,7 +5,7 @@
  *
  * Lengths are taken as millimetres. The solid is what a printer would fill: voxels whose centres lie inside;
  * the copy is the surface of that solid, closed and manifold whatever the part was. */
-#include <bitvox.h>
+#include <bitvox_io.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -55,7 +55,7 @@ static bvx_status check(bvx_context *ctx, const void *bytes, size_t size, int32_
     bvx_voxelize_options options = {.struct_size = sizeof options};
     bvx_buffer file = {0};
     uint64_t set = 0;
-    bvx_status s = bvx_read_mesh(ctx, bytes, size, format, &part);
+    bvx_status s = bvx_read_mesh(ctx, bytes, size, format, NULL, &part);
     bvx_mesh_view_of(&part, &view);
     if (s == BVX_OK) s = bvx_mesh_check(ctx, &view, 1, &c);
     if (s == BVX_OK) tell(&c);
@@ -71,7 +71,7 @@ static bvx_status check(bvx_context *ctx, const void *bytes, size_t size, int32_
                (unsigned)report.unbalanced_rows);
     if (s == BVX_OK) s = bvx_extract_surface(ctx, &solid, NULL, &copy);
     if (s == BVX_OK && out != NULL) {
-        s = bvx_write_mesh(ctx, &copy, BVX_FORMAT_STL, &file);
+        s = bvx_write_mesh(ctx, &copy, 1, NULL, BVX_FORMAT_STL, &file);
         if (s == BVX_OK && !save(out, &file)) fprintf(stderr, "print_check: %s cannot be written\n", out);
     }
     if (s == BVX_OK) printf("closed copy: %u triangles\n", (unsigned)copy.triangle_count);

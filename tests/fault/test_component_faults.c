@@ -124,7 +124,7 @@ static bvx_status points(void *user, bvx_context *ctx)
     (void)user;
     fit.resolution = 30;
     assert_int_equal(bvx_lattice_fit_box(ctx, low, high, &fit, &l), BVX_OK);
-    assert_int_equal(bvx_lattice_fit_points(ctx, &cloud_view, &fit, &l), BVX_OK);
+    assert_int_equal(bvx_lattice_fit_with(ctx, &cloud_view, &fit, &l), BVX_OK);
     o.minimum = 2;
     o.body = 1;
     o.close_gaps = 1;

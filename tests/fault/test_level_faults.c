@@ -240,15 +240,6 @@ static void test_arrays_of_the_callers_survive(void **state)
     assert_well(&jobs[4], fault_every_cancel(make_in_arrays, &jobs[4], &o, &count));
 }
 
-static bvx_status plan(void *user, bvx_context *ctx)
-{
-    int32_t resolution = 0;
-    bvx_status const status = bvx_plan_levels(ctx, &spoilt_view, NULL, 3, &resolution);
-    (void)user;
-    if (status == BVX_OK) assert_true(resolution > 0);
-    return status;
-}
-
 static bvx_status plan_samples(void *user, bvx_context *ctx)
 {
     uint64_t const counts[2] = {500, 100};
@@ -268,12 +259,6 @@ static void test_the_plan_takes_nothing(void **state)
     bvx_context_options const o = default_options();
     uint64_t count = 99, need = 99;
     (void)state;
-    assert_null(fault_every_allocation(plan, NULL, &o, &count));
-    assert_int_equal(count, 0);
-    assert_null(fault_every_cancel(plan, NULL, &o, &count));
-    assert_null(fault_peak(plan, NULL, &o, &need));
-    assert_int_equal(need, 0);
-
     assert_null(fault_every_allocation(plan_samples, NULL, &o, &count));
     assert_int_equal(count, 0);
     assert_null(fault_every_cancel(plan_samples, NULL, &o, &count));

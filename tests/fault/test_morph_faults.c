@@ -63,7 +63,7 @@ static bvx_status close_by_steps(void *user, bvx_context *ctx)
     (void)user;
     o.neighbourhood = 18;
     o.steps = 9;
-    return keep_grid(ctx, bvx_grid_close(ctx, &cubic, &o, &g), &g);
+    return keep_grid(ctx, bvx_grid_morph(ctx, &cubic, BVX_MORPH_CLOSE, &o, &g), &g);
 }
 
 static bvx_status dilate_by_steps(void *user, bvx_context *ctx)
@@ -73,7 +73,7 @@ static bvx_status dilate_by_steps(void *user, bvx_context *ctx)
     (void)user;
     o.neighbourhood = 26;
     o.steps = 3;
-    return keep_grid(ctx, bvx_grid_dilate(ctx, &stretched, &o, &g), &g);
+    return keep_grid(ctx, bvx_grid_morph(ctx, &stretched, BVX_MORPH_DILATE, &o, &g), &g);
 }
 
 static bvx_status open_by_steps(void *user, bvx_context *ctx)
@@ -82,7 +82,7 @@ static bvx_status open_by_steps(void *user, bvx_context *ctx)
     bvx_grid g = {0};
     (void)user;
     o.steps = 17;
-    return keep_grid(ctx, bvx_grid_open(ctx, &cubic, &o, &g), &g);
+    return keep_grid(ctx, bvx_grid_morph(ctx, &cubic, BVX_MORPH_OPEN, &o, &g), &g);
 }
 
 static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
@@ -94,7 +94,7 @@ static bvx_status open_by_a_ball(void *user, bvx_context *ctx)
     o.neighbourhood = BVX_BALL;
     o.radius = 2.5;
     o.beyond = 1;
-    return keep_grid(ctx, bvx_grid_open(ctx, &stretched, &o, &g), &g);
+    return keep_grid(ctx, bvx_grid_morph(ctx, &stretched, BVX_MORPH_OPEN, &o, &g), &g);
 }
 
 static bvx_status erode_by_a_large_ball(void *user, bvx_context *ctx)
@@ -104,7 +104,7 @@ static bvx_status erode_by_a_large_ball(void *user, bvx_context *ctx)
     (void)user;
     o.neighbourhood = BVX_BALL;
     o.radius = 60.0;
-    return keep_grid(ctx, bvx_grid_erode(ctx, &cubic, &o, &g), &g);
+    return keep_grid(ctx, bvx_grid_morph(ctx, &cubic, BVX_MORPH_ERODE, &o, &g), &g);
 }
 
 static bvx_status hollow(void *user, bvx_context *ctx)
@@ -156,7 +156,7 @@ static bvx_status squares(void *user, bvx_context *ctx)
     static uint32_t made[VOXELS];
     bvx_status status;
     (void)user;
-    status = bvx_grid_distance_squares(ctx, &cubic, NULL, made, VOXELS);
+    status = bvx_grid_distance(ctx, &cubic, NULL, BVX_SQUARES, made, VOXELS);
     if (status == BVX_OK) mark = bvx_hash(made, sizeof made, 0);
     return status;
 }

@@ -60,7 +60,7 @@ static int make_inputs(void **state)
     assert_int_equal(bvx_lattice_fit(maker, &star_view, 16, &coarse), BVX_OK);
     assert_int_equal(bvx_voxelize_solid(maker, &star_view, &coarse, NULL, &small), BVX_OK);
     for (int32_t format = BVX_FORMAT_STL; format <= BVX_FORMAT_PLY; format++)
-        assert_int_equal(bvx_write_mesh(maker, &surface, format, &file[format]), BVX_OK);
+        assert_int_equal(bvx_write_mesh(maker, &surface, 1, NULL, format, &file[format]), BVX_OK);
     e.keys = 1;
     for (int32_t i = 0; i < PARTS; i++) { /* thirds along z that share a layer */
         bvx_window w = {{0, 0, 0}, {0, 0, 0}};
@@ -264,7 +264,7 @@ static bvx_status distance(void *user, bvx_context *ctx)
 static bvx_status read_file(bvx_context *ctx, int32_t format)
 {
     bvx_mesh mesh = {0};
-    return end_with_mesh(ctx, bvx_read_mesh(ctx, file[format].bytes, file[format].size, format, &mesh),
+    return end_with_mesh(ctx, bvx_read_mesh(ctx, file[format].bytes, file[format].size, format, NULL, &mesh),
                          &mesh);
 }
 
@@ -294,8 +294,8 @@ static bvx_status read_finite(void *user, bvx_context *ctx)
 
     (void)user;
     options.drop_nonfinite = 1;
-    status = bvx_read_mesh_with(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ,
-                                &options, &mesh);
+    status = bvx_read_mesh(ctx, file[BVX_FORMAT_OBJ].bytes, file[BVX_FORMAT_OBJ].size, BVX_FORMAT_OBJ,
+                           &options, &mesh);
     if (status == BVX_OK) {
         ((double *)mesh.positions)[0] = HUGE_VAL;
         status = bvx_mesh_drop_nonfinite(ctx, &mesh, &dropped);
@@ -342,7 +342,7 @@ static bvx_status read_gltf(void *user, bvx_context *ctx)
     options.open_file = open_beside;
     options.close_file = close_beside;
     options.user = &open;
-    status = bvx_read_mesh_with(ctx, gltf_text, sizeof gltf_text - 1, BVX_FORMAT_GLTF, &options, &mesh);
+    status = bvx_read_mesh(ctx, gltf_text, sizeof gltf_text - 1, BVX_FORMAT_GLTF, &options, &mesh);
     assert_int_equal(open, 0);
     return end_with_mesh(ctx, status, &mesh);
 }
@@ -350,7 +350,7 @@ static bvx_status read_gltf(void *user, bvx_context *ctx)
 static bvx_status write_file(bvx_context *ctx, int32_t format)
 {
     bvx_buffer buffer = {0};
-    return end_with_buffer(ctx, bvx_write_mesh(ctx, &surface, format, &buffer), &buffer);
+    return end_with_buffer(ctx, bvx_write_mesh(ctx, &surface, 1, NULL, format, &buffer), &buffer);
 }
 
 static bvx_status write_stl(void *user, bvx_context *ctx)
@@ -597,9 +597,9 @@ static void test_the_main_job_in_one_arena(void **state)
     o.threads = 2;
     ctx = context_with(&o);
     l.resolutions = resolutions;
-    assert_int_equal(
-        bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY, &mesh),
-        BVX_OK);
+    assert_int_equal(bvx_read_mesh(ctx, file[BVX_FORMAT_PLY].bytes, file[BVX_FORMAT_PLY].size, BVX_FORMAT_PLY,
+                                   NULL, &mesh),
+                     BVX_OK);
     bvx_mesh_view_of(&mesh, &view);
     assert_int_equal(bvx_lattice_fit(ctx, &view, 80, &fitted), BVX_OK);
     assert_int_equal(bvx_voxelize_solid(ctx, &view, &fitted, NULL, &grid), BVX_OK);
@@ -610,7 +610,7 @@ static void test_the_main_job_in_one_arena(void **state)
         assert_int_equal(bvx_mesh_check(ctx, &view, 0, &c), BVX_OK);
         assert_true(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.volume > 0);
     }
-    assert_int_equal(bvx_write_mesh(ctx, &level[1], BVX_FORMAT_STL, &out), BVX_OK);
+    assert_int_equal(bvx_write_mesh(ctx, &level[1], 1, NULL, BVX_FORMAT_STL, &out), BVX_OK);
     bvx_mesh_free(ctx, &mesh); /* in an order of their own */
     bvx_grid_free(ctx, &grid);
     bvx_buffer_free(ctx, &out);

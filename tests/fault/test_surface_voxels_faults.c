@@ -96,10 +96,7 @@ static bvx_status faces_of(bvx_context *ctx, int32_t merged)
     bvx_status status;
 
     o.merged = merged;
-    uint64_t vertices = 0, triangles = 0;
-    status = bvx_faces_count(ctx, &solid, &o, &vertices, &triangles);
-    if (status == BVX_OK) status = bvx_extract_faces(ctx, &solid, &o, &mesh);
-    if (status == BVX_OK) assert_true(mesh.vertex_count == vertices && mesh.triangle_count == triangles);
+    status = bvx_extract_faces(ctx, &solid, &o, &mesh);
     if (status != BVX_OK) {
         left_behind |= mesh.positions != NULL || mesh.vertex_count != 0 || mesh.triangle_count != 0;
         return status;

@@ -105,7 +105,7 @@ static bvx_status check_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
     far.frame[0] = 1e6;
     status = bvx_check_written(ctx, &far, 1, w->asset ? &asset_options : NULL, w->format, &report);
     if (status != BVX_OK) return status;
-    return bvx_write_mesh(ctx, &sheet, report.fits ? BVX_FORMAT_PLY : w->format, file);
+    return bvx_write_mesh(ctx, &sheet, 1, NULL, report.fits ? BVX_FORMAT_PLY : w->format, file);
 }
 
 static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
@@ -121,11 +121,11 @@ static bvx_status write_as(const writer *w, bvx_context *ctx, bvx_buffer *file)
         levels[l].assets = (bvx_assets *)&assets;
     }
     if (w->levels != 0)
-        return bvx_write_levels(ctx, levels, w->levels, w->asset ? &asset_options : NULL, w->format, file);
-    if (!w->normals) return bvx_write_mesh(ctx, &sheet, w->format, file);
+        return bvx_write_mesh(ctx, levels, w->levels, w->asset ? &asset_options : NULL, w->format, file);
+    if (!w->normals) return bvx_write_mesh(ctx, &sheet, 1, NULL, w->format, file);
     o.normals = 1;
     if (w->asset) o.turn = BVX_TURN_Z_TO_Y;
-    return bvx_write_mesh_with(ctx, levels, &o, w->format, file);
+    return bvx_write_mesh(ctx, levels, 1, &o, w->format, file);
 }
 
 static bvx_status run_writing(void *user, bvx_context *ctx)

@@ -123,7 +123,7 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
 
     fuzz_take_mesh(in, &m);
     fit.resolution = fuzz_range(in, 1, 40);
-    if (!fuzz_good(ctx, bvx_lattice_fit_points(ctx, &m.view, &fit, &lattice))) return;
+    if (!fuzz_good(ctx, bvx_lattice_fit_with(ctx, &m.view, &fit, &lattice))) return;
     for (int a = 0; a < 3; a++) {
         low[a] = high[a] = m.v[0][a];
         for (uint64_t v = 1; v < m.vertices; v++) {

@@ -8,7 +8,7 @@
 #ifndef FUZZ_INPUT_H
 #define FUZZ_INPUT_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdio.h>
 #include <stdlib.h>

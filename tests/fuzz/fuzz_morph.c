@@ -7,11 +7,6 @@
 
 enum { FUZZ_MORPH_MOST = 900 }; /* voxels of a grid whose pairs are all measured */
 
-typedef bvx_status fuzz_morph_fn(bvx_context *ctx, const bvx_grid *grid, const bvx_morph_options *options,
-                                 bvx_grid *result);
-
-static fuzz_morph_fn *const fuzz_morphs[4] = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open, bvx_grid_close};
-
 static uint64_t fuzz_set(bvx_context *ctx, const bvx_grid *grid)
 {
     uint64_t set = 0;
@@ -87,8 +82,8 @@ static void fuzz_identities(bvx_context *ctx, bvx_context *other, const bvx_grid
     bvx_morph_options across = *o;
 
     for (int i = 0; i < 4; i++) {
-        fuzz_must(ctx, fuzz_morphs[i](ctx, grid, o, &made[i]));
-        fuzz_must(other, fuzz_morphs[i](other, grid, o, &twin));
+        fuzz_must(ctx, bvx_grid_morph(ctx, grid, i, o, &made[i]));
+        fuzz_must(other, bvx_grid_morph(other, grid, i, o, &twin));
         fuzz_grids_equal(&made[i], &twin, "other voxels with more threads");
         bvx_grid_free(other, &twin);
     }
@@ -100,13 +95,13 @@ static void fuzz_identities(bvx_context *ctx, bvx_context *other, const bvx_grid
     across.beyond = !o->beyond;
     fuzz_must(ctx, bvx_grid_complement(ctx, grid, &rest));
     for (int i = 0; i < 4; i += 2) { /* erode and close of the set are dilate and open of the rest */
-        fuzz_must(ctx, fuzz_morphs[i](ctx, &rest, &across, &grown));
+        fuzz_must(ctx, bvx_grid_morph(ctx, &rest, i, &across, &grown));
         fuzz_must(ctx, bvx_grid_complement(ctx, &grown, &grown));
         fuzz_grids_equal(&grown, &made[i == 0 ? 1 : 3], "shrinking is not growing the rest");
         bvx_grid_free(ctx, &grown);
     }
     for (int i = 2; i < 4; i++) {
-        fuzz_must(ctx, fuzz_morphs[i](ctx, &made[i], o, &again));
+        fuzz_must(ctx, bvx_grid_morph(ctx, &made[i], i, o, &again));
         fuzz_grids_equal(&again, &made[i], "opened or closed twice is not once");
         bvx_grid_free(ctx, &again);
     }
@@ -140,9 +135,9 @@ static void fuzz_morph_window(bvx_context *ctx, fuzz_input *in, const bvx_grid *
         outer.low[a] = grid->low[a] + low;
         outer.size[a] = high - low;
     }
-    fuzz_must(ctx, fuzz_morphs[call](ctx, grid, o, &whole));
+    fuzz_must(ctx, bvx_grid_morph(ctx, grid, call, o, &whole));
     fuzz_must(ctx, bvx_grid_crop(ctx, grid, &outer, &part));
-    fuzz_must(ctx, fuzz_morphs[call](ctx, &part, o, &made));
+    fuzz_must(ctx, bvx_grid_morph(ctx, &part, call, o, &made));
     fuzz_must(ctx, bvx_grid_crop(ctx, &made, &inner, &cut));
     fuzz_part_equals_whole(&cut, &whole, "a window with its halo that differs from the whole");
     bvx_grid_free(ctx, &whole);
@@ -218,7 +213,7 @@ static void fuzz_distances(bvx_context *ctx, bvx_context *other, fuzz_input *in,
     fuzz_must(ctx, bvx_grid_distance(ctx, grid, &o, BVX_F64, values, voxels));
     fuzz_require(memcmp(values, twins, voxels * sizeof *values) == 0, "other distances with more threads");
     if (cubic && o.side != BVX_DISTANCE_SIGNED)
-        fuzz_must(ctx, bvx_grid_distance_squares(ctx, grid, &o, squares, voxels));
+        fuzz_must(ctx, bvx_grid_distance(ctx, grid, &o, BVX_SQUARES, squares, voxels));
     fuzz_good_calls += 2;
     for (size_t i = 0; i < voxels; i++) {
         int32_t const at[3] = {(int32_t)(i % (size_t)grid->size[0]),
@@ -251,7 +246,7 @@ static void fuzz_ball(bvx_context *ctx, fuzz_input *in, const bvx_grid *grid)
     o.neighbourhood = BVX_BALL;
     o.radius = fuzz_range(in, 0, 60) / 8.0;
     o.beyond = fuzz_range(in, 0, 1);
-    fuzz_must(ctx, bvx_grid_dilate(ctx, grid, &o, &grown));
+    fuzz_must(ctx, bvx_grid_morph(ctx, grid, BVX_MORPH_DILATE, &o, &grown));
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)
             for (int32_t x = 0; x < grid->size[0]; x++) {

@@ -67,8 +67,8 @@ static void fuzz_check_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_mesh back = {0};
 
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
-    fuzz_require(bvx_write_mesh(ctx, m, format, &b) == BVX_OK, "a mesh that cannot be written");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, format, &back) == BVX_OK,
+    fuzz_require(bvx_write_mesh(ctx, m, 1, NULL, format, &b) == BVX_OK, "a mesh that cannot be written");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, format, NULL, &back) == BVX_OK,
                  "a written mesh that cannot be read");
     fuzz_require(back.vertex_count == m->vertex_count && back.triangle_count == m->triangle_count &&
                      back.position_type == m->position_type &&
@@ -96,9 +96,9 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     levels[1].triangle_count = (m->triangle_count + 1) / 2;
     if (m->vertex_count > 10000 || m->triangle_count > 10000) return;
     o.normals = 1;
-    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_PLY, &b) == BVX_OK,
+    fuzz_require(bvx_write_mesh(ctx, m, 1, &o, BVX_FORMAT_PLY, &b) == BVX_OK,
                  "normals that cannot be written");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_PLY, &back) == BVX_OK,
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_PLY, NULL, &back) == BVX_OK,
                  "a mesh with normals that cannot be read");
     fuzz_require(back.vertex_count == m->vertex_count && back.triangle_count == m->triangle_count &&
                      memcmp(back.triangles, m->triangles, (size_t)m->triangle_count * 12) == 0,
@@ -106,10 +106,10 @@ static void fuzz_check_more_writing(bvx_context *ctx, const bvx_mesh *m)
     bvx_mesh_free(ctx, &back);
     bvx_buffer_free(ctx, &b);
 
-    status = bvx_write_levels(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &b);
+    status = bvx_write_mesh(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &b);
     fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "levels that cannot be written");
     if (status != BVX_OK) return; /* wider than floats reach */
-    fuzz_require(bvx_write_levels(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &twin) == BVX_OK &&
+    fuzz_require(bvx_write_mesh(ctx, levels, 2, NULL, BVX_FORMAT_GLB, &twin) == BVX_OK &&
                      twin.size == b.size && memcmp(twin.bytes, b.bytes, (size_t)b.size) == 0,
                  "levels that changed from call to call");
     fuzz_require(b.size % 4 == 0 && b.size > m->triangle_count * 12, "a file of levels that is too small");
@@ -132,14 +132,13 @@ static void fuzz_check_written(bvx_context *ctx, const bvx_mesh *m)
     status = bvx_check_written(ctx, m, 1, NULL, BVX_FORMAT_STL, &r);
     fuzz_require(status == BVX_OK || status == BVX_ERR_RANGE, "a mesh whose file cannot be judged");
     if (status != BVX_OK) return; /* wider than floats reach */
-    status = bvx_write_mesh(ctx, m, BVX_FORMAT_STL, &b);
+    status = bvx_write_mesh(ctx, m, 1, NULL, BVX_FORMAT_STL, &b);
     fuzz_require((status == BVX_OK) == (r.fits != 0), "a refusal that the report does not know");
     bvx_buffer_free(ctx, &b);
 
     o.rounding = BVX_ROUNDING_ALLOW;
-    fuzz_require(bvx_write_mesh_with(ctx, m, &o, BVX_FORMAT_STL, &b) == BVX_OK,
-                 "rounding that is not allowed");
-    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, &back) == BVX_OK,
+    fuzz_require(bvx_write_mesh(ctx, m, 1, &o, BVX_FORMAT_STL, &b) == BVX_OK, "rounding that is not allowed");
+    fuzz_require(bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, NULL, &back) == BVX_OK,
                  "a rounded mesh that cannot be read");
     bvx_mesh_view_of(&back, &view);
     fuzz_require(bvx_mesh_check(ctx, &view, 1, &c) == BVX_OK && c.closed == r.file.closed &&
@@ -162,7 +161,7 @@ static void fuzz_check_finite(bvx_context *ctx, const uint8_t *file, size_t size
 
     o.drop_nonfinite = 1;
     o.report = &report;
-    status = bvx_read_mesh_with(ctx, file, size, format, &o, &m);
+    status = bvx_read_mesh(ctx, file, size, format, &o, &m);
 
     if (whole != NULL) {
         fuzz_require(status == BVX_OK && report.dropped == 0, "a finite mesh of which something was dropped");
@@ -189,13 +188,13 @@ static void fuzz_check_kept(bvx_context *ctx, const uint8_t *file, size_t size, 
     o.keep_file = 1;
     w.source = &m;
     w.rounding = BVX_ROUNDING_ALLOW;
-    status = bvx_read_mesh_with(ctx, file, size, format, &o, &m);
+    status = bvx_read_mesh(ctx, file, size, format, &o, &m);
     fuzz_require(status == BVX_OK || status == BVX_ERR_BUDGET, "a mesh that is not read with its file");
     if (status == BVX_OK && m.assets != NULL && m.assets->document != NULL) {
-        status = bvx_write_mesh_with(ctx, &m, &w, BVX_FORMAT_GLB, &b);
+        status = bvx_write_mesh(ctx, &m, 1, &w, BVX_FORMAT_GLB, &b);
         fuzz_require(status == BVX_OK || status == BVX_ERR_BUDGET || status == BVX_ERR_RANGE,
                      "a kept file that is not written");
-        if (status == BVX_OK) status = bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_GLB, &back);
+        if (status == BVX_OK) status = bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_GLB, NULL, &back);
         else status = BVX_ERR_BUDGET;
         fuzz_require(status == BVX_ERR_BUDGET ||
                          (status == BVX_OK && back.vertex_count == m.vertex_count &&
@@ -215,7 +214,7 @@ static int fuzz_read(bvx_context *ctx, const uint8_t *file, size_t size, int for
     int const is_points = format == FUZZ_XYZ || format == FUZZ_CLOUD;
     bvx_mesh m = {0};
     bvx_status const status = is_points ? bvx_read_points(ctx, file, size, number, &m)
-                                        : bvx_read_mesh(ctx, file, size, number, &m);
+                                        : bvx_read_mesh(ctx, file, size, number, NULL, &m);
     /* Nodes may repeat a mesh into more than the target's memory. */
     int const good = status == BVX_ERR_BUDGET && format >= FUZZ_GLB
                          ? 0

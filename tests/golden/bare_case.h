@@ -3,7 +3,7 @@
 #ifndef BARE_CASE_H
 #define BARE_CASE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "shapes.h"
 
 typedef struct bare_result {

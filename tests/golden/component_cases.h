@@ -123,7 +123,7 @@ static void cloud_cases(golden *g)
     fit.resolution = 48;
     o.report = &r;
     golden_begin(g, "ball_cloud");
-    if (golden_good(g, bvx_lattice_fit_points(g->context, &view, &fit, &lattice))) {
+    if (golden_good(g, bvx_lattice_fit_with(g->context, &view, &fit, &lattice))) {
         for (o.minimum = 1; o.minimum <= 3; o.minimum++)
             if (golden_good(g, bvx_voxelize_points(g->context, &view, &lattice, &o, &grid)))
                 grid_value(g, "voxels", &grid);

@@ -16,7 +16,7 @@
  * them to golden_u64, golden_hex or golden_text between golden_begin and golden_end; a group of cases is one
  * function and one file. The same values must come out on every machine, compiler and thread count, so a
  * value depends on none. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "bare_case.h"
 #include "core/core.h"
 #include "grid/grid.h"

@@ -55,16 +55,7 @@ static int few_specks(golden *g, int32_t stretched, bvx_grid *grid)
 
 /* ---- Morphology ---- */
 
-typedef bvx_status morph_call(bvx_context *context, const bvx_grid *grid, const bvx_morph_options *options,
-                              bvx_grid *result);
-
-static const struct {
-    const char *name;
-    morph_call *call;
-} morph_calls[4] = {{"dilate", bvx_grid_dilate},
-                    {"erode", bvx_grid_erode},
-                    {"open", bvx_grid_open},
-                    {"close", bvx_grid_close}};
+static const char *const morph_names[4] = {"dilate", "erode", "open", "close"};
 
 /* One neighbourhood, or a ball of radius times the least spacing, by all
  * four; what shrinks takes the second grid. */
@@ -82,9 +73,9 @@ static void morphed(golden *g, const bvx_grid *grid, const bvx_grid *second, int
         o.steps = steps;
         o.radius = radius * least;
         o.beyond = second == grid ? (i + steps) & 1 : i == 1 || i == 2;
-        snprintf(key, sizeof key, "%s%d", morph_calls[i].name,
+        snprintf(key, sizeof key, "%s%d", morph_names[i],
                  neighbourhood != 0 ? (int)neighbourhood : (int)radius);
-        combined(g, key, morph_calls[i].call(g->context, i == 1 || i == 2 ? second : grid, &o, &made), &made);
+        combined(g, key, bvx_grid_morph(g->context, i == 1 || i == 2 ? second : grid, i, &o, &made), &made);
     }
 }
 
@@ -139,7 +130,8 @@ static void squares_of(golden *g, const bvx_grid *grid)
     static uint32_t squares[MORPH_VOXELS];
     uint64_t const voxels = (uint64_t)grid->size[0] * (uint64_t)grid->size[1] * (uint64_t)grid->size[2];
     uint64_t h = 0;
-    if (!golden_good(g, bvx_grid_distance_squares(g->context, grid, NULL, squares, MORPH_VOXELS))) return;
+    if (!golden_good(g, bvx_grid_distance(g->context, grid, NULL, BVX_SQUARES, squares, MORPH_VOXELS)))
+        return;
     for (uint64_t i = 0; i < voxels; i++) h = mixed_word(h, squares[i]);
     golden_hex(g, "squares", h);
 }

@@ -137,7 +137,7 @@ static void question_cases(golden *g)
     bvx_mesh_view view;
     bvx_lattice lattice;
     bvx_grid parity = {0}, conservative = {0}, filled = {0};
-    bvx_mesh surface = {0};
+    bvx_mesh surface = {0}, faces = {0};
     bvx_seed seed;
     int32_t pocket[3] = {0, 0, 0};
     uint64_t pockets = 0, vertices = 0, triangles = 0;
@@ -153,8 +153,8 @@ static void question_cases(golden *g)
         mesh_questions(g, &view, &surface);
         if (golden_good(g, bvx_extract_count(g->context, &parity, NULL, &vertices, &triangles)))
             golden_u64(g, "vertices", vertices);
-        if (golden_good(g, bvx_faces_count(g->context, &parity, NULL, &vertices, &triangles)))
-            golden_u64(g, "faces", triangles);
+        if (golden_good(g, bvx_extract_faces(g->context, &parity, NULL, &faces)))
+            golden_u64(g, "faces", faces.triangle_count);
         if (golden_good(g, bvx_find_seed(g->context, &conservative, &view, 0, &seed)))
             golden_hex(g, "seed", mixed_integers(0, seed.voxel, 3));
         if (golden_good(g, bvx_find_pockets(g->context, &conservative, &view, pocket, 1, &pockets)) &&
@@ -163,6 +163,7 @@ static void question_cases(golden *g)
     }
     golden_end(g);
     bvx_mesh_free(g->context, &surface);
+    bvx_mesh_free(g->context, &faces);
     bvx_grid_free(g->context, &conservative);
     bvx_grid_free(g->context, &parity);
 }
@@ -290,10 +291,10 @@ static void mesh_files(golden *g, bvx_mesh *mesh)
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
         bvx_buffer file = {0};
         bvx_mesh back = {0};
-        if (!golden_good(g, bvx_write_mesh(g->context, mesh, formats[i].format, &file))) continue;
+        if (!golden_good(g, bvx_write_mesh(g->context, mesh, 1, NULL, formats[i].format, &file))) continue;
         golden_hex(g, formats[i].name, bvx_hash(file.bytes, (size_t)file.size, 0));
         if (formats[i].format != BVX_FORMAT_GLB &&
-            golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, formats[i].format, &back)))
+            golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, formats[i].format, NULL, &back)))
             mesh_value(g, "back", BVX_OK, &back);
         bvx_buffer_free(g->context, &file);
     }
@@ -312,9 +313,8 @@ static void finite_mesh(golden *g, const bvx_mesh *mesh)
     options.drop_nonfinite = 1;
     options.report = &report;
     golden_begin(g, "finite");
-    if (golden_good(g, bvx_write_mesh(g->context, mesh, BVX_FORMAT_OBJ, &file)) &&
-        golden_good(
-            g, bvx_read_mesh_with(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &options, &spoilt))) {
+    if (golden_good(g, bvx_write_mesh(g->context, mesh, 1, NULL, BVX_FORMAT_OBJ, &file)) &&
+        golden_good(g, bvx_read_mesh(g->context, file.bytes, file.size, BVX_FORMAT_OBJ, &options, &spoilt))) {
         golden_u64(g, "of_finite", report.dropped);
         for (uint64_t v = 0; v < spoilt.vertex_count; v += 7)
             ((double *)spoilt.positions)[v * 3 + v % 3] = HUGE_VAL;
@@ -347,15 +347,15 @@ static void mesh_files_with(golden *g, const bvx_mesh *mesh, const bvx_mesh *fin
 
     golden_begin(g, "meshes_with");
     o.normals = 1;
-    file_value(g, "obj_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_OBJ, &file), &file);
-    file_value(g, "ply_normals", bvx_write_mesh_with(g->context, mesh, &o, BVX_FORMAT_PLY, &file), &file);
+    file_value(g, "obj_normals", bvx_write_mesh(g->context, mesh, 1, &o, BVX_FORMAT_OBJ, &file), &file);
+    file_value(g, "ply_normals", bvx_write_mesh(g->context, mesh, 1, &o, BVX_FORMAT_PLY, &file), &file);
     levels[0] = *finer;
     levels[1] = *mesh;
-    file_value(g, "levels", bvx_write_levels(g->context, levels, 2, NULL, BVX_FORMAT_GLB, &file), &file);
+    file_value(g, "levels", bvx_write_mesh(g->context, levels, 2, NULL, BVX_FORMAT_GLB, &file), &file);
     written_value(g, mesh);
     o.quantize = 1;
     o.turn = BVX_TURN_Z_TO_Y;
-    file_value(g, "quantized", bvx_write_levels(g->context, levels, 2, &o, BVX_FORMAT_GLB, &file), &file);
+    file_value(g, "quantized", bvx_write_mesh(g->context, levels, 2, &o, BVX_FORMAT_GLB, &file), &file);
     golden_end(g);
 }
 

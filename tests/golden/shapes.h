@@ -2,7 +2,7 @@
 #ifndef GOLDEN_SHAPES_H
 #define GOLDEN_SHAPES_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -23,6 +23,7 @@ stages_files() {
     cat >"$work/expected" <<END
 ./usr/bin/bitvox
 ./usr/include/bitvox.h
+./usr/include/bitvox_io.h
 ./usr/lib/x86_64-any/cmake/bitvox/bitvoxConfig.cmake
 ./usr/lib/x86_64-any/cmake/bitvox/bitvoxConfigVersion.cmake
 ./usr/lib/x86_64-any/libbitvox.a

@@ -26,14 +26,14 @@ header_as() { # COMPILER, FLAGS...
     needs "$1"
     echo 'int known;' >"$work/known.c"
     "$@" -c "$work/known.c" -o "$work/alone.o" 2>/dev/null || { echo "this compiler does not know it" && exit 77; }
-    echo '#include "bitvox.h"' >"$work/alone.c"
+    echo '#include "bitvox_io.h"' >"$work/alone.c"
     # shellcheck disable=SC2086
     "$@" $strict -Iinclude -c "$work/alone.c" -o "$work/alone.o"
 }
 
 # Every function that the header declares is exported, and nothing else is.
 exports_the_header() {
-    tr '\n' ' ' <include/bitvox.h | grep -o 'BVX_API [^(;]*(' | grep -o 'bvx_[a-z0-9_]*($' | tr -d '(' |
+    cat include/bitvox*.h | tr '\n' ' ' | grep -o 'BVX_API [^(;]*(' | grep -o 'bvx_[a-z0-9_]*($' | tr -d '(' |
         LC_ALL=C sort -u >"$work/declared.txt"
     [ -s "$work/declared.txt" ] || return 1
     sh tests/tools/list_symbols.sh "$BUILD/libbitvox.so" | diff -u "$work/declared.txt" -
@@ -64,7 +64,7 @@ dump() { # FILE
     # shellcheck disable=SC2086
     (cd "$work" && $CC -std=c99 -g -O0 -ffp-contract=off -fPIC -fvisibility=hidden -shared bitvox.c -lm -o interface.so) || return 1
     (cd "$work" && abidw --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --no-parameter-names \
-        --type-id-style hash --header-file bitvox.h --drop-private-types --out-file interface.abi interface.so) || return 1
+        --type-id-style hash --header-file bitvox.h --header-file bitvox_io.h --drop-private-types --out-file interface.abi interface.so) || return 1
     mv "$work/interface.abi" "$1"
 }
 

@@ -80,10 +80,12 @@ every_function_proven() {
     empty "$work/unproven.txt" 'unproven functions'
 }
 
-# The contents at the top of the header name its sections, in their order.
+# The contents at the top of each header name its sections, in their order.
 contents_of_the_header() {
-    sed -n '/^ \* Contents/,/^ \* What holds/s/^ \*     //p' include/bitvox.h | sed 's/  .*//' | tr ',' '\n' | sed 's/^ *//' >"$work/contents.txt"
-    sed -n 's|^/\* ---- \(.*[^ -]\) -* \*/$|\1|p' include/bitvox.h | diff "$work/contents.txt" - && [ -s "$work/contents.txt" ]
+    for header in include/bitvox.h include/bitvox_io.h; do
+        sed -n '/^ \* Contents/,/^ \* What holds/s/^ \*     //p' $header | sed 's/  .*//' | tr ',' '\n' | sed 's/^ *//' >"$work/contents.txt"
+        sed -n 's|^/\* ---- \(.*[^ -]\) -* \*/$|\1|p' $header | diff "$work/contents.txt" - && [ -s "$work/contents.txt" ] || return 1
+    done
 }
 
 # Names of values come from the header's lists: no list of a source begins with the first two names of one. A name is the constant's own
@@ -99,7 +101,7 @@ lists_stand_once() {
             sub(/".*/, "", text)
             print ++n, name, text, list
         }
-        /^enum/ { list = "" }' include/bitvox.h >"$work/lists.txt"
+        /^enum/ { list = "" }' include/bitvox*.h >"$work/lists.txt"
     awk '{ own = tolower(substr($2, length($4) + 2)); gsub(/_/, "-", own); if ($4 == "BVX_SIDE" || $4 == "BVX_REAL") { own = tolower($2); sub(/bvx_(open_)?/, "", own); gsub(/_/, "-", own) }
         if (own != $3) print "include/bitvox.h: " $2 " is called " $3 }' "$work/lists.txt" >"$work/twice.txt"
     [ "$(grep -c '^1 ' "$work/lists.txt")" -ge 20 ] || echo 'include/bitvox.h: where are its lists?' >>"$work/twice.txt"
@@ -126,7 +128,7 @@ options_agree() {
 # A result may be passed again: tests/unit/test_reuse.c has a row for every function that makes one. Handles of bvx_closest_create
 # are made anew each time.
 every_result_reused() {
-    tr '\n' ' ' <include/bitvox.h | grep -o 'BVX_API bvx_status [^;]*;' | sed 's/const [a-z_ ]*bvx_[a-z_]* \*[a-z_]*//g' |
+    cat include/bitvox*.h | tr '\n' ' ' | grep -o 'BVX_API bvx_status [^;]*;' | sed 's/const [a-z_ ]*bvx_[a-z_]* \*[a-z_]*//g' |
         grep -E '[( ]bvx_(grid|mesh|attached|field|octree|sections|buffer|image|volume) \*' | grep -o 'bvx_[a-z0-9_]*(' | tr -d '(' |
         while read -r f; do grep -q "$f\b" tests/unit/test_reuse.c || echo "$f"; done >"$work/unused.txt"
     empty "$work/unused.txt" 'no row in test_reuse.c:'

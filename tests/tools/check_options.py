@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_options.py WORK ARCHIVE, or check_options.py PROGRAM, whose archive stands beside it - what is said of options in five places agrees.
 
-The comments of include/bitvox.h are read: each field of an option struct has its [Default: ] and, where it is a number, its [Limit: ],
+The comments of both headers are read: each field of an option struct has its [Default: ] and, where it is a number, its [Limit: ],
 or names the list it chooses from (BVX_CAPS_...). Then:
 
 - where that is not 0, the field's row in the library says the same;
@@ -27,7 +27,7 @@ if len(sys.argv) == 2:
     WORK, ARCHIVE = Path(FOLDER.name), str(Path(sys.argv[1]).with_name("libbitvox.a"))
 else:
     WORK, ARCHIVE = Path(sys.argv[1]), sys.argv[2]
-HEADER = Path("include/bitvox.h").read_text()
+HEADER = "".join(Path(f"include/{name}.h").read_text() for name in ("bitvox", "bitvox_io"))
 problems = []
 exec(Path("tests/tools/option_exceptions.py").read_text())
 
@@ -75,7 +75,7 @@ class Field:
         self.path = name
 
     def where(self):
-        return f"include/bitvox.h: {self.struct}.{self.name}"
+        return f"include: {self.struct}.{self.name}"
 
     def read_limit(self):
         """Ranges as (low, low is in it, high, high is in it); an end that another field says is None. [] where all is allowed."""

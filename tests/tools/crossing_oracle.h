@@ -7,7 +7,7 @@
 #ifndef CROSSING_ORACLE_H
 #define CROSSING_ORACLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/exact.h"
 #include "tools/mesh_maker.h"
 

@@ -12,7 +12,7 @@
 #ifndef FAULT_H
 #define FAULT_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdio.h>
 #include <stdlib.h>

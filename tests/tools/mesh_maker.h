@@ -6,7 +6,7 @@
 #ifndef MESH_MAKER_H
 #define MESH_MAKER_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdio.h>
 #include <stdlib.h>

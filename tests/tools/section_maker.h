@@ -3,7 +3,7 @@
 #ifndef SECTION_MAKER_H
 #define SECTION_MAKER_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/mesh_maker.h"
 
 #include <math.h>

@@ -1,12 +1,12 @@
 #!/bin/sh
 # struct_offsets.sh CC - size of every public struct and offset of every field, one a line, as this compiler lays them out, and
-# the value of every constant. They are read from include/bitvox.h, so none is forgotten. Run from the repository root.
+# the value of every constant. They are read from both headers, so none is forgotten. Run from the repository root.
 # RUNNER in the environment: what runs the compiler's programs, when this machine does not.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 {
-    echo '#include "bitvox.h"'
+    echo '#include "bitvox_io.h"'
     echo '#include <stdio.h>'
     echo 'int main(void) {'
     awk '{ # without comments
@@ -19,7 +19,7 @@ trap 'rm -rf "$work"' EXIT
             if (at) inside = !inside
         }
         print code
-    }' include/bitvox.h | awk '
+    }' include/bitvox.h include/bitvox_io.h | awk '
         /^typedef struct bvx_[a-z0-9_]* \{/ {
             name = $3
             print "printf(\"%s %u\\n\", \"" name "\", (unsigned)sizeof(" name "));"
@@ -38,7 +38,7 @@ trap 'rm -rf "$work"' EXIT
                 print "printf(\"  %s.%s %u\\n\", \"" name "\", \"" field[i] "\", (unsigned)offsetof(" name ", " field[i] "));"
             }
         }'
-    "$@" -std=c99 -E -P include/bitvox.h | tr '\n' ' ' | grep -o 'enum *{[^}]*}' | grep -o 'BVX_[A-Z0-9_]*' |
+    "$@" -std=c99 -E -P include/bitvox_io.h | tr '\n' ' ' | grep -o 'enum *{[^}]*}' | grep -o 'BVX_[A-Z0-9_]*' |
         awk '!known[$0]++ { print "printf(\"" $0 " %d\\n\", (int)" $0 ");" }'
     echo 'return 0; }'
 } >"$work/offsets.c"

@@ -6,7 +6,7 @@
 #ifndef SURFACE_ORACLE_H
 #define SURFACE_ORACLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #define BVXI_TABLES_WHOLE
 #include "surface/tables.h"
 #include "tools/mesh_maker.h"

@@ -20,9 +20,9 @@ part() { # PARTS, empty: the whole library
     $CC -std=c99 -O3 -Wall -Wextra -Wshadow -Werror -ffp-contract=off -pthread -c "$folder/bitvox.c" -o "$folder/bitvox.o" || return 1
 
     # All calls of the header, so that one which is declared and not there is found.
-    sed 's|/\*.*\*/||' "$folder/bitvox.h" | grep -o '^BVX_API [^(]*' | sed 's/.*[ *]//' | LC_ALL=C sort >"$folder/calls"
+    cat "$folder/bitvox.h" "$folder/bitvox_io.h" | sed 's|/\*.*\*/||' | grep -o '^BVX_API [^(]*' | sed 's/.*[ *]//' | LC_ALL=C sort >"$folder/calls"
     {
-        printf '#include "bitvox.h"\n#include <stdio.h>\ntypedef void call(void);\nint main(void)\n{\n    call *const calls[] = {\n'
+        printf '#include "bitvox_io.h"\n#include <stdio.h>\ntypedef void call(void);\nint main(void)\n{\n    call *const calls[] = {\n'
         sed 's/.*/        (call *)&,/' "$folder/calls"
         printf '    };\n    size_t n = 0;\n    while (n < sizeof calls / sizeof *calls && calls[n]) n++;\n    printf("%%u\\n", (unsigned)n);\n    return 0;\n}\n'
     } >"$folder/use.c"

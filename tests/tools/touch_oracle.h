@@ -8,7 +8,7 @@
 #ifndef TOUCH_ORACLE_H
 #define TOUCH_ORACLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/exact.h"
 #include "tools/solid_oracle.h"
 

@@ -3,7 +3,7 @@
 #ifndef CALL_TABLE_H
 #define CALL_TABLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <string.h>
 
@@ -87,14 +87,6 @@ static bvx_status lattice_fit_with(const world *w)
     TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_lattice_fit_with(w->ctx, w->mesh, &o, (bvx_lattice *)w->out);
-}
-static bvx_status lattice_fit_points(const world *w)
-{
-    TAKE_OPTIONS(lattice, o);
-    o.resolution = 8;
-    TAKE_RESERVED(o.reserved);
-    SPOIL(o);
-    return bvx_lattice_fit_points(w->ctx, w->points, &o, (bvx_lattice *)w->out);
 }
 static bvx_status lattice_fit_box(const world *w)
 {
@@ -237,18 +229,13 @@ static bvx_status voxelize_surface(const world *w)
     SPOIL(o);
     return bvx_voxelize_surface(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
-#define MORPH_CALL(name, function)                                \
-    static bvx_status name(const world *w)                        \
-    {                                                             \
-        TAKE_OPTIONS(morph, o);                                   \
-        TAKE_RESERVED(o.reserved);                                \
-        SPOIL(o);                                                 \
-        return function(w->ctx, w->grid, &o, (bvx_grid *)w->out); \
-    }
-MORPH_CALL(grid_dilate, bvx_grid_dilate)
-MORPH_CALL(grid_erode, bvx_grid_erode)
-MORPH_CALL(grid_open, bvx_grid_open)
-MORPH_CALL(grid_close, bvx_grid_close)
+static bvx_status grid_morph(const world *w)
+{
+    TAKE_OPTIONS(morph, o);
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_grid_morph(w->ctx, w->grid, BVX_MORPH_DILATE, &o, (bvx_grid *)w->out);
+}
 static bvx_status grid_hollow(const world *w)
 {
     TAKE_OPTIONS(hollow, o);
@@ -263,13 +250,6 @@ static bvx_status grid_distance(const world *w)
     TAKE_RESERVED(o.reserved[0]);
     SPOIL(o);
     return bvx_grid_distance(w->ctx, w->grid, &o, BVX_F32, w->out, 512);
-}
-static bvx_status grid_distance_squares(const world *w)
-{
-    TAKE_OPTIONS(distance, o);
-    TAKE_RESERVED(o.reserved[1]);
-    SPOIL(o);
-    return bvx_grid_distance_squares(w->ctx, w->grid, &o, (uint32_t *)w->out, 512);
 }
 static bvx_status refine(const world *w)
 {
@@ -370,13 +350,6 @@ static bvx_status extract_surface(const world *w)
     TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_extract_surface(w->ctx, w->grid, &o, (bvx_mesh *)w->out);
-}
-static bvx_status faces_count(const world *w)
-{
-    TAKE_OPTIONS(faces, o);
-    TAKE_RESERVED(o.reserved);
-    SPOIL(o);
-    return bvx_faces_count(w->ctx, w->grid, &o, (uint64_t *)w->out, w->second);
 }
 static bvx_status extract_faces(const world *w)
 {
@@ -494,13 +467,6 @@ static bvx_status mesh_simplify(const world *w)
     SPOIL(o);
     return bvx_mesh_simplify(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
-static bvx_status plan_levels(const world *w)
-{
-    TAKE_OPTIONS(levels, o);
-    TAKE_RESERVED(o.fit.reserved);
-    SPOIL(o);
-    return bvx_plan_levels(w->ctx, w->mesh, &o, 1, (int32_t *)w->out);
-}
 static bvx_status build_levels(const world *w)
 {
     TAKE_OPTIONS(levels, o);
@@ -510,22 +476,14 @@ static bvx_status build_levels(const world *w)
 }
 static bvx_status write_mesh(const world *w)
 {
-    return bvx_write_mesh(w->ctx, w->body, BVX_FORMAT_PLY, (bvx_buffer *)w->out);
-}
-static bvx_status write_mesh_with(const world *w)
-{
     TAKE_OPTIONS(write, o);
     o.normals = 1;
     SPOIL(o);
-    return bvx_write_mesh_with(w->ctx, w->body, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
+    return bvx_write_mesh(w->ctx, w->body, 1, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
 }
 static bvx_status check_written(const world *w)
 {
     return bvx_check_written(w->ctx, w->body, 1, NULL, BVX_FORMAT_STL, (bvx_write_report *)w->out);
-}
-static bvx_status write_levels(const world *w)
-{
-    return bvx_write_levels(w->ctx, w->body, 1, NULL, BVX_FORMAT_GLB, (bvx_buffer *)w->out);
 }
 static bvx_status write_grid(const world *w)
 {
@@ -601,11 +559,11 @@ static bvx_status read_sections(const world *w)
 }
 
 static const char off[] = "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-static bvx_status read_mesh_with(const world *w)
+static bvx_status read_mesh(const world *w)
 {
     TAKE_OPTIONS(read, o);
     SPOIL(o);
-    return bvx_read_mesh_with(w->ctx, off, sizeof off - 1, BVX_FORMAT_OFF, &o, (bvx_mesh *)w->out);
+    return bvx_read_mesh(w->ctx, off, sizeof off - 1, BVX_FORMAT_OFF, &o, (bvx_mesh *)w->out);
 }
 
 static bvx_status read_lattice(const world *w)
@@ -627,7 +585,6 @@ typedef struct call {
 static const call calls[] = {
     CALL(lattice_fit, MESH, PLAIN),
     CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
-    CALL(lattice_fit_points, POINTS | OPTIONS | RESERVED, PLAIN),
     CALL(lattice_fit_box, OPTIONS | RESERVED, PLAIN),
     CALL(lattice_make, 0, PLAIN),
     CALL(grid_create, LATTICE, TO_GRID),
@@ -659,13 +616,9 @@ static const call calls[] = {
     CALL(grid_pad, GRID, TO_GRID),
     CALL(grid_permute, GRID, TO_GRID),
     CALL(voxelize_surface, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_dilate, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_erode, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_open, GRID | OPTIONS | RESERVED, TO_GRID),
-    CALL(grid_close, GRID | OPTIONS | RESERVED, TO_GRID),
+    CALL(grid_morph, GRID | OPTIONS | RESERVED, TO_GRID),
     CALL(grid_hollow, GRID | OPTIONS | RESERVED, TO_GRID),
     CALL(grid_distance, GRID | OPTIONS | RESERVED, PLAIN),
-    CALL(grid_distance_squares, GRID | OPTIONS | RESERVED, PLAIN),
     CALL(refine, MESH | LATTICE | OPTIONS | RESERVED, TO_TREE),
     CALL(refine_choose, MESH | OPTIONS | INNER, PLAIN),
     CALL(octree_lattice, TREE, PLAIN),
@@ -685,7 +638,6 @@ static const call calls[] = {
     CALL(grid_topology, GRID, PLAIN),
     CALL(extract_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN),
     CALL(extract_surface, GRID | OPTIONS | RESERVED, TO_MESH),
-    CALL(faces_count, GRID | OPTIONS | RESERVED | SECOND, PLAIN),
     CALL(extract_faces, GRID | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_merge, BODY, TO_MESH),
     CALL(threshold, VOLUME, TO_GRID),
@@ -704,12 +656,9 @@ static const call calls[] = {
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(plan_levels, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(write_mesh, BODY, TO_BUFFER),
-    CALL(write_mesh_with, BODY | OPTIONS, TO_BUFFER),
+    CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
     CALL(check_written, BODY, PLAIN),
-    CALL(write_levels, BODY, TO_BUFFER),
     CALL(write_grid, GRID, TO_BUFFER),
     CALL(write_octree, TREE, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER),
@@ -724,7 +673,7 @@ static const call calls[] = {
     CALL(render_slices, GRID | OPTIONS, TO_IMAGE),
     CALL(read_grid, BYTES, TO_GRID),
     CALL(read_lattice, BYTES | SECOND | SLOT, PLAIN),
-    CALL(read_mesh_with, OPTIONS, TO_MESH),
+    CALL(read_mesh, OPTIONS, TO_MESH),
     CALL(read_sections, OPTIONS | RESERVED, TO_SECTIONS),
     CALL(mesh_carry, BODY | SECOND | SLOT, PLAIN),
 };

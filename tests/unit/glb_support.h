@@ -126,7 +126,7 @@ static inline glb_file write_glb(const bvx_mesh *m)
 static inline glb_file write_glb_with(const bvx_mesh *m, const bvx_write_options *o)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, o, BVX_FORMAT_GLB, &b),
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, 1, o, BVX_FORMAT_GLB, &b),
                                     bvx_last_message(ctx));
     return take_file(b);
 }

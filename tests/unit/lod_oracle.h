@@ -7,7 +7,7 @@
 #ifndef LOD_ORACLE_H
 #define LOD_ORACLE_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <math.h>
 #include <stdlib.h>

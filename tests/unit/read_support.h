@@ -3,7 +3,7 @@
 #ifndef TEST_READ_SUPPORT_H
 #define TEST_READ_SUPPORT_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "mesh/mesh.h"
 #include "mesh/polygon.h"
 #include "tools/read_limits.h"
@@ -88,7 +88,7 @@ static inline bvx_status read_file(const void *bytes, size_t size, int32_t forma
     memset(mesh, 0, sizeof *mesh);
     memcpy(copy, bytes, size);
     bvx_memory_reset_peak(ctx);
-    bvx_status const status = bvx_read_mesh(ctx, copy, size, format, mesh);
+    bvx_status const status = bvx_read_mesh(ctx, copy, size, format, NULL, mesh);
     free(copy);
     TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= most_memory(format, size));
     if (status == BVX_OK) {

@@ -3,7 +3,7 @@
 #ifndef RENDER_SUPPORT_H
 #define RENDER_SUPPORT_H
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include "suite.h"
 

@@ -399,10 +399,10 @@ static void test_choices_out_of_range(void)
         BAD_SWITCH(voxelize_solid, voxelize, has_base),
         BAD(voxelize_surface, surface, mode, 99),
         BAD(voxelize_surface, surface, mode, -1),
-        BAD(grid_dilate, morph, neighbourhood, 5),
-        BAD(grid_erode, morph, steps, -1),
-        BAD(grid_open, morph, beyond, 2),
-        BAD(grid_close, morph, radius, -1),
+        BAD(grid_morph, morph, neighbourhood, 5),
+        BAD(grid_morph, morph, steps, -1),
+        BAD(grid_morph, morph, beyond, 2),
+        BAD(grid_morph, morph, radius, -1),
         BAD(grid_hollow, hollow, drain_side, 7),
         BAD(grid_hollow, hollow, drain_side, -1),
         BAD_SWITCH(grid_hollow, hollow, drain_placed),
@@ -410,7 +410,7 @@ static void test_choices_out_of_range(void)
         BAD(grid_hollow, hollow, drain_radius, -1),
         BAD(grid_distance, distance, side, 9),
         BAD(grid_distance, distance, beyond, 9),
-        BAD(grid_distance_squares, distance, side, -1),
+        BAD(grid_distance, distance, side, -1),
         BAD(refine, refine, start_level, 7),
         BAD(refine, refine, start_level, -2),
         BAD(refine, refine, outer_levels, 5),
@@ -497,8 +497,8 @@ static void test_choices_out_of_range(void)
         BAD_SWITCH(build_levels, levels, topology),
         BAD(build_levels, levels, fit.reserved, 1),
         BAD(build_levels, levels, attribute_weight, 1001),
-        BAD(plan_levels, levels, solid, 9),
-        BAD(plan_levels, levels, fit.resolution, -1),
+        BAD(build_levels, levels, solid, 9),
+        BAD(build_levels, levels, fit.resolution, -1),
         BAD(build_levels, levels, targets.error_kind, 2),
         BAD(build_levels, levels, position_type, 9),
         BAD(build_levels, levels, targets.even, -2),
@@ -627,9 +627,7 @@ static void test_sizes_beyond_memory_and_none(void)
     for (int i = 0; i < 3; i++) {
         uint64_t const n = sizes[i];
         bvx_read_volume_options o = {.struct_size = sizeof o};
-        expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, &out.mesh), "bvx_read_mesh");
-        expect_refused(ctx, bvx_read_mesh_with(ctx, text, n, BVX_FORMAT_PLY, NULL, &out.mesh),
-                       "bvx_read_mesh_with");
+        expect_refused(ctx, bvx_read_mesh(ctx, text, n, BVX_FORMAT_PLY, NULL, &out.mesh), "bvx_read_mesh");
         expect_refused(ctx, bvx_read_points(ctx, text, n, BVX_FORMAT_XYZ, &out.mesh), "bvx_read_points");
         expect_refused(ctx, bvx_read_grid(ctx, text, n, BVX_FORMAT_NPY, NULL, &out.grid), "bvx_read_grid");
         expect_refused(ctx, bvx_read_octree(ctx, text, n, &out.tree), "bvx_read_octree");

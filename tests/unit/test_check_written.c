@@ -80,7 +80,7 @@ static void check_report_is_of_the_file(const bvx_mesh *m, int32_t format)
     bvx_buffer b = write_rounded(m, format);
     bvx_mesh back = {0};
 
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, &back));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, NULL, &back));
     bvx_certificate const c = certificate_of(&back, format == BVX_FORMAT_STL);
     TEST_ASSERT_EQUAL_MEMORY(&c, &r.file, sizeof c);
     bvx_mesh_free(ctx, &back);
@@ -92,7 +92,7 @@ static void check_report_is_of_the_file(const bvx_mesh *m, int32_t format)
 static void check_not_fit(const bvx_mesh *m, int32_t format, const char *words)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh(ctx, m, format, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh(ctx, m, 1, NULL, format, &b));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), words), bvx_last_message(ctx));
     TEST_ASSERT_NULL(b.bytes);
 }
@@ -114,7 +114,7 @@ static void test_other_formats_keep_what_is_far(void)
 
     for (int i = 0; i < 4; i++) {
         bvx_buffer b = {0};
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, formats[i], &b));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, NULL, formats[i], &b));
         bvx_buffer_free(ctx, &b);
         bvx_write_report const r = report_of(&m, formats[i]);
         TEST_ASSERT_TRUE(r.fits && r.file.closed && r.file.edge_manifold && r.file.vertex_manifold &&
@@ -134,7 +134,7 @@ static void test_a_frame_brings_it_near(void)
     TEST_ASSERT_EQUAL_UINT64(BALL_VERTICES, r.file.vertices);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, -10.0, r.file.low[1]);
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, BVX_FORMAT_STL, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_STL, &b));
     bvx_buffer_free(ctx, &b);
     m.frame[1] = 5000000; /* and takes it away */
     check_not_fit(&m, BVX_FORMAT_STL, "bvx_write_mesh: ");
@@ -163,9 +163,9 @@ static void test_levels_far_apart_are_refused(void)
     memcpy(far_positions, ball_positions, sizeof far_positions);
     level[1] = ball_at(-1e8, 0, 0);
     level[0].positions = far_positions;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_levels(ctx, level, 2, NULL, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh(ctx, level, 2, NULL, BVX_FORMAT_GLB, &b));
     TEST_ASSERT_NOT_NULL(
-        strstr(bvx_last_message(ctx), "bvx_write_levels: level 0: the format's 32-bit floats move"));
+        strstr(bvx_last_message(ctx), "bvx_write_mesh: level 0: the format's 32-bit floats move"));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, level, 2, NULL, BVX_FORMAT_GLB, r));
     TEST_ASSERT_FALSE(r[0].fits || r[1].fits);
     TEST_ASSERT_TRUE(report_of(&level[0], BVX_FORMAT_GLB).fits); /* alone it lies about its own middle */
@@ -238,7 +238,7 @@ static void test_wrong_calls(void)
     bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0};
     o.rounding = 2;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, &b));
 }
 
 int main(void)

@@ -326,7 +326,7 @@ static bvx_status crop_call(bvx_grid *result)
 
 static bvx_status dilate_call(bvx_grid *result)
 {
-    return bvx_grid_dilate(ctx, &grid, NULL, result);
+    return bvx_grid_morph(ctx, &grid, BVX_MORPH_DILATE, NULL, result);
 }
 static bvx_status fill_call(bvx_grid *result)
 {

@@ -81,10 +81,10 @@ static void expect_pairs(int32_t side, int32_t beyond)
     size_t const count = list_targets(side != BVX_DISTANCE_INSIDE, list);
     bvx_distance_options o = options_of(side, beyond, NULL);
 
-    if (cubic) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance_squares(ctx, &grid, &o, squares, n));
+    if (cubic) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_SQUARES, squares, n));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_F32, single, n));
     o.nearest = nearest;
-    if (cubic) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance_squares(ctx, &grid, &o, again, n));
+    if (cubic) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_SQUARES, again, n));
     if (cubic) TEST_ASSERT_EQUAL_INT(0, memcmp(squares, again, n * sizeof *squares));
     memset(nearest, 0x55, n * sizeof *nearest);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_F64, real, n));
@@ -118,7 +118,7 @@ static void test_distances_by_hand(void)
 
     open_grid(5, 1, 1, 2.0, 2.0, 2.0);
     bvx_grid_set(&grid, 3, 0, 0, 1);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance_squares(ctx, &grid, NULL, squares, 5));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, NULL, BVX_SQUARES, squares, 5));
     TEST_ASSERT_EQUAL_UINT32(9, squares[0]);
     TEST_ASSERT_EQUAL_UINT32(0, squares[3]);
     TEST_ASSERT_EQUAL_UINT32(1, squares[4]);
@@ -239,7 +239,7 @@ static void test_empty_and_full_grids_are_far(void)
     open_grid(70, 1, 1, 1.0, 1.0, 1.0);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_F32, values, 70));
     for (int i = 0; i < 70; i++) TEST_ASSERT_TRUE(values[i] == (float)INFINITY && nearest[i] == UINT64_MAX);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance_squares(ctx, &grid, NULL, squares, 70));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, NULL, BVX_SQUARES, squares, 70));
     for (int i = 0; i < 70; i++) TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, squares[i]);
     for (int32_t i = 0; i < 70; i++) bvx_grid_set(&grid, i, 0, 0, 1);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, &o, BVX_F32, values, 70));
@@ -346,8 +346,7 @@ static void test_long_rows_and_columns(void)
         size_t const n = voxels_of(&grid);
         double *const values = room_for(n, sizeof *values);
         bvx_grid_set(&grid, 0, 0, 0, 1);
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE,
-                                bvx_grid_distance_squares(ctx, &grid, NULL, (uint32_t *)(void *)values, n));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_distance(ctx, &grid, NULL, BVX_SQUARES, values, n));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_distance(ctx, &grid, NULL, BVX_F64, values, n));
         for (size_t i = 0; i < n; i++) {
             double const x = (double)(i % (size_t)s[0]);
@@ -369,7 +368,7 @@ static void test_what_distances_refuse(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(NULL, &grid, NULL, BVX_F32, values, 8));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, NULL, NULL, BVX_F32, values, 8));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, NULL, BVX_F32, NULL, 8));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, NULL, 3, values, 8));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, NULL, 4, values, 8));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_grid_distance(ctx, &grid, NULL, BVX_F32, values, 7));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, &o, BVX_F32, values, 8));
     o = options_of(0, 3, NULL);
@@ -378,11 +377,11 @@ static void test_what_distances_refuse(void)
     o.reserved[1] = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, &o, BVX_F32, values, 8));
     o = options_of(BVX_DISTANCE_SIGNED, 0, NULL);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance_squares(ctx, &grid, &o, squares, 8));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance_squares(ctx, &grid, NULL, NULL, 8));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance_squares(NULL, &grid, NULL, squares, 8));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, &o, BVX_SQUARES, squares, 8));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, NULL, BVX_SQUARES, NULL, 8));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(NULL, &grid, NULL, BVX_SQUARES, squares, 8));
     open_grid(2, 2, 2, 1.0, 1.0, 2.0);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance_squares(ctx, &grid, NULL, squares, 8));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_distance(ctx, &grid, NULL, BVX_SQUARES, squares, 8));
     open_grid(2, 2, 2, 1e35, 1e35, 1e35);
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_grid_distance(ctx, &grid, NULL, BVX_F32, values, 8));
     open_grid(2, 2, 2, 1e-200, 1e-200, 1e-200);

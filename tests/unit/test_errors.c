@@ -2,7 +2,7 @@
  * values of failures, which nobody has to read out of messages. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <math.h>
 #include <string.h>
@@ -295,10 +295,10 @@ static void test_counts_and_bytes(void)
     int32_t const dims[3] = {1, 1, 1};
     double const low[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
 
-    failed(BVX_ERR_ARGUMENT, bvx_write_levels(ctx, &mesh, 0, NULL, BVX_FORMAT_GLB, &file), BVX_REASON_RANGE,
-           "bvx_write_levels");
-    failed(BVX_ERR_RANGE, bvx_write_levels(ctx, &mesh, UINT64_MAX, NULL, BVX_FORMAT_GLB, &file),
-           BVX_REASON_TOO_MANY, "bvx_write_levels");
+    failed(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &mesh, 0, NULL, BVX_FORMAT_GLB, &file), BVX_REASON_RANGE,
+           "bvx_write_mesh");
+    failed(BVX_ERR_RANGE, bvx_write_mesh(ctx, &mesh, UINT64_MAX, NULL, BVX_FORMAT_GLB, &file),
+           BVX_REASON_TOO_MANY, "bvx_write_mesh");
 
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, low, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));

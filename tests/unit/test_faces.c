@@ -138,16 +138,11 @@ static bvx_mesh faces_of(bvx_context *c, const bvx_grid *g, int32_t merged, int3
 {
     bvx_faces_options o = {.struct_size = sizeof o};
     bvx_mesh m = {0};
-    uint64_t vertices, triangles;
 
     o.merged = merged;
     o.position_type = type;
     o.local_frame = local;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_faces_count(c, g, &o, &vertices, &triangles),
-                                    bvx_last_message(c));
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_extract_faces(c, g, &o, &m), bvx_last_message(c));
-    TEST_ASSERT_EQUAL_UINT64(vertices, m.vertex_count);
-    TEST_ASSERT_EQUAL_UINT64(triangles, m.triangle_count);
     return m;
 }
 
@@ -394,12 +389,9 @@ static void assert_faces_refused(const bvx_grid *g, const bvx_faces_options *o, 
                                  const char *word)
 {
     bvx_mesh m = {0};
-    uint64_t v, t;
     TEST_ASSERT_EQUAL_INT32(want, bvx_extract_faces(ctx, g, o, &m));
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), word), bvx_last_message(ctx));
     TEST_ASSERT_NULL(m.positions);
-    TEST_ASSERT_EQUAL_INT32(want, bvx_faces_count(ctx, g, o, &v, &t));
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), word), bvx_last_message(ctx));
 }
 
 static void test_refusals(void)
@@ -410,7 +402,6 @@ static void test_refusals(void)
     bvx_faces_options o;
     bvx_grid g;
     bvx_mesh m = {0};
-    uint64_t n;
 
     for (int32_t merged = 0; merged < 2; merged++) {
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, far, fine, dims, &l));
@@ -447,9 +438,7 @@ static void test_refusals(void)
     }
     assert_faces_refused(NULL, NULL, BVX_ERR_ARGUMENT, "grid");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_faces(ctx, &g, NULL, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_faces_count(ctx, &g, NULL, &n, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_extract_faces(NULL, &g, NULL, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_faces_count(NULL, &g, NULL, &n, &n));
     bvx_grid_free(ctx, &g);
 }
 

@@ -1,7 +1,7 @@
 /* test_fans.c - what is found broken round vertices: a closed body, and ways in which one may not be. */
 #include "oblique/oblique.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "suite.h"
 
 void setUp(void)

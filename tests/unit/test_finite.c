@@ -155,7 +155,7 @@ static bvx_status read_finite_of(bvx_context *context, const void *bytes, size_t
 
     o.drop_nonfinite = 1;
     o.report = &report;
-    status = bvx_read_mesh_with(context, bytes, size, format, &o, m);
+    status = bvx_read_mesh(context, bytes, size, format, &o, m);
     if (status == BVX_OK) *dropped = report.dropped;
     return status;
 }
@@ -265,7 +265,7 @@ static void test_read_finite_refuses(void)
                             read_finite_of(ctx, colour, sizeof colour - 1, BVX_FORMAT_OBJ, &dropped, &m));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "colour that is not finite"));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
-                            bvx_read_mesh_with(ctx, NULL, sizeof good - 1, BVX_FORMAT_OBJ, NULL, &m));
+                            bvx_read_mesh(ctx, NULL, sizeof good - 1, BVX_FORMAT_OBJ, NULL, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
                             read_finite_of(NULL, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_finite_of(ctx, good, sizeof good - 1, BVX_FORMAT_OBJ, &dropped, &m));

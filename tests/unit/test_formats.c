@@ -2,7 +2,7 @@
  * lists: endings and texts of the program agree with them. */
 #include "unity.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "cli_shell/endings.h"
 
 #include <stdio.h>
@@ -92,7 +92,7 @@ static void test_the_sets_are_what_readers_and_writers_take(void)
         bvx_sections sections = {0};
         bvx_volume volume = {0};
 
-        meshes |= taken(ctx, bvx_read_mesh(ctx, bytes, sizeof bytes - 1, f, &mesh)) << f;
+        meshes |= taken(ctx, bvx_read_mesh(ctx, bytes, sizeof bytes - 1, f, NULL, &mesh)) << f;
         points |= taken(ctx, bvx_read_points(ctx, bytes, sizeof bytes - 1, f, &mesh)) << f;
         grids |= taken(ctx, bvx_read_grid(ctx, bytes, sizeof bytes - 1, f, NULL, &grid)) << f;
         contours |= taken(ctx, bvx_read_sections(ctx, bytes, sizeof bytes - 1, f, NULL, &sections)) << f;

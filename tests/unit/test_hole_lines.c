@@ -1,6 +1,6 @@
 /* test_hole_lines.c - open edges that lie on each other, against counts of the least steps that they run
  * along. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/mesh_maker.h"
 #include "winding/holes.h"
 #include "suite.h"

@@ -337,8 +337,9 @@ static void test_fit_refuses_what_has_no_bounds(void)
 
     o.resolution = 10;
     maker_clear(&mesh);
+    ASSERT_REFUSED(BVX_ERR_EMPTY, fit(&o, &lattice), "no points");
     maker_vertex(&mesh, 1, 2, 3);
-    ASSERT_REFUSED(BVX_ERR_EMPTY, fit(&o, &lattice), "no triangle");
+    ASSERT_REFUSED(BVX_ERR_EMPTY, fit(&o, &lattice), "one point");
     triangle_over(low, high);
     mesh.p[3 * 1 + 1] = nan("");
     ASSERT_REFUSED(BVX_ERR_RANGE, fit(&o, &lattice), "vertex 1");

@@ -1,4 +1,4 @@
-/* test_levels.c - bvx_build_levels and bvx_plan_levels: meshes as they are, with what they have and no new fault;
+/* test_levels.c - bvx_build_levels: meshes as they are, with what they have and no new fault;
  * solids closed, manifold and without crossing triangles, whatever the input. */
 #include "tools/defect_maker.h"
 
@@ -221,26 +221,22 @@ static void test_a_solid_of_what_is_not_sound(void)
     for (int way = 0; way < SPOILT_WAYS; way++) {
         static const uint64_t targets[3] = {2000, 400, 60};
         bvx_levels_options o = defaults();
-        int32_t resolution = 0;
-        bvx_mesh_view view;
         if (quick && way % 3 != 0) continue;
         spoil(way);
-        view = maker_view(&mesh);
         o.targets.triangles = targets;
         o.solid = 1;
         build(&o, 3);
         check_levels(spoilt_names[way], targets, 3, 2, way == SPOILT_SOUP ? -1 : 1);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(1, found.solid, where);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_plan_levels(ctx, &view, &o, 3, &resolution));
         for (int a = 0; a < 3; a++)
-            TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= resolution + 16, where);
-        TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[0] >= resolution / 2, where);
+            TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[a] <= found.planned_resolution + 16, where);
+        TEST_ASSERT_TRUE_MESSAGE(found.repair.lattice.dims[0] >= found.planned_resolution / 2, where);
         TEST_ASSERT_TRUE_MESSAGE(report[0].met, where);
         if (way == SPOILT_OPEN || way == SPOILT_FLIPPED || way == SPOILT_DOUBLED || way == SPOILT_FLAT) {
             bvx_certificate whole;
             make_shape(shape_named("sphere"));
             squeeze();
-            view = maker_view(&mesh);
+            bvx_mesh_view const view = maker_view(&mesh);
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &whole));
             TEST_ASSERT_TRUE_MESSAGE(
                 fabs(certificate_of(&level[0]).volume - whole.volume) < 0.03 * whole.volume, where);
@@ -590,57 +586,27 @@ static void test_threads_do_not_matter(void)
 
 /* ---- The plan ---- */
 
-static int32_t plan(const bvx_levels_options *o, uint64_t count)
+static int32_t plan(const uint64_t *targets, uint64_t count)
 {
-    bvx_mesh_view const view = maker_view(&mesh);
-    int32_t resolution = -1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_plan_levels(ctx, &view, o, count, &resolution),
-                                    bvx_last_message(ctx));
-    TEST_ASSERT_TRUE(resolution >= 256 && resolution <= 512);
-    return resolution;
+    bvx_levels_options o = defaults();
+    o.targets.triangles = targets;
+    o.solid = 1;
+    build(&o, count);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(found.resolution, found.planned_resolution, where);
+    return found.planned_resolution;
 }
 
+/* It rises with the finest target, between its ends. */
 static void test_the_plan(void)
 {
-    static const double error = 0.5;
-    uint64_t target = 1;
-    int32_t before = 0;
-    bvx_levels_options o = {.struct_size = sizeof o};
+    static const uint64_t few = 1, chain[3] = {10, 40000, 3}, many = 1000000;
+    int32_t between;
 
     make_shape(shape_named("sphere"));
-    TEST_ASSERT_EQUAL_INT32(256, plan(NULL, 3));
-    o.targets.triangles = &target;
-    for (; target < 1000000; target *= 2) { /* it only rises, between its ends */
-        int32_t const now = plan(&o, 1);
-        TEST_ASSERT_TRUE(now >= before);
-        before = now;
-    }
-    TEST_ASSERT_EQUAL_INT32(320, before);
-    {
-        uint64_t const up[3] = {10, 50000, 3}, one = 50000;
-        int32_t chain;
-        o.targets.triangles = up; /* the finest of a chain decides */
-        chain = plan(&o, 3);
-        o.targets.triangles = &one;
-        TEST_ASSERT_EQUAL_INT32(plan(&o, 1), chain);
-        TEST_ASSERT_TRUE(chain > 256 && chain < 512);
-    }
-    o.targets.triangles = NULL;
-    o.targets.errors = &error;
-    plan(&o, 1);
-    maker_clear(&mesh);
-    maker_vertex(&mesh, 3, 3, 3);
-    maker_triangle(&mesh, 0, 0, 0);
-    plan(NULL, 1);
-    mesh.triangles = 0;
-    {
-        bvx_mesh_view const view = maker_view(&mesh);
-        int32_t resolution = 77;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_plan_levels(ctx, &view, NULL, 1, &resolution));
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_plan_levels(NULL, &view, NULL, 1, &resolution));
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_plan_levels(ctx, &view, NULL, 1, NULL));
-        TEST_ASSERT_EQUAL_INT32(77, resolution);
-    }
+    TEST_ASSERT_EQUAL_INT32(256, plan(&few, 1));
+    between = plan(chain, 3);
+    TEST_ASSERT_TRUE(between > 256 && between < 320);
+    TEST_ASSERT_EQUAL_INT32(320, plan(&many, 1));
 }
 
 /* ---- Refusals ---- */

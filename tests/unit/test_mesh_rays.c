@@ -1,6 +1,6 @@
 /* test_mesh_rays.c - rays against a mesh, all triangles one by one in whole numbers beside them; winding numbers
  * against the voxels of the solid, whose centres lie on edges and corners. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/mesh_maker.h"
 #include "suite.h"
 

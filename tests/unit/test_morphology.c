@@ -2,9 +2,7 @@
  * against voxel by voxel; BVX_QUICK makes it shorter. */
 #include "morph_support.h"
 
-typedef bvx_status morph_fn(bvx_context *, const bvx_grid *, const bvx_morph_options *, bvx_grid *);
-static morph_fn *const operations[4] = {bvx_grid_dilate, bvx_grid_erode, bvx_grid_open, bvx_grid_close};
-enum { DILATE, ERODE, OPEN, CLOSE };
+enum { DILATE = BVX_MORPH_DILATE, ERODE, OPEN, CLOSE };
 
 static bvx_morph_options steps_of(int32_t neighbourhood, int32_t steps, int32_t beyond)
 {
@@ -116,7 +114,7 @@ static void expect_voxel_by_voxel(int operation, const bvx_morph_options *o)
     for (int part = 0; part < (operation < OPEN ? 1 : 2); part++)
         for (int32_t i = 0; i < o->steps; i++)
             wide_step(&b, o, s, (operation == ERODE || operation == OPEN) ? part : !part);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](ctx, &grid, o, &result));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_morph(ctx, &grid, operation, o, &result));
     for (int32_t z = 0; z < grid.size[2]; z++)
         for (int32_t y = 0; y < grid.size[1]; y++)
             for (int32_t x = 0; x < grid.size[0]; x++)
@@ -136,7 +134,7 @@ static void expect_voxel_by_voxel(int operation, const bvx_morph_options *o)
 static bvx_grid made_by(int operation, const bvx_grid *g, const bvx_morph_options *o)
 {
     bvx_grid result = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](ctx, g, o, &result));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_morph(ctx, g, operation, o, &result));
     return result;
 }
 
@@ -371,7 +369,7 @@ static void test_threads_and_processors_do_not_show(void)
             bvx_context *const other = suite_context(t == 0 ? 1 : threads[t - 1],
                                                      t == 0 ? BVX_CPU_PORTABLE : BVX_CPU_BEST);
             bvx_grid g = {0};
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, operations[operation](other, &grid, &o, &g));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_morph(other, &grid, operation, &o, &g));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(other, &g, t == 0 ? &want : &got));
             if (t > 0) TEST_ASSERT_EQUAL_HEX64(want, got);
             bvx_grid_free(other, &g);
@@ -421,10 +419,10 @@ static void test_words_of_the_callers(void)
     bvx_grid_set(&grid, 3, 1, 1, 1);
     g.words = words;
     g.word_capacity = 17;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_grid_dilate(ctx, &grid, NULL, &g));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_grid_morph(ctx, &grid, BVX_MORPH_DILATE, NULL, &g));
     g.word_capacity = 18;
     memset(words, 0xAA, sizeof words);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_dilate(ctx, &grid, NULL, &g));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_morph(ctx, &grid, BVX_MORPH_DILATE, NULL, &g));
     TEST_ASSERT_EQUAL_UINT64(7, set_voxels(&g));
 }
 
@@ -436,10 +434,10 @@ static void test_what_morphology_refuses(void)
     open_grid(4, 4, 4, 1, 1, 1);
     same = grid;
     for (int k = 0; k < 4; k++) {
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, operations[k](NULL, &grid, NULL, &g));
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, operations[k](ctx, NULL, NULL, &g));
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, operations[k](ctx, &grid, NULL, NULL));
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, operations[k](ctx, &grid, NULL, &same));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_morph(NULL, &grid, k, NULL, &g));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_morph(ctx, NULL, k, NULL, &g));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_morph(ctx, &grid, k, NULL, NULL));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_morph(ctx, &grid, k, NULL, &same));
         for (int bad = 0; bad < 9; bad++) {
             o = steps_of(6, 1, 0);
             if (bad == 0) o.neighbourhood = 7;
@@ -454,13 +452,14 @@ static void test_what_morphology_refuses(void)
                 o = ball_of(1.0, 0);
                 o.steps = 2;
             }
-            TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, operations[k](ctx, &grid, &o, &g));
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_morph(ctx, &grid, k, &o, &g));
             TEST_ASSERT_NULL(g.words);
         }
     }
     o = ball_of(1e12, 0);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_grid_close(ctx, &grid, &o, &g));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_open(ctx, &grid, &o, &g)); /* needs nothing beyond the window */
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_BUDGET, bvx_grid_morph(ctx, &grid, BVX_MORPH_CLOSE, &o, &g));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvx_grid_morph(ctx, &grid, BVX_MORPH_OPEN, &o, &g)); /* needs nothing beyond the window */
     bvx_grid_free(ctx, &g);
 }
 

@@ -122,7 +122,7 @@ static void test_a_fitted_lattice_holds_the_cloud(void)
         if (round % 3 == 2)
             for (int a = 0; a < 3; a++) o.axis_resolution[a] = 1 + maker_below(&seed, 40);
         o.padding = round % 2;
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &o, &l));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_with(ctx, &view, &o, &l));
         p.report = &report;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, &p, &g));
         TEST_ASSERT_EQUAL_UINT64(0, report.outside);
@@ -150,13 +150,13 @@ static void test_points_of_any_view(void)
     strided.position_type = BVX_F32;
     strided.position_stride = 20;
     strided.vertex_count = 40;
+    o.resolution = 9;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_with(ctx, &view, &o, &l));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_with(ctx, &strided, &o, &m));
+    TEST_ASSERT_EQUAL_MEMORY(&l, &m, sizeof l);
     strided.indices = wild;
     strided.index_type = BVX_U32;
     strided.triangle_count = 1;
-    o.resolution = 9;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &o, &l));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &strided, &o, &m));
-    TEST_ASSERT_EQUAL_MEMORY(&l, &m, sizeof l);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &view, &l, NULL, &a));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_voxelize_points(ctx, &strided, &l, NULL, &b));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_hash(ctx, &a, &first));
@@ -290,10 +290,10 @@ static void test_points_refuse(void)
 
     scatter(20, 30, 0.25);
     fit.resolution = 4;
-    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, NULL, &fit, &l), "points is NULL");
-    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, NULL, &l), "exactly one of");
-    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_points(ctx, &view, &fit, NULL), "lattice is NULL");
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_points(ctx, &view, &fit, &l));
+    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_with(ctx, NULL, &fit, &l), "mesh is NULL");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_with(ctx, &view, NULL, &l), "exactly one of");
+    expect_refused(BVX_ERR_ARGUMENT, bvx_lattice_fit_with(ctx, &view, &fit, NULL), "lattice is NULL");
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_with(ctx, &view, &fit, &l));
     for (int which = 0; which < 6; which++) {
         static const char *const words[6] = {"minimum is -1", "body is 2", "close_gaps is -1",
                                              "requires body", "reserved",  "whole lattice"};
@@ -312,13 +312,13 @@ static void test_points_refuse(void)
     expect_refused(BVX_ERR_ARGUMENT, bvx_voxelize_points(ctx, &view, NULL, NULL, &g), "lattice is NULL");
     cloud[13][1] = (double)NAN;
     expect_refused(BVX_ERR_RANGE, bvx_voxelize_points(ctx, &view, &l, NULL, &g), "vertex 13");
-    expect_refused(BVX_ERR_RANGE, bvx_lattice_fit_points(ctx, &view, &fit, &l), "vertex 13");
+    expect_refused(BVX_ERR_RANGE, bvx_lattice_fit_with(ctx, &view, &fit, &l), "vertex 13");
     view.vertex_count = 0;
     expect_refused(BVX_ERR_EMPTY, bvx_voxelize_points(ctx, &view, &l, NULL, &g), "no points");
-    expect_refused(BVX_ERR_EMPTY, bvx_lattice_fit_points(ctx, &view, &fit, &l), "no points");
+    expect_refused(BVX_ERR_EMPTY, bvx_lattice_fit_with(ctx, &view, &fit, &l), "no points");
     TEST_ASSERT_NULL(g.words);
     scatter(3, 1, 1);
-    expect_refused(BVX_ERR_EMPTY, bvx_lattice_fit_points(ctx, &view, &fit, &l), "one point");
+    expect_refused(BVX_ERR_EMPTY, bvx_lattice_fit_with(ctx, &view, &fit, &l), "one point");
 }
 
 /* ---- Files ---- */
@@ -405,7 +405,7 @@ static void test_ply_points_are_read(void)
     expect_refused(BVX_ERR_EMPTY, bvx_read_points(ctx, none, sizeof none - 1, BVX_FORMAT_PLY, &m),
                    "no vertices");
     expect_refused(BVX_ERR_FORMAT, bvx_read_points(ctx, alone, sizeof alone - 8, BVX_FORMAT_PLY, &m), "PLY");
-    expect_refused(BVX_ERR_EMPTY, bvx_read_mesh(ctx, alone, sizeof alone - 1, BVX_FORMAT_PLY, &m),
+    expect_refused(BVX_ERR_EMPTY, bvx_read_mesh(ctx, alone, sizeof alone - 1, BVX_FORMAT_PLY, NULL, &m),
                    "no faces");
 }
 

@@ -2,7 +2,7 @@
  * bytes of BVX_F32, and far from it, where BVX_F32 is refused, those of BVX_F64. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <string.h>
 
@@ -220,19 +220,14 @@ static void test_counts_are_given_wherever_the_grid_lies(void)
 {
     for (int i = 0; i < 2; i++) {
         bvx_extract_options e = {.struct_size = sizeof e};
-        bvx_faces_options f = {.struct_size = sizeof f};
         uint64_t vertices, triangles;
         bvx_mesh mesh = {0};
 
-        e.position_type = f.position_type = BVX_POSITION_AUTO;
+        e.position_type = BVX_POSITION_AUTO;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_count(ctx, &worlds[i].solid, &e, &vertices, &triangles));
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_surface(ctx, &worlds[i].solid, &e, &mesh));
         TEST_ASSERT_EQUAL_UINT64(mesh.vertex_count, vertices);
         TEST_ASSERT_EQUAL_UINT64(mesh.triangle_count, triangles);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_faces_count(ctx, &worlds[i].solid, &f, &vertices, &triangles));
-        /* of another type: made anew */
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_extract_faces(ctx, &worlds[i].solid, &f, &mesh));
-        TEST_ASSERT_EQUAL_UINT64(mesh.vertex_count, vertices);
         bvx_mesh_free(ctx, &mesh);
     }
 }

@@ -64,10 +64,6 @@ static const char *wrong_rise(const record *r)
 static bvx_buffer ply, packed_tree;
 static bvx_closest *finder;
 
-static bvx_status read_mesh(const world *w)
-{
-    return bvx_read_mesh(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out);
-}
 static bvx_status read_points(const world *w)
 {
     return bvx_read_points(w->ctx, ply.bytes, ply.size, BVX_FORMAT_PLY, (bvx_mesh *)w->out);
@@ -82,7 +78,6 @@ static bvx_status closest_find(const world *w)
 }
 
 static const call more_calls[] = {
-    CALL(read_mesh, 0, TO_MESH),
     CALL(read_points, 0, TO_MESH),
     CALL(read_octree, 0, TO_TREE),
     CALL(closest_find, 0, PLAIN),
@@ -107,7 +102,7 @@ static int is_silent(const call *c)
 static void make_files(bvx_context *ctx)
 {
     make_world(ctx);
-    MADE(bvx_write_mesh(ctx, &body, BVX_FORMAT_PLY, &ply));
+    MADE(bvx_write_mesh(ctx, &body, 1, NULL, BVX_FORMAT_PLY, &ply));
     MADE(bvx_write_octree(ctx, tree, 0, BVX_FORMAT_BVX, &packed_tree));
     MADE(bvx_closest_create(ctx, &mesh, &finder));
 }

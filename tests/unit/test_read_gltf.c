@@ -818,7 +818,7 @@ static bvx_status read_beside(const char *text, folder *f, bvx_read_report *repo
     o.close_file = close_in;
     o.user = f;
     o.report = report;
-    status = bvx_read_mesh_with(ctx, json, n, BVX_FORMAT_GLTF, &o, m);
+    status = bvx_read_mesh(ctx, json, n, BVX_FORMAT_GLTF, &o, m);
     TEST_ASSERT_EQUAL_INT(f->opened, f->closed);
     return status;
 }
@@ -984,7 +984,7 @@ static void test_drop_nonfinite(void)
     n = make_glb(TWO_PRIMITIVES("{'attributes':{'POSITION':0,'TEXCOORD_1':3},'indices':1,'material':0}"));
     o.drop_nonfinite = 1;
     o.report = &report;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh_with(ctx, file, n, BVX_FORMAT_GLB, &o, &m),
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, file, n, BVX_FORMAT_GLB, &o, &m),
                                     bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(2, report.dropped);
     TEST_ASSERT_EQUAL_UINT64(6, m.vertex_count);
@@ -1004,11 +1004,10 @@ static void test_options_are_checked(void)
     begin_quad();
     n = make_glb(HEAD ONE_NODE QUAD VIEWS BUFFER);
     o.open_file = open_in;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh_with(ctx, file, n, BVX_FORMAT_GLB, &o, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, file, n, BVX_FORMAT_GLB, &o, &m));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "open_file and close_file"));
     TEST_ASSERT_EQUAL_INT32(BVX_REASON_CONTRADICTION, bvx_last_error(ctx)->reason);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK,
-                            bvx_read_mesh_with(ctx, file, n, BVX_FORMAT_GLTF, NULL, &m)); /* by content */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, file, n, BVX_FORMAT_GLTF, NULL, &m)); /* by content */
     bvx_mesh_free(ctx, &m);
 }
 
@@ -1030,7 +1029,7 @@ static void test_what_is_written_comes_back(void)
     m.vertex_count = m.vertex_capacity = m.uv_count = 3;
     m.triangle_count = m.triangle_capacity = 1;
     m.position_type = BVX_F32;
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_GLB, &b));
     memcpy(file, b.bytes, b.size);
     uint64_t const size = b.size;
     bvx_buffer_free(ctx, &b);
@@ -1078,7 +1077,8 @@ static void test_known_files(void)
         fclose(f);
         TEST_ASSERT_EQUAL_INT32_MESSAGE(
             known[i].status,
-            bvx_read_mesh(ctx, bytes, n, strstr(name, ".glb") != NULL ? BVX_FORMAT_GLB : BVX_FORMAT_GLTF, &m),
+            bvx_read_mesh(ctx, bytes, n, strstr(name, ".glb") != NULL ? BVX_FORMAT_GLB : BVX_FORMAT_GLTF,
+                          NULL, &m),
             known[i].name);
         TEST_ASSERT_EQUAL_UINT64(known[i].triangles, m.triangle_count);
         TEST_ASSERT_EQUAL_UINT64(known[i].vertices, m.vertex_count);

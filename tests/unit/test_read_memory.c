@@ -1,6 +1,6 @@
 /* test_read_memory.c - the files that make readers take most, held to what
  * bitvox.h says: a multiple of the file's bytes. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "tools/read_limits.h"
 
 #include "suite.h"
@@ -78,7 +78,7 @@ static void check_memory(int kind, int32_t format, int32_t multiple, int worst, 
 
     memset(&s, 0, sizeof s);
     bvx_memory_reset_peak(ctx);
-    status = kind == MESH     ? bvx_read_mesh(ctx, file, size, format, &m)
+    status = kind == MESH     ? bvx_read_mesh(ctx, file, size, format, NULL, &m)
              : kind == POINTS ? bvx_read_points(ctx, file, size, format, &m)
              : kind == VOLUME ? bvx_read_volume(ctx, file, size, format, NULL, &v)
                               : bvx_read_sections(ctx, file, size, format, NULL, &s);

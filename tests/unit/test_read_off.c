@@ -228,7 +228,8 @@ static void test_read_off_reads_what_is_written(void)
         m.vertex_count = m.vertex_capacity = n;
         m.triangle_count = m.triangle_capacity = triangles;
         m.position_type = BVX_F64;
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, &m, OFF, &file), bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, &m, 1, NULL, OFF, &file),
+                                        bvx_last_message(ctx));
         char *const text = malloc((size_t)file.size);
         size_t const size = (size_t)file.size;
         memcpy(text, file.bytes, size);
@@ -325,7 +326,7 @@ static bvx_status read_sample(void *user, bvx_context *own_ctx)
 {
     const char *const text = user;
     bvx_mesh m = {0};
-    bvx_status const status = bvx_read_mesh(own_ctx, text, strlen(text), OFF, &m);
+    bvx_status const status = bvx_read_mesh(own_ctx, text, strlen(text), OFF, NULL, &m);
     bvx_mesh_free(own_ctx, &m);
     return status;
 }

@@ -333,7 +333,7 @@ static void test_read_stl_made_against_the_hash(void)
     uint8_t *const bytes = make_flood(n, &size);
     bvx_mesh m = {0};
 
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, bytes, size, STL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, bytes, size, STL, NULL, &m));
     TEST_ASSERT_EQUAL_UINT64(2 * n, m.triangle_count);
     TEST_ASSERT_EQUAL_UINT64(3 * n, m.vertex_count);
     for (uint32_t k = 0; k < 6 * n; k++) TEST_ASSERT_EQUAL_UINT32(k % (3 * n), m.triangles[k]);
@@ -352,16 +352,16 @@ static void test_read_mesh_arguments(void)
 {
     bvx_mesh m = {0};
 
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(NULL, "x", 1, STL, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, NULL, 1, STL, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, STL, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", UINT64_MAX, STL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(NULL, "x", 1, STL, NULL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, NULL, 1, STL, NULL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, STL, NULL, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", UINT64_MAX, STL, NULL, &m));
     for (int32_t format = -1; format < 14; format++)
         if (format < 0 || (BVX_MESHES_READ >> format & 1) == 0)
-            TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, format, &m));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
+            TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, "x", 1, format, NULL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, NULL, &m));
     /* its own arrays: used again */
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &m));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, NULL, &m));
     check_two(&m);
     bvx_mesh_free(ctx, &m);
     for (int i = 0; i < 7; i++) { /* one array is enough */
@@ -374,7 +374,8 @@ static void test_read_mesh_arguments(void)
         if (i == 4) one.colours = (uint8_t *)array;
         if (i == 5) one.uvs = (float *)array;
         if (i == 6) one.uv_triangles = (uint32_t *)array;
-        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_read_mesh(ctx, text_two, strlen(text_two), STL, &one));
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                                bvx_read_mesh(ctx, text_two, strlen(text_two), STL, NULL, &one));
     }
 }
 

@@ -2,7 +2,7 @@
  * places, what is refused, and files cut at every byte. */
 #include "volume_support.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdio.h>
 

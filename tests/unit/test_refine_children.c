@@ -1,5 +1,5 @@
 /* test_refine_children.c - octants that a triangle touches against separating axes in 192 bits. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "refine/cubes.h"
 #include "tools/exact.h"
 #include "tools/mesh_maker.h"

@@ -5,7 +5,7 @@
  * they are too small, or with BVX_ERR_ARGUMENT where a result takes none. */
 #include "suite.h"
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -58,10 +58,7 @@ ROW(subtract, bvx_grid_subtract(c, &m->solid, &m->field.band, &r->grid))
 ROW(differ, bvx_grid_xor(c, &m->solid, &m->field.band, &r->grid))
 ROW(complement, bvx_grid_complement(c, &m->solid, &r->grid))
 ROW(resample, bvx_grid_resample(c, &m->solid, &m->lattice, NULL, &r->grid))
-ROW(dilate, bvx_grid_dilate(c, &m->solid, NULL, &r->grid))
-ROW(erode, bvx_grid_erode(c, &m->solid, NULL, &r->grid))
-ROW(open_grid, bvx_grid_open(c, &m->solid, NULL, &r->grid))
-ROW(close_grid, bvx_grid_close(c, &m->solid, NULL, &r->grid))
+ROW(dilate, bvx_grid_morph(c, &m->solid, BVX_MORPH_DILATE, NULL, &r->grid))
 ROW(keep, bvx_grid_keep(c, &m->solid, NULL, &r->grid))
 ROW(cavities, bvx_grid_fill_cavities(c, &m->solid, 6, 0, &r->grid, NULL))
 ROW(threshold, bvx_threshold(c, &m->volume, 0, 1e9, NULL, &r->grid))
@@ -83,16 +80,16 @@ ROW(octree_surface, bvx_extract_octree(c, m->tree, 0, NULL, &r->mesh[0]))
 ROW(merge, bvx_mesh_merge(c, m->parts, 1, &r->mesh[0]))
 ROW(simplify, bvx_mesh_simplify(c, &m->view, NULL, 2, r->mesh))
 ROW(levels, bvx_build_levels(c, &m->view, NULL, 2, r->mesh))
-ROW(read_ply, bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]))
+ROW(read_ply, bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, NULL, &r->mesh[0]))
 ROW(read_cloud, bvx_read_points(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]))
 ROW(join_sections, bvx_build_sections(c, &m->sections, NULL, &r->mesh[0]))
 ROW(join_bodies, bvx_build_bodies(c, &m->sections, NULL, (const int32_t[]){1}, 1, r->mesh))
 ROW(measure, bvx_measure_field(c, &m->view, &m->lattice, NULL, &r->field))
 ROW(read_octree, bvx_read_octree(c, m->octree.bytes, m->octree.size, &r->tree))
 ROW(read_csv, bvx_read_sections(c, m->csv.bytes, m->csv.size, BVX_FORMAT_CSV, NULL, &r->sections))
-ROW(write_mesh, bvx_write_mesh(c, &m->mesh, BVX_FORMAT_OBJ, &r->file))
-ROW(write_mesh_with, bvx_write_mesh_with(c, &m->mesh, NULL, BVX_FORMAT_PLY, &r->file))
-ROW(write_levels, bvx_write_levels(c, &m->mesh, 1, NULL, BVX_FORMAT_GLB, &r->file))
+ROW(write_mesh, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_OBJ, &r->file))
+ROW(write_ply, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_PLY, &r->file))
+ROW(write_levels, bvx_write_mesh(c, &m->mesh, 1, NULL, BVX_FORMAT_GLB, &r->file))
 ROW(write_binvox, bvx_write_grid(c, &m->solid, BVX_FORMAT_BINVOX, &r->file))
 ROW(write_octree, bvx_write_octree(c, m->tree, 0, BVX_FORMAT_BVX, &r->file))
 ROW(write_field, bvx_write_field(c, &m->field, 0, BVX_FORMAT_NPY, &r->file))
@@ -138,12 +135,12 @@ static bvx_status read_finite(bvx_context *c, const model *m, results *r)
     bvx_read_options options = {.struct_size = sizeof options};
 
     options.drop_nonfinite = 1;
-    return bvx_read_mesh_with(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &options, &r->mesh[0]);
+    return bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &options, &r->mesh[0]);
 }
 
 static bvx_status drop_nonfinite(bvx_context *c, const model *m, results *r)
 {
-    bvx_status const status = bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, &r->mesh[0]);
+    bvx_status const status = bvx_read_mesh(c, m->ply.bytes, m->ply.size, BVX_FORMAT_PLY, NULL, &r->mesh[0]);
     uint64_t dropped;
 
     return status == BVX_OK ? bvx_mesh_drop_nonfinite(c, &r->mesh[0], &dropped) : status;
@@ -282,20 +279,17 @@ static const struct row {
     {"bvx_grid_subtract", subtract},
     {"bvx_grid_xor", differ},
     {"bvx_grid_pad", pad},
-    {"bvx_grid_erode", erode},
-    {"bvx_grid_open", open_grid},
-    {"bvx_grid_close", close_grid},
-    {"bvx_read_mesh_with", read_finite},
+    {"bvx_read_mesh, finite", read_finite},
     {"bvx_mesh_drop_nonfinite", drop_nonfinite},
     {"bvx_mesh_carry", carry},
     {"bvx_read_lattice", read_lattice},
-    {"bvx_write_mesh_with", write_mesh_with},
+    {"bvx_write_mesh, .ply", write_ply},
     {"bvx_render_difference", render_difference},
     {"bvx_grid_crop", crop},
     {"bvx_grid_permute", permute},
     {"bvx_grid_fill", fill},
     {"bvx_grid_hollow", hollow},
-    {"bvx_grid_dilate", dilate},
+    {"bvx_grid_morph", dilate},
     {"bvx_grid_keep", keep},
     {"bvx_grid_fill_cavities", cavities},
     {"bvx_threshold", threshold},
@@ -324,7 +318,7 @@ static const struct row {
     {"bvx_slice_mesh", slice},
     {"bvx_read_sections", read_csv},
     {"bvx_write_mesh", write_mesh},
-    {"bvx_write_levels", write_levels},
+    {"bvx_write_mesh, .glb", write_levels},
     {"bvx_write_grid", write_binvox},
     {"bvx_write_octree", write_octree},
     {"bvx_write_field", write_field},
@@ -478,8 +472,9 @@ static void test_failures_leave_results_that_can_be_used(void)
 /* ---- arrays of the caller's ---- */
 
 /* Calls that refuse them, as the header says of each, or that make one result out of another. */
-static const char *const takes_none[] = {"bvx_read_mesh",   "bvx_read_mesh_with", "bvx_mesh_drop_nonfinite",
-                                         "bvx_read_points", "bvx_mesh_carry",     "bvx_extract_octree"};
+static const char *const takes_none[] = {"bvx_read_mesh",           "bvx_read_mesh, finite",
+                                         "bvx_mesh_drop_nonfinite", "bvx_read_points",
+                                         "bvx_mesh_carry",          "bvx_extract_octree"};
 
 static int refuses_arrays(const char *name)
 {
@@ -633,7 +628,7 @@ static void make_model(model *m, int32_t size)
     MADE(bvx_slice_mesh(ctx, &m->view, &slicing, &m->sections));
     picture.width = picture.height = size;
     MADE(bvx_render_mesh(ctx, &m->view, &picture, &m->image));
-    MADE(bvx_write_mesh(ctx, &m->mesh, BVX_FORMAT_PLY, &m->ply));
+    MADE(bvx_write_mesh(ctx, &m->mesh, 1, NULL, BVX_FORMAT_PLY, &m->ply));
     MADE(bvx_write_grid(ctx, &m->solid, BVX_FORMAT_NPY, &m->npy));
     MADE(bvx_write_grid(ctx, &m->solid, BVX_FORMAT_BVX, &m->bvx));
     MADE(bvx_write_lattice(ctx, &m->solid, &m->json));

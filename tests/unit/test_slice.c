@@ -1,6 +1,6 @@
 /* test_slice.c - contours of boxes on planes, whose areas are known; sheets
  * that share an edge; planes that meet nothing. */
-#include "bitvox.h"
+#include "bitvox_io.h"
 #include "suite.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "bitvox.h"
+#include "bitvox_io.h"
 #define BVXI_TABLES_WHOLE
 #include "surface/tables.h"
 #include "unity.h"

@@ -278,7 +278,7 @@ static void test_write_glb_names_its_extensions(void)
     for (uint64_t i = 0; i < 4; i++) {
         bvx_write_options const o = {.struct_size = sizeof o, .quantize = (int32_t)(i & 1)};
         bvx_buffer b = {0};
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_levels(ctx, two, 1 + i / 2, &o, BVX_FORMAT_GLB, &b));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, two, 1 + i / 2, &o, BVX_FORMAT_GLB, &b));
         glb_file f = take_file(b);
         TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f.json, wants[i]), f.json);
         free_file(&f);
@@ -290,7 +290,7 @@ static void test_write_glb_names_its_extensions(void)
     own.textures = NULL;
     two[0].assets = two[1].assets = &own;
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_levels(ctx, two, 2, NULL, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, two, 2, NULL, BVX_FORMAT_GLB, &b));
     glb_file f = take_file(b);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(f.json, "\"extensionsUsed\":[\"MSFT_lod\"],\"scene\""), f.json);
     TEST_ASSERT_NULL(strstr(f.json, "samplers"));
@@ -339,7 +339,7 @@ static void test_write_levels_share_materials_and_images(void)
         three[2].triangle_count = TRIANGLES / 5;
         if (way == 1) three[1].assets = (bvx_assets *)&assets;
         if (way == 2) three[0].assets = three[2].assets = (bvx_assets *)&assets;
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_levels(ctx, three, 3, &o, BVX_FORMAT_GLB, &b),
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, three, 3, &o, BVX_FORMAT_GLB, &b),
                                         bvx_last_message(ctx));
         glb_file f = take_file(b), plain = without_texts(&f);
         keep_file(&f, "levels", way);
@@ -361,7 +361,7 @@ static void test_quantized_positions_of_seams_are_equal(void)
 
     two[0].frame[0] = two[1].frame[0] = 1e6;
     two[1].triangle_count = 40; /* smaller bounds */
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_levels(ctx, two, 2, &o, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, two, 2, &o, BVX_FORMAT_GLB, &b));
     glb_file f = take_file(b);
     glb_array const fine = take_array_of(&f, 0, "POSITION"), coarse = take_array_of(&f, 1, "POSITION");
     TEST_ASSERT_EQUAL_UINT32(8, fine.stride);
@@ -397,7 +397,7 @@ static void test_quantized_meshes_at_the_limits(void)
     p[0] = 1e300;
     p[4] = -1.7e308;
     p[7] = 1.7e308;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_GLB, &b));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "too large for steps"));
 
     double const small[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, far[9] = {1e7, 0, 0, 1e7 + 1, 0, 0, 1e7, 1, 0};
@@ -407,13 +407,13 @@ static void test_quantized_meshes_at_the_limits(void)
     two[0] = two[1] = m;
     two[1].positions = q;
     o.rounding = BVX_ROUNDING_REFUSE;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_levels(ctx, two, 2, &o, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_write_mesh(ctx, two, 2, &o, BVX_FORMAT_GLB, &b));
     TEST_ASSERT_NOT_NULL_MESSAGE(
         strstr(bvx_last_message(ctx), "level 0: the format's quantized positions move vertices"),
         bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_check_written(ctx, &m, 1, &o, BVX_FORMAT_GLB, &r));
     TEST_ASSERT_TRUE(r.fits && r.merged == 0 && r.largest_move <= 1.0 / 65535);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, &b));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "options.quantize is for GLB"));
     TEST_ASSERT_TRUE(b.bytes == NULL && bvx_memory_used(ctx) == 0);
 }
@@ -430,8 +430,8 @@ static void test_turns_are_exact_and_undone(void)
             bvx_mesh back = {0};
             bvx_buffer b = {0}, plain = write_rounded(&m, formats[i]);
             m.frame[1] = type == BVX_F64 ? 8.0 : 0.0;
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, &o, formats[i], &b));
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], &back));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &o, formats[i], &b));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], NULL, &back));
             for (uint32_t k = 0; k < 30; k++) {
                 double p[3], q[3];
                 world_of(&m, m.triangles[k], p);
@@ -450,10 +450,10 @@ static void test_turns_are_exact_and_undone(void)
             if (formats[i] != BVX_FORMAT_STL && type == BVX_F64) {
                 bvx_mesh_free(ctx, &back);
                 o.turn = BVX_TURN_Z_TO_Y;
-                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, &o, formats[i], &b));
-                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], &back));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &o, formats[i], &b));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], NULL, &back));
                 o.turn = BVX_TURN_Y_TO_Z;
-                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &back, &o, formats[i], &again));
+                TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &back, 1, &o, formats[i], &again));
                 TEST_ASSERT_EQUAL_UINT64(plain.size, again.size);
                 TEST_ASSERT_EQUAL_MEMORY(plain.bytes, again.bytes, (size_t)plain.size);
                 bvx_buffer_free(ctx, &b);
@@ -487,7 +487,7 @@ static void test_turns_take_normals_and_certificates_along(void)
     TEST_ASSERT_TRUE(turned.file.low[2] == plain.file.low[1] && turned.file.low[1] == -plain.file.high[2]);
     o.turn = 3;
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_GLB, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_GLB, &b));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "turn 3 is unknown"));
 }
 
@@ -509,10 +509,10 @@ static void test_own_normals_are_written(void)
                              (v < 4 ? want[v][a] : normals[3 * v + a]));
     free_file(&f);
 
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_OBJ, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_OBJ, &b));
     TEST_ASSERT_NOT_NULL(strstr((char *)b.bytes, "\nvn 0 0.6 0.8\nvn 0 0 1\nvn 1 0 0\nvn 0 0 1\nvn "));
     bvx_buffer_free(ctx, &b);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &b));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, &b));
     const uint8_t *const rows = (uint8_t *)strstr((char *)b.bytes, "end_header\n") + 11;
     for (uint32_t k = 0; k < 3; k++)
         TEST_ASSERT_TRUE(take_f32(rows + 7 * 24 + 12 + 4 * k) == normals[21 + k]);

@@ -126,9 +126,8 @@ static bvx_mesh read_it(int twice, int keep, uint32_t lost)
 
     o.keep_file = keep;
     o.report = &report;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK,
-                                    bvx_read_mesh_with(ctx, file, make_file(twice), BVX_FORMAT_GLB, &o, &m),
-                                    bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(
+        BVX_OK, bvx_read_mesh(ctx, file, make_file(twice), BVX_FORMAT_GLB, &o, &m), bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT32(lost, report.lost);
     return m;
 }
@@ -156,7 +155,7 @@ static bvx_status write_it(const bvx_mesh *level, const bvx_mesh *source, const 
 
     o.source = source;
     memset(made, 0, sizeof *made);
-    BVXI_TRY(bvx_write_mesh_with(ctx, level, &o, BVX_FORMAT_GLB, made));
+    BVXI_TRY(bvx_write_mesh(ctx, level, 1, &o, BVX_FORMAT_GLB, made));
     if (folder == NULL) return BVX_OK;
     snprintf(path, sizeof path, "%s/%s.glb", folder, name);
     to = fopen(path, "wb");
@@ -193,8 +192,9 @@ static void assert_triangles(const bvx_buffer *made, const bvx_mesh *level, cons
 {
     bvx_mesh back = {0};
 
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(
-        BVX_OK, bvx_read_mesh(ctx, made->bytes, made->size, BVX_FORMAT_GLB, &back), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK,
+                                    bvx_read_mesh(ctx, made->bytes, made->size, BVX_FORMAT_GLB, NULL, &back),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(source->vertex_count, back.vertex_count);
     TEST_ASSERT_EQUAL_MEMORY(source->positions, back.positions, (size_t)source->vertex_count * 12);
     TEST_ASSERT_EQUAL_UINT64(level->triangle_count + more, back.triangle_count);

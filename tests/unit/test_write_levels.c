@@ -32,7 +32,7 @@ static void free_levels(void)
 static bvx_buffer write_levels(const bvx_mesh *levels, uint64_t count)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_levels(ctx, levels, count, NULL, BVX_FORMAT_GLB, &b),
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, levels, count, NULL, BVX_FORMAT_GLB, &b),
                                     bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
     return b;
@@ -211,7 +211,7 @@ static void check_no_levels(const bvx_mesh *levels, uint64_t count, int32_t form
                             const char *words)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_levels(ctx, levels, count, NULL, format, &b), words);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh(ctx, levels, count, NULL, format, &b), words);
     TEST_ASSERT_TRUE(b.bytes == NULL && b.size == 0 && b.capacity == 0);
     if (strstr(bvx_last_message(ctx), words) == NULL) TEST_ASSERT_EQUAL_STRING(words, bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
@@ -219,29 +219,30 @@ static void check_no_levels(const bvx_mesh *levels, uint64_t count, int32_t form
 
 static void test_write_levels_refuses(void)
 {
-    static const int32_t others[] = {
-        BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF, BVX_FORMAT_PNG, 0, 99};
+    static const int32_t others[] = {BVX_FORMAT_STL, BVX_FORMAT_OBJ, BVX_FORMAT_PLY, BVX_FORMAT_OFF};
     bvx_buffer none = {0};
     uint8_t byte = 0;
     bvx_buffer full = {&byte, 1, 0};
     make_levels();
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         check_no_levels(level, 3, others[i], BVX_ERR_UNSUPPORTED, "write one file a level");
+    check_no_levels(level, 3, BVX_FORMAT_PNG, BVX_ERR_UNSUPPORTED, "holds no mesh");
+    check_no_levels(level, 3, 99, BVX_ERR_UNSUPPORTED, "mesh");
     check_no_levels(NULL, 3, BVX_FORMAT_GLB, BVX_ERR_ARGUMENT, "levels is NULL");
     check_no_levels(level, 0, BVX_FORMAT_GLB, BVX_ERR_ARGUMENT, "level_count is 0");
     check_no_levels(level, 65537, BVX_FORMAT_GLB, BVX_ERR_RANGE, "level_count is 65537");
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_levels(ctx, level, 3, NULL, BVX_FORMAT_GLB, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_levels(NULL, level, 3, NULL, BVX_FORMAT_GLB, &none));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_levels(ctx, level, 3, NULL, BVX_FORMAT_GLB, &full));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, level, 3, NULL, BVX_FORMAT_GLB, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(NULL, level, 3, NULL, BVX_FORMAT_GLB, &none));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, level, 3, NULL, BVX_FORMAT_GLB, &full));
     TEST_ASSERT_TRUE(full.bytes == &byte && full.size == 1);
 
     /* damage of one level names it */
     uint32_t const kept = level[2].triangles[4];
     level[2].triangles[4] = 5;
-    check_no_levels(level, 3, BVX_FORMAT_GLB, BVX_ERR_RANGE, "bvx_write_levels: level 2: ");
+    check_no_levels(level, 3, BVX_FORMAT_GLB, BVX_ERR_RANGE, "bvx_write_mesh: level 2: ");
     level[2].triangles[4] = kept;
     level[1].triangle_count = 0;
-    check_no_levels(level, 3, BVX_FORMAT_GLB, BVX_ERR_EMPTY, "bvx_write_levels: level 1: ");
+    check_no_levels(level, 3, BVX_FORMAT_GLB, BVX_ERR_EMPTY, "bvx_write_mesh: level 1: ");
     level[1].triangle_count = 4;
     level[2].position_type = 9;
     check_no_levels(level, 3, BVX_FORMAT_GLB, BVX_ERR_ARGUMENT, "level 2: mesh.position_type is 9");

@@ -53,7 +53,7 @@ static void test_write_stl_reads_back(void)
         /* written once more it is the same mesh again: vertices are in the order of their first use */
         bvx_mesh again = {0};
         bvx_buffer b = write_file(&back, BVX_FORMAT_STL);
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, &again));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, BVX_FORMAT_STL, NULL, &again));
         TEST_ASSERT_EQUAL_UINT64(back.vertex_count, again.vertex_count);
         TEST_ASSERT_EQUAL_MEMORY(back.positions, again.positions, (size_t)back.vertex_count * 12);
         TEST_ASSERT_EQUAL_MEMORY(back.triangles, again.triangles, sizeof triangles);
@@ -352,7 +352,7 @@ static void test_write_adds_the_frame(void)
     for (int i = 0; i < 3; i++) {
         bvx_buffer b = write_rounded(&m, formats[i]);
         bvx_mesh back = {0};
-        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], &back));
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i], NULL, &back));
         bvx_buffer_free(ctx, &b);
         TEST_ASSERT_EQUAL_INT32(i == 2 ? BVX_F32 : BVX_F64, back.position_type);
         for (uint64_t t = 0; t < 2; t++)
@@ -430,12 +430,13 @@ static void test_write_refuses(void)
     bvx_mesh m = square();
     check_not_written(&m, BVX_FORMAT_NPY, BVX_ERR_UNSUPPORTED, "format 4");
     check_not_written(&m, BVX_FORMAT_UNKNOWN, BVX_ERR_UNSUPPORTED, "format 0");
-    check_not_written(NULL, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "mesh is NULL");
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, BVX_FORMAT_PLY, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(NULL, &m, BVX_FORMAT_PLY, &(bvx_buffer){0}));
+    check_not_written(NULL, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "levels is NULL");
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_PLY, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_write_mesh(NULL, &m, 1, NULL, BVX_FORMAT_PLY, &(bvx_buffer){0}));
     uint8_t byte = 0;
     bvx_buffer full = {&byte, 1, 0};
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, BVX_FORMAT_PLY, &full));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_PLY, &full));
     TEST_ASSERT_TRUE(full.bytes == &byte && full.size == 1);
 }
 
@@ -472,7 +473,7 @@ static void test_write_keeps_to_the_limit(void)
             bvx_buffer b = {0};
             o.memory_limit = limit;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
-            bvx_status const status = bvx_write_mesh(ctx, &m, formats[i], &b);
+            bvx_status const status = bvx_write_mesh(ctx, &m, 1, NULL, formats[i], &b);
             TEST_ASSERT_EQUAL_INT32(status == BVX_OK ? BVX_OK : BVX_ERR_BUDGET, status);
             TEST_ASSERT_TRUE(status == BVX_OK ? b.size <= limit : b.bytes == NULL);
             bvx_buffer_free(ctx, &b);
@@ -495,8 +496,8 @@ static void test_a_locale_with_comma_changes_no_file(void)
     }
     bvx_buffer other = {0};
     bvx_mesh back = {0};
-    bvx_status const written = bvx_write_mesh(ctx, &m, BVX_FORMAT_OBJ, &other);
-    bvx_status const read = bvx_read_mesh(ctx, plain.bytes, plain.size, BVX_FORMAT_OBJ, &back);
+    bvx_status const written = bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_OBJ, &other);
+    bvx_status const read = bvx_read_mesh(ctx, plain.bytes, plain.size, BVX_FORMAT_OBJ, NULL, &back);
     setlocale(LC_ALL, "C");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, written);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read);
@@ -525,8 +526,8 @@ static void test_files_live_in_an_arena(void)
         if (i % 2 == 1 && formats[i % 3] == BVX_FORMAT_STL) continue; /* beyond floats */
         bvx_buffer b = write_file(&m, formats[i % 3]);
         bvx_mesh back = {0};
-        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i % 3], &back),
-                                        bvx_last_message(ctx));
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(
+            BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, formats[i % 3], NULL, &back), bvx_last_message(ctx));
         TEST_ASSERT_EQUAL_UINT64(TRIANGLES, back.triangle_count);
         TEST_ASSERT_TRUE((uint8_t *)back.positions >= (uint8_t *)arena &&
                          (uint8_t *)back.positions < (uint8_t *)arena + size);

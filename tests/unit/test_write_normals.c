@@ -11,8 +11,7 @@ static bvx_buffer write_normals(const bvx_mesh *m, int32_t format)
 
     TEST_ASSERT_TRUE(o.struct_size == sizeof o && o.normals == 0 && o.rounding == BVX_ROUNDING_REFUSE);
     o.normals = 1;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
-                                    bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, 1, &o, format, &b), bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
     return b;
 }
@@ -104,8 +103,8 @@ static void test_write_normals_keep_the_rest(void)
                 bvx_buffer b = write_normals(&m, format);
                 bvx_mesh back = {0}, plain = write_and_read(&m, format);
                 uint64_t hash = 1, want = 2;
-                TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, &back),
-                                                bvx_last_message(ctx));
+                TEST_ASSERT_EQUAL_INT32_MESSAGE(
+                    BVX_OK, bvx_read_mesh(ctx, b.bytes, b.size, format, NULL, &back), bvx_last_message(ctx));
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &back, &hash));
                 TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &plain, &want));
                 TEST_ASSERT_EQUAL_HEX64(want, hash);
@@ -192,7 +191,7 @@ static void test_write_normals_change_no_other_file(void)
             bvx_buffer b = {0};
             o.normals = way == 2;
             if (way == 2 && format != BVX_FORMAT_GLB) continue;
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh_with(ctx, &m, way == 0 ? NULL : &o, format, &b));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, way == 0 ? NULL : &o, format, &b));
             TEST_ASSERT_EQUAL_UINT64(plain.size, b.size);
             TEST_ASSERT_EQUAL_MEMORY(plain.bytes, b.bytes, (size_t)b.size);
             bvx_buffer_free(ctx, &b);
@@ -205,7 +204,7 @@ static void check_not_written_with(const bvx_mesh *m, const bvx_write_options *o
                                    bvx_status status, const char *words)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh_with(ctx, m, o, format, &b), words);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh(ctx, m, 1, o, format, &b), words);
     TEST_ASSERT_TRUE(b.bytes == NULL && b.size == 0 && b.capacity == 0);
     if (strstr(bvx_last_message(ctx), words) == NULL) TEST_ASSERT_EQUAL_STRING(words, bvx_last_message(ctx));
 }
@@ -223,14 +222,14 @@ static void test_write_normals_refuses(void)
 
     o.normals = 1;
     check_not_written_with(&m, &o, BVX_FORMAT_STL, BVX_ERR_UNSUPPORTED,
-                           "bvx_write_mesh_with: STL holds normals of triangles only");
+                           "bvx_write_mesh: STL holds normals of triangles only");
     check_not_written_with(&m, &o, BVX_FORMAT_OFF, BVX_ERR_UNSUPPORTED,
-                           "bvx_write_mesh_with: OFF is written without normals");
+                           "bvx_write_mesh: OFF is written without normals");
     check_not_written_with(&m, &o, BVX_FORMAT_NPY, BVX_ERR_UNSUPPORTED, "format 4 holds no mesh");
-    check_not_written_with(NULL, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "mesh is NULL");
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(NULL, &m, &o, BVX_FORMAT_PLY, &none));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh_with(ctx, &m, &o, BVX_FORMAT_PLY, &full));
+    check_not_written_with(NULL, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "levels is NULL");
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(NULL, &m, 1, &o, BVX_FORMAT_PLY, &none));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_PLY, &full));
 
     o.normals = 2;
     check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_ARGUMENT, "normals is 2");
@@ -247,7 +246,7 @@ static void test_write_normals_refuses(void)
 
     m.triangle_count = 0;
     o = (bvx_write_options){.struct_size = sizeof o};
-    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_EMPTY, "bvx_write_mesh_with");
+    check_not_written_with(&m, &o, BVX_FORMAT_PLY, BVX_ERR_EMPTY, "bvx_write_mesh");
 }
 
 int main(void)

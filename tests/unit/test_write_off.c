@@ -129,7 +129,7 @@ static void test_a_locale_with_comma_changes_no_off(void)
         bvx_buffer_free(ctx, &plain);
         TEST_IGNORE_MESSAGE("no locale with a comma on this machine");
     }
-    bvx_status const written = bvx_write_mesh(ctx, &m, BVX_FORMAT_OFF, &other);
+    bvx_status const written = bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_OFF, &other);
     setlocale(LC_ALL, "C");
     TEST_ASSERT_EQUAL_INT32(BVX_OK, written);
     TEST_ASSERT_EQUAL_UINT64(plain.size, other.size);

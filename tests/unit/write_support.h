@@ -60,7 +60,8 @@ static inline bvx_mesh random_mesh(int32_t type, int with, uint64_t seed)
 static inline bvx_buffer write_file(const bvx_mesh *m, int32_t format)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, format, &b), bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, 1, NULL, format, &b),
+                                    bvx_last_message(ctx));
     TEST_ASSERT_TRUE(b.size > 0 && b.size <= b.capacity);
     return b;
 }
@@ -71,8 +72,7 @@ static inline bvx_buffer write_rounded(const bvx_mesh *m, int32_t format)
     bvx_write_options o = {.struct_size = sizeof o};
     bvx_buffer b = {0};
     o.rounding = BVX_ROUNDING_ALLOW;
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh_with(ctx, m, &o, format, &b),
-                                    bvx_last_message(ctx));
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_write_mesh(ctx, m, 1, &o, format, &b), bvx_last_message(ctx));
     return b;
 }
 
@@ -86,7 +86,7 @@ static inline bvx_mesh write_and_read(const bvx_mesh *m, int32_t format)
 
     memcpy(bytes, b.bytes, size);
     bvx_buffer_free(ctx, &b);
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, bytes, size, format, &back),
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_read_mesh(ctx, bytes, size, format, NULL, &back),
                                     bvx_last_message(ctx));
     free(bytes);
     return back;
@@ -124,7 +124,7 @@ static inline void check_same_attributes(const bvx_mesh *m, const bvx_mesh *back
 static inline void check_not_written(const bvx_mesh *m, int32_t format, bvx_status status, const char *words)
 {
     bvx_buffer b = {0};
-    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh(ctx, m, format, &b), words);
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_write_mesh(ctx, m, 1, NULL, format, &b), words);
     TEST_ASSERT_TRUE(b.bytes == NULL && b.size == 0 && b.capacity == 0);
     if (strstr(bvx_last_message(ctx), words) == NULL) TEST_ASSERT_EQUAL_STRING(words, bvx_last_message(ctx));
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));

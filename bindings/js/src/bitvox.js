@@ -69,15 +69,12 @@ class Bitvox {
             const mesh = call.result('mesh');
             const [at, size] = call.bytesIn(bytes);
             const kind = choiceOf('readMesh', 'format', 'format_', format);
-            if (!options.finite) call.do('bvx_read_mesh', at, size, kind, mesh);
-            else {
-                const report = call.struct('read_report');
-                const given = call.options('read_options', { dropNonfinite: true });
-                machine.setField('read_options', given, 'report', report);
-                call.do('bvx_read_mesh_with', at, size, kind, given, mesh);
-                return { ...call.meshOut(mesh), dropped: machine.read('read_report', report).dropped };
-            }
-            return call.meshOut(mesh);
+            const report = call.struct('read_report');
+            const given = call.options('read_options', { dropNonfinite: !!options.finite });
+            machine.setField('read_options', given, 'report', report);
+            call.do('bvx_read_mesh', at, size, kind, given, mesh);
+            const made = call.meshOut(mesh);
+            return options.finite ? { ...made, dropped: machine.read('read_report', report).dropped } : made;
         });
     }
 
@@ -85,8 +82,9 @@ class Bitvox {
         return this.#call('writeMesh', options, call => {
             const file = call.result('buffer');
             call.do(
-                'bvx_write_mesh_with',
+                'bvx_write_mesh',
                 call.mesh(mesh),
+                1n,
                 call.options('write_options', options),
                 choiceOf('writeMesh', 'format', 'format_', format),
                 file,
@@ -101,7 +99,7 @@ class Bitvox {
             const file = call.result('buffer');
             meshes.forEach((mesh, i) => call.mesh(mesh, levels + i * STRUCTS.mesh.size));
             call.do(
-                'bvx_write_levels',
+                'bvx_write_mesh',
                 levels,
                 BigInt(meshes.length),
                 call.options('write_options', options),
@@ -280,8 +278,9 @@ class Bitvox {
         ]);
     }
 
-    #morph(name, called, grid, options) {
-        return this.#make(name, options, called, grid, call => [
+    #morph(name, operation, grid, options) {
+        return this.#make(name, options, 'bvx_grid_morph', grid, call => [
+            operation,
             call.options(
                 'morph_options',
                 options.radius !== undefined && options.neighbourhood === undefined
@@ -292,16 +291,16 @@ class Bitvox {
     }
 
     dilate(grid, options = {}) {
-        return this.#morph('dilate', 'bvx_grid_dilate', grid, options);
+        return this.#morph('dilate', 0, grid, options);
     }
     erode(grid, options = {}) {
-        return this.#morph('erode', 'bvx_grid_erode', grid, options);
+        return this.#morph('erode', 1, grid, options);
     }
     open(grid, options = {}) {
-        return this.#morph('open', 'bvx_grid_open', grid, options);
+        return this.#morph('open', 2, grid, options);
     }
     close(grid, options = {}) {
-        return this.#morph('close', 'bvx_grid_close', grid, options);
+        return this.#morph('close', 3, grid, options);
     }
 
     hollow(grid, options = {}) {

@@ -20,8 +20,6 @@ NOT_NEEDED = {
     "bvx_format_of_name",  # Python looks at the ending itself, for it knows more formats
     "bvx_mesh_view_of",  # views are made of Python's arrays
     "bvx_grid_bound",  # grids are made by the library
-    "bvx_read_mesh",  # bvx_read_mesh_with has all choices
-    "bvx_write_mesh",  # bvx_write_mesh_with has all choices
     "bvx_lattice_fit",  # bvx_lattice_fit_with has all choices
     "bvx_last_message",  # bvx_last_error has it in parts
 }

@@ -1,4 +1,4 @@
-"""Levels of detail by edges that collapse: lod, simplify, plan_levels, and targets of the other stages."""
+"""Levels of detail by edges that collapse: lod, simplify, and targets of the other stages."""
 
 import pickle
 
@@ -265,7 +265,7 @@ def test_errors_are_kept(knot):
 
 @pytest.mark.parametrize("wrong", [0, -1, "0%", "much", "", "%", "1%%", float("nan"), float("inf"), "nan%", True, b"1%", [], [None], ["1%", "x"]])
 def test_errors_that_are_none(ball, wrong):
-    for call in (bitvox.simplify, bitvox.lod, bitvox.plan_levels):
+    for call in (bitvox.simplify, bitvox.lod):
         with pytest.raises(bitvox.ArgumentError, match="error"):
             call(ball, error=wrong)
 
@@ -358,7 +358,7 @@ def test_lod_of_torn_meshes(knot):
     assert 0 < kept[0].check().boundary_edges <= kept.report.before.boundary_edges and kept.report.triangles == torn.n_faces
     levels = bitvox.lod(torn, triangles=(4000, 1000), samples=5000, solid=True)
     assert levels.report.solid and not levels.report.before.closed and levels.report.repair.holes > 0
-    assert levels.report.triangles > 4000 and max(levels.report.repair.lattice.shape) >= bitvox.plan_levels(torn, triangles=(4000, 1000))
+    assert levels.report.triangles > 4000 and max(levels.report.repair.lattice.shape) >= 256
     for level in levels:
         assert certified(level).components == 1 and level.report.met and level.report.distance.mean < 0.05
     assert bitvox.lod(knot, triangles=1000, solid=True).report.solid and not bitvox.lod(knot, triangles=1000).report.solid
@@ -379,13 +379,6 @@ def test_what_the_lattice_decides():
     large = bitvox.lod(mesh, triangles=2000, least_part=5000, least_cavity=100000, sign="exact", resolution=120)
     assert certified(large[0]).components == 1 and large.report.repair.parts_dropped == 1
     assert bitvox.lod(mesh, triangles=500, lattice=bitvox.Lattice.fit(mesh, resolution=90, padding=2)).report.repair.lattice.shape[0] == 94
-
-
-def test_plan(knot):
-    assert 64 <= bitvox.plan_levels(knot, triangles=100) <= bitvox.plan_levels(knot) <= 512
-    assert bitvox.plan_levels(knot, triangles=(100, 50)) == bitvox.plan_levels(knot, triangles=[100])
-    with pytest.raises(bitvox.EmptyError):
-        bitvox.plan_levels(([], []))
 
 
 @QUICK

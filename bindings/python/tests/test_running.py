@@ -288,7 +288,7 @@ def everything(mesh, grid):
         bitvox.repair(mesh, resolution=16).content_hash(), bitvox.dumps(sections, "csl"),
         bitvox.from_sections(sections, grid=(12, 12)).content_hash(), bitvox.carry(painted, surface).colors.tobytes(),
         bitvox.find_pockets(bitvox.voxelize(mesh, resolution=20, padding=1, mode="thin"), mesh).tolist(), bitvox.surface_counts(grid),
-        bitvox.faces_counts(grid), bitvox.content_hash(b"abc"), bitvox.render(grid, size=(40, 30), compare=~grid).png(),
+        bitvox.content_hash(b"abc"), bitvox.render(grid, size=(40, 30), compare=~grid).png(),
         tree.at([[0, 0, 0]]).tobytes(), tree.find([[1.0, 2, 3]]).tobytes(), tree.neighbors(leaf, "+x").tobytes(),
         tree.cast([[0.0, 0, 0, 1, 1, 1]]).tobytes(), tree.expand().content_hash(), bitvox.dumps(tree, "vtu"),
         bitvox.refine(mesh, resolution=24).counts(), grid.fill([[0, 0, 0]]).content_hash(),
@@ -308,7 +308,7 @@ def everything(mesh, grid):
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,
         grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
         grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
-        bitvox.simplify(mesh, error="1%").content_hash(), bitvox.plan_levels(mesh),
+        bitvox.simplify(mesh, error="1%").content_hash(),
         bitvox.voxelize_points(mesh.vertices, resolution=12, body=True, close_gaps=1).content_hash(),
     ]
 

@@ -38,7 +38,7 @@ from ._files import Writer, dumps, loads, read, write, write_levels
 from ._grid import Attached, Grid
 from ._image import Image, render
 from ._lattice import Lattice, Window
-from ._levels import Levels, lod, plan_levels, simplify
+from ._levels import Levels, lod, simplify
 from ._mesh import Mesh
 from ._octree import Octree, refine
 from ._points import read_points, voxelize_points
@@ -53,7 +53,6 @@ from ._stages import (
     compare,
     content_hash,
     faces,
-    faces_counts,
     find_pockets,
     find_seed,
     merge,
@@ -89,8 +88,8 @@ __all__ = [
     "ArgumentError", "Attached", "Cancelled", "CapacityError", "Closest", "EmptyError", "Error", "Field",
     "FormatError", "Grid", "Image", "Lattice", "LatticeError", "Levels", "Loop", "MemoryLimitError", "Mesh", "MissingExtraError", "Octree",
     "OptionRangeError", "OutOfMemoryError", "RangeError", "ResultWarning", "Sections", "UnsupportedError", "VersionError", "Volume", "Window", "Writer", "boolean",
-    "carry", "check", "compare", "content_hash", "dumps", "faces", "faces_counts", "field", "find_pockets",
-    "find_seed", "from_sections", "loads", "lod", "merge", "plan_levels", "read", "read_points", "read_volume", "refine",
+    "carry", "check", "compare", "content_hash", "dumps", "faces", "field", "find_pockets",
+    "find_seed", "from_sections", "loads", "lod", "merge", "read", "read_points", "read_volume", "refine",
     "register_with_trimesh", "render", "repair", "settings", "simplify", "slice_mesh", "surface", "surface_counts", "voxelize",
     "voxelize_points", "write", "write_levels", "big", "formats", "reports",
 ]

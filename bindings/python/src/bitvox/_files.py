@@ -180,7 +180,7 @@ def _read_mesh(held: Any, kind: str, drop_nonfinite: bool, folder: str | None, r
     if folder is not None:
         handle = ffi.new_handle(_Beside(folder))
         options.open_file, options.close_file, options.user = lib.bvxpy_open, lib.bvxpy_close, handle
-    run.check(lib.bvx_read_mesh_with(run.context, held, len(held), number_of(kind), options, mesh))
+    run.check(lib.bvx_read_mesh(run.context, held, len(held), number_of(kind), options, mesh))
     if report.dropped:
         warnings.warn(f"{report.dropped} triangles with a corner that is not finite left out", stacklevel=5)
     lost = [text for bit, text in _LOST if report.lost & bit]
@@ -307,7 +307,7 @@ def dumps(thing: Any, format: str, *, states: Any = None, vectors: bool = False,
             mesh = Mesh.of(thing)._struct(run)
             subtract(mesh, origin)
             options = _write_options(normals=normals, allow_rounding=allow_rounding, up=up, quantize=quantize)
-            run.check(lib.bvx_write_mesh_with(run.context, mesh, options, number_of(kind), out))
+            run.check(lib.bvx_write_mesh(run.context, mesh, 1, options, number_of(kind), out))
         else:
             raise UnsupportedError(f"{type(thing).__name__} is not written as {format!r}; {_outputs(thing)}")
     data = bytes(ffi.buffer(out.bytes, out.size))
@@ -380,7 +380,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
         for i, one in enumerate(borrowed):
             array[i] = one[0]
         options = _write_options(up=up, quantize=quantize)
-        run.check(function("bvx_write_levels")(run.context, array, len(borrowed), options, number_of(kind), out))
+        run.check(lib.bvx_write_mesh(run.context, array, len(borrowed), options, number_of(kind), out))
     write_bytes(path, bytes(ffi.buffer(out.bytes, out.size)))
 
 

@@ -832,7 +832,7 @@ class Grid:
 
     # ---- growing, shrinking, distances ----
 
-    def _morphed(self, operation: Any, steps: int, connectivity: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
+    def _morphed(self, operation: int, steps: int, connectivity: int, radius: float | None, beyond: bool, *limits: Any) -> Grid:
         options = options_of("morph_options")
         if radius is None and in_range("connectivity", connectivity, 0, 2**31 - 1) not in (6, 18, 26):
             raise ArgumentError(f"connectivity is {connectivity}; it must be 6, 18 or 26")
@@ -844,7 +844,7 @@ class Grid:
         options.beyond = int(beyond)
         made = new_grid()
         with Run(*limits) as run:
-            run.check(operation(run.context, self._c, options, made))
+            run.check(lib.bvx_grid_morph(run.context, self._c, operation, options, made))
         return Grid._made(made)
 
     def dilate(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
@@ -869,7 +869,7 @@ class Grid:
         >>> bitvox.Grid.from_numpy(np.ones((1, 1, 1))).pad(2).dilate(radius=1.5).count
         19
         """
-        return self._morphed(lib.bvx_grid_dilate, steps, connectivity, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.BVX_MORPH_DILATE, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
     def erode(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -885,7 +885,7 @@ class Grid:
         >>> bitvox.Grid.from_numpy(np.ones((5, 5, 5))).erode(2).count
         1
         """
-        return self._morphed(lib.bvx_grid_erode, steps, connectivity, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.BVX_MORPH_ERODE, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
     def open(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
              threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -902,7 +902,7 @@ class Grid:
         >>> solid.open() <= solid
         True
         """
-        return self._morphed(lib.bvx_grid_open, steps, connectivity, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.BVX_MORPH_OPEN, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
     def close(self, steps: int = 1, *, connectivity: int = 6, radius: float | None = None, beyond: bool = False,
               threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -919,7 +919,7 @@ class Grid:
         >>> solid <= solid.close()
         True
         """
-        return self._morphed(lib.bvx_grid_close, steps, connectivity, radius, beyond, threads, memory_limit, progress)
+        return self._morphed(lib.BVX_MORPH_CLOSE, steps, connectivity, radius, beyond, threads, memory_limit, progress)
 
     def hollow(self, thickness: float, *, drain: float = 0.0, drain_side: Side = "z-low", drain_at: Sequence[float] | None = None,
                beyond: bool = False, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Grid:
@@ -1014,11 +1014,8 @@ class Grid:
         if places is not None:
             options.nearest = ffi.cast("uint64_t *", places.ctypes.data)
         with Run(threads, memory_limit, progress) as run:
-            if squares:
-                run.check(lib.bvx_grid_distance_squares(run.context, self._c, options, ffi.cast("uint32_t *", values.ctypes.data), values.size))
-            else:
-                number = lib.BVX_F32 if kind == np.float32 else lib.BVX_F64
-                run.check(lib.bvx_grid_distance(run.context, self._c, options, number, ffi.cast("void *", values.ctypes.data), values.size))
+            number = lib.BVX_SQUARES if squares else lib.BVX_F32 if kind == np.float32 else lib.BVX_F64
+            run.check(lib.bvx_grid_distance(run.context, self._c, options, number, ffi.cast("void *", values.ctypes.data), values.size))
         turned = values.transpose(2, 1, 0)
         return (turned, places.transpose(2, 1, 0)) if places is not None else turned
 

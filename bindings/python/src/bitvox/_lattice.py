@@ -129,7 +129,7 @@ class Lattice:
         (8, 4, 2)
         """
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_points", (call("points_view", points, run),), resolution, spacing, padding, corner)
+            return cls._fitted(run, "bvx_lattice_fit_with", (call("points_view", points, run),), resolution, spacing, padding, corner)
 
     @classmethod
     def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: Any = None, spacing: Any = None, padding: int = 0,

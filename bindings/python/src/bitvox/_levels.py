@@ -324,39 +324,6 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
 # ---- levels of any mesh ----
 
 
-def plan_levels(
-    mesh: Any,
-    *,
-    triangles: int | Sequence[int] | None = None,
-    error: Distance | Sequence[Distance] | None = None,
-    count: int | None = None,
-    memory_limit: int | None = None,
-) -> int:
-    """The resolution that `lod` measures a mesh with where none is given.
-
-    Parameters
-    ----------
-    mesh, triangles, error, count
-        as for `lod`.
-
-    Returns
-    -------
-    int
-        Voxels along the longest axis, as many as the finest level needs.
-
-    Examples
-    --------
-    >>> bitvox.plan_levels('knot.ply', triangles=1000) >= 8
-    True
-    """
-    source = Mesh.of(mesh)
-    options, out = options_of("levels_options"), ffi.new("int32_t *")
-    targets = _Targets(options, source, triangles, error, None, count)
-    with Run(None, memory_limit) as run:
-        run.check(lib.bvx_plan_levels(run.context, source._view(run), options, targets.count, out))
-    return out[0]
-
-
 @hinting
 def lod(
     source: Any,
@@ -428,8 +395,8 @@ def lod(
         levels of the surface that `repair` makes of the mesh: closed, manifold, oriented and without crossings. So with
         ``resolution``, ``lattice``, ``sign``, ``sharp``, ``outer_hull``, ``shell``, ``least_part``, ``keep_largest`` and ``least_cavity``.
     resolution
-        voxels along the longest axis to measure with. Default: as many as the finest level needs, see
-        `plan_levels`. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
+        voxels along the longest axis to measure with. Default: 256 to 320, as many as the finest
+        level needs. The paper's methods: of the voxelization; default: 8 times the finest level, less where its bits would take
         more than 1 GiB.
     lattice
         a `Lattice` to measure on, in place of a resolution.

@@ -345,8 +345,11 @@ def surface_counts(grid: Grid, *, face_rule: FaceRule = "separate") -> tuple[int
     >>> bitvox.surface_counts(bitvox.Grid.from_numpy(np.ones((2, 2, 2))))
     (24, 44)
     """
-    return _counts(lib.bvx_extract_count, grid, "extract_options", lambda o: setattr(
-        o, "face_rule", choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)))
+    options, vertices, triangles = options_of("extract_options"), ffi.new("uint64_t *"), ffi.new("uint64_t *")
+    options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
+    with Run() as run:
+        run.check(lib.bvx_extract_count(run.context, grid_of(grid)._c, options, vertices, triangles))
+    return vertices[0], triangles[0]
 
 
 def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bool = False, threads: int | None = None,
@@ -372,25 +375,6 @@ def faces(grid: Grid, *, merge: bool = False, dtype: Any = None, local_frame: bo
     found = grid_of(grid)
     return with_positions(options, dtype, lambda run, made: lib.bvx_extract_faces(run.context, found._c, options, made),
                           threads=threads, memory_limit=memory_limit, progress=progress)
-
-
-def faces_counts(grid: Grid, *, merge: bool = False) -> tuple[int, int]:
-    """Vertices and triangles that `faces` would make of a ``grid``, with ``merge`` or without.
-
-    Examples
-    --------
-    >>> bitvox.faces_counts(bitvox.Grid.from_numpy(np.ones((1, 1, 1))))
-    (8, 12)
-    """
-    return _counts(lib.bvx_faces_count, grid, "faces_options", lambda o: setattr(o, "merged", int(bool(merge))))
-
-
-def _counts(count: Any, grid: Any, kind: str, prepare: Any) -> tuple[int, int]:
-    options, vertices, triangles = options_of(kind), ffi.new("uint64_t *"), ffi.new("uint64_t *")
-    prepare(options)
-    with Run() as run:
-        run.check(count(run.context, grid_of(grid)._c, options, vertices, triangles))
-    return vertices[0], triangles[0]
 
 
 def grid_of(source: Any) -> Grid:
