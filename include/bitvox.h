@@ -260,11 +260,14 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
       "{; a resolution of %d keeps nine tenths of them}")                                                                                                  \
     X(BVX_WARN_THICKER, 2,                                                                                                                                 \
       "the result has a volume of %g, all parts of the input together %g (%p): what is thinner than a "                                                    \
-      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}")                                                                     \
+      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}"                                                                      \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_VOLUME, 3,                                                                                                                                  \
-      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}")                                                            \
+      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}"                                                             \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_AREA, 4,                                                                                                                                    \
-      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}")                                             \
+      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}"                                              \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_PARTS, 5,                                                                                                                                   \
       "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap closed "                                                   \
       "around an empty space{; a resolution of %d may keep it}")                                                                                           \

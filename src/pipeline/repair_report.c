@@ -183,8 +183,7 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
-/* 1: volume and area of the mesh are those of its body. */
-static int has_own_size(const bvx_repair_report *r)
+int bvxi_has_own_size(const bvx_repair_report *r)
 {
     return r->before.closed && r->before.oriented && r->overlaps == 0 && r->turned == 0 &&
            r->before.duplicates == 0 && r->before.volume != 0.0;
@@ -210,7 +209,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
     if (job->options->measure || has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
-    if (is_closed(&job->report) && !has_own_size(&job->report))
+    if (is_closed(&job->report) && !bvxi_has_own_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
@@ -271,10 +270,10 @@ static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r)
 
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
-static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double finer)
+static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double finer, double collapsed)
 {
     double const volume = r->after.volume, all = r->parts_volume, seen = r->crossing_volume;
-    int const own = has_own_size(r);
+    int const own = bvxi_has_own_size(r);
     double const from = own ? bvxi_absolute(r->before.volume) : seen;
     double const off = from > 0.0 ? volume / from - 1.0 : 0.0;
     double const area = r->before.area, wider = area > 0.0 ? r->after.area / area - 1.0 : 0.0;
@@ -283,16 +282,16 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double fi
         BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)r->thin_shelled, finer);
     if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
         !(bvxi_changed_as_asked(r) && r->cavities_dropped))
-        BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer);
+        BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
     else if (bvxi_changed_as_asked(r) || (r->shelled && !own)) return;
     else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
              (own || off < 0.0 || r->thin_voxels == 0))
-        BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer);
+        BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
     else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
-        BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer);
+        BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer, collapsed);
 }
 
-void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution)
+void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution, uint64_t collapsed)
 {
     double longest = resolution;
 
@@ -303,6 +302,6 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution
     if (has_lost_walls(r)) warn_of_walls(ctx, r);
     warn_of_topology(ctx, r, bvxi_advised(2.0 * longest));
     warn_of_lids(ctx, r);
-    warn_of_size(ctx, r, bvxi_advised(2.0 * longest));
+    warn_of_size(ctx, r, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }
