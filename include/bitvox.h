@@ -739,37 +739,21 @@ enum { BVX_CHECK_LIST(BVX_LIST_ENUM) };
 
 /** Counts of one call, for its window (edges: of the mesh); those of other rules are 0. */
 typedef struct bvx_solid_report {
-    uint64_t triangles_used;  /**< triangles whose box holds the centre of a row of the window (once for each
-                                   65535 rows a side). Along three axes where the rule looks so, as the next
-                                   three */
+    int32_t fill;             /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
+    int32_t fill_reason;      /**< BVX_FILL_REASON_... */
     uint64_t crossings;       /**< of rows with the surface, also outside the window along the row */
     uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole */
-    uint64_t dropped;         /**< parity, nonzero: unmatched crossings dropped in them */
-    uint64_t boundary_edges;  /**< check_edges: with one triangle, vertices at equal positions taken as one */
-    uint64_t flipped_edges;   /**< check_edges: with two triangles that run along it in the same direction */
-    uint64_t surface_voxels;  /**< flood, regions, add_shell: voxels of the conservative surface */
-    uint64_t closed_voxels;   /**< flood: voxels that closing gaps added to it */
     uint64_t leaks;   /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
     uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
     uint64_t mixed_voxels;  /**< regions: voxels of these; each kept its own vote */
-    uint64_t columns;       /**< below: columns under the surface; with a second mesh: where both exist */
     uint64_t cut_voxels;    /**< below, with a second mesh: voxels where mesh lies above second */
     uint64_t fill_voxels;   /**< below, with a second mesh: voxels where second lies above mesh */
-    int32_t fill;           /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
-    int32_t fill_reason;    /**< BVX_FILL_REASON_... */
     uint64_t turned;        /**< auto: triangles that were turned first */
-    uint64_t doubles; /**< auto, where edges do not balance or nothing is inside: triangles left out, since an
-                           earlier one equals them (facing either way) or they have no area */
-    double volume;    /**< of the voxels set [Units: world] */
+    double volume;          /**< of the voxels set [Units: world] */
     double mesh_volume; /**< that the mesh encloses, rounded to a float; 0 where it is not comparable: without
                              BVX_FILL_REASON_SOUND, when the mesh leaves the window, with add_shell
                              [Units: world] */
-    int32_t thin_checked;    /**< 1: walls that the voxels lose were searched (check_thin) */
-    int32_t thin_resolution; /**< at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
-    uint64_t thin_voxels;    /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
-    double thin_wall;        /**< nine tenths of them have a wall at least this thick [Units: world] */
-    int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: lattice's voxels] */
     double crossing_volume;    /**< with thin_checked and without add_shell: volume, if the solid ended where
                                     lines of centres cross the mesh and not half way between centres; where a
                                     closed mesh without mesh_volume is then off, of a solid of half the
@@ -777,37 +761,40 @@ typedef struct bvx_solid_report {
     int32_t volume_resolution; /**< resolution from which volume is within 1 % of mesh_volume (of
                                     crossing_volume where that is 0), by how far off it is now; 0: it is
                                     within 1 %, or no resolution is. Not in bvx_boolean_report */
+    int32_t thin_checked;      /**< 1: walls that the voxels lose were searched (check_thin) */
+    uint64_t thin_voxels;      /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
+    int32_t thin_resolution;   /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none
+                                  needed */
+    int32_t thin_box[2][3];    /**< lowest and highest of these voxels, inclusive [Units: lattice's voxels] */
     int32_t reserved;
     uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives; not in bvx_boolean_report */
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {
     size_t struct_size;
-    int32_t fill; /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
-    int32_t reserved;
+    int32_t fill;      /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
+    int32_t has_base;  /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
+                           [Default: 0] */
     bvx_window window; /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
-    int32_t close_gaps;  /**< flood: gaps of up to this many voxels are walls: a voxel that no empty cube of
+    int32_t close_gaps; /**< flood: gaps of up to this many voxels are walls: a voxel that no empty cube of
                               close_gaps + 1 voxels a side holds is one [Units: voxels] [Limit: 0..65535]
                               [Default: 0] */
-    int32_t add_shell;   /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1]
+    int32_t add_shell;  /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1]
                               [Default: 0] */
-    int32_t check_edges; /**< 1: count boundary_edges and flipped_edges [Limit: 0..1] [Default: 0] */
-    int32_t up;          /**< below: BVX_UP_... [Default: BVX_UP_Z] */
+    int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
+    int32_t up;         /**< below: BVX_UP_... [Default: BVX_UP_Z] */
     double base; /**< below, with has_base: height from which columns are filled [Units: world] [Limit: any]
                       [Default: 0] */
     const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist
                                       [Default: NULL] */
-    int32_t check_thin;          /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
-    int32_t has_base;            /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
-                             [Default: 0] */
 } bvx_voxelize_options;
 
 /** Set the voxels whose centres lie inside a mesh.
  *
  *  Vertices are snapped to the lattice's fixed point. From there every decision is exact, with one rule for
  *  ties: solids that share faces share no voxel and leave none between them. Vertices that no triangle uses
- *  may be anything (finite for check_edges). How each rule decides, beside holes too: docs/rules.md.
+ *  may be anything. How each rule decides, beside holes too: docs/rules.md.
  *  Returns BVX_ERR_ARGUMENT (also options that the rule does not take, and a window for flood or regions),
  *  BVX_ERR_EMPTY (no triangle; flood: it reached every centre off the surface although there is an inside),
  *  BVX_ERR_RANGE (index of a vertex or triangle: not finite, beyond the vertices, or too far from the lattice
@@ -1099,23 +1086,28 @@ typedef struct bvx_level_report {
     uint64_t reserved[3];
 } bvx_level_report;
 
-typedef struct bvx_simplify_options {
-    size_t struct_size;
-    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
-    int32_t position_type;     /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
-                                BVX_POSITION_AUTO] */
-    int32_t lock_border;       /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
-                                    join [Limit: 0..1] [Default: 0] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight;   /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
+/** How edges collapse, and what stays. */
+typedef struct bvx_collapse {
+    double attribute_weight; /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
                                     length on the surface, a difference of 1 in normals and colours by a
                                     hundredth of the mesh's longest side. BVX_NONE: they follow the shape and
                                     cost nothing [Limit: BVX_NONE, or 0..1000] [Default: 1] */
-    const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
+    const uint8_t *locked;   /**< vertices of the mesh with a value other than 0 stay bit for bit
                                     [Size: vertex_count] [Default: NULL] */
-    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
-    uint64_t reserved[3];
+    int32_t
+        position_type;   /**< BVX_F32, BVX_F64 or AUTO: the mesh's; of a measured surface f32 where it holds,
+                                    else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t lock_border; /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
+                                    join [Limit: 0..1] [Default: 0] */
+    int32_t vertices;    /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology;    /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+} bvx_collapse;
+
+typedef struct bvx_simplify_options {
+    size_t struct_size;
+    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
+    bvx_collapse collapse;     /**< [Default: all zero] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_simplify_options;
 
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
@@ -1202,54 +1194,33 @@ enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_repair_report {
-    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
-    bvx_certificate after;  /**< of the result */
-    bvx_lattice lattice;    /**< that the result was made on */
-    int32_t sign;           /**< BVX_SIGN_... that decided */
-    int32_t shelled;        /**< 1: open sheets became shells */
-    uint64_t holes;         /**< loops of open edges in the input */
-    double hole_length;     /**< total length of their edges [Units: world] */
-    double longest_hole;    /**< [Units: world] */
-    uint64_t sheet_edges;   /**< crossings of the result far from the input's surface: on lids over holes */
+    bvx_certificate before;  /**< of the input; vertices at equal positions count as one */
+    bvx_certificate after;   /**< of the result */
+    bvx_lattice lattice;     /**< that the result was made on */
+    int32_t sign;            /**< BVX_SIGN_... that decided */
+    int32_t needs;           /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
+    int32_t copied;          /**< 1: it needed none and was copied (if_needed) */
+    int32_t sharp;           /**< 1: vertices were put on sharp edges and corners */
+    int32_t thin_kept;       /**< 1: thin walls are in the result; 0: there are none, or they are lost */
+    int32_t thin_resolution; /**< at which nine tenths of thin_voxels have a wall of 1.5 voxels; 0: none, or
+                                  none needed */
+    uint64_t thin_voxels;    /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
+    uint64_t holes;          /**< loops of open edges in the input */
+    uint64_t turned;         /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to
+                               4,096) inside out beside others */
+    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong,
+                               and if the result has more handles than the input */
     uint64_t shelled_triangles; /**< triangles of the input that became shells */
-    uint64_t overlaps; /**< voxels in more than one turn of the surface: overlapping parts. Counted with
-                            measure 1, and where volume or area of a closed, oriented mesh changed by over 5
-                            % */
-    uint64_t parts_kept, parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
-    uint64_t cavities_kept, cavities_dropped;
-    uint64_t searched;                  /**< target_triangles: resolutions that the search tried */
-    bvx_distance_report distance;       /**< measure 1: a is the input, b the result */
-    double mean_off_caps, max_off_caps; /**< measure 1: from result to input, without lids over holes
-                                             [Units: world] */
-    double sharp_share; /**< of all edge length, the share that is sharp; 0 above 500,000 triangles */
-    int32_t sharp;      /**< 1: vertices were put on sharp edges and corners */
-    int32_t needs;      /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
-    int32_t copied;     /**< 1: it needed none and was copied (if_needed) */
-    int32_t thin_kept;  /**< 1: thin walls are in the result; 0: there are none, or they are lost */
-    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong, and
-                             if the result has more handles than the input */
+    uint64_t parts_dropped;     /**< connected parts of the solid: least_part, keep_largest, crumbs */
+    uint64_t cavities_dropped;
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
                           parts_dropped and cavities_dropped too */
-    uint64_t turned; /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to 4,096)
-                          inside out beside others */
-    uint64_t thin_voxels; /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
-    uint64_t thin_components; /**< components of the input that have such walls */
-    double thin_wall;         /**< nine tenths of them have a wall at least this thick [Units: world] */
-    int32_t thin_low[3], thin_high[3]; /**< the box of these voxels, inclusive [Units: voxels of lattice] */
-    int32_t thin_resolution; /**< at which a wall of thin_wall is 1.5 voxels; 0: none, or none needed */
-    int32_t handles; /**< of the input, each triangle once, turned, and a lid in each hole; -1: copied, not
-                          manifold, or without sides */
-    double parts_volume;    /**< sum of the volumes of the input's components. No solid of them is larger: a
-                                larger result has walls or rods as thick as voxels. 0: the input is open, or
-                                its sides are unknown [Units: world] */
-    uint64_t thin_shelled;  /**< of shelled_triangles, those of components that have a volume but no voxel at
-                                the back of most of their area: a higher resolution makes them bodies */
+    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
     double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh (of a
                                  closed one whose result is then off, at half the spacing): what volume the
                                  result should have, overlaps counted once, whatever was wrong with the input.
                                  Walls that thin_voxels counts are not all in it. 0: copied, or
                                  nothing encloses a centre. Rounded to a float [Units: world] */
-    double shelled_area;    /**< of shelled_triangles [Units: world^2] */
     uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
 
@@ -1321,8 +1292,8 @@ typedef struct bvx_levels_options {
     size_t struct_size;
     bvx_targets targets;   /**< as in bvx_simplify_options; halving starts from the input
                                 [Default: half the triangles of the one before] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's own; of a measured surface f32 where it
-                                holds, else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    bvx_collapse collapse; /**< without solid: vertices, topology and attributes are of the mesh as it is
+                                [Default: all zero] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
                         from its default] */
@@ -1333,16 +1304,10 @@ typedef struct bvx_levels_options {
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     double shell;  /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
                                      [Default: 2] */
-    bvx_parts parts;           /**< solid: that are kept [Default: all zero] */
-    int32_t outer;             /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    int32_t lock_border;       /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    bvx_parts parts;           /**< solid: that are kept; a least_cavity of UINT64_MAX leaves the outer hull
+                                    [Default: all zero] */
     bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight;   /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1000]
-                                     [Default: 1] */
-    const uint8_t *locked;     /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_levels_options;
 
 /** Levels of detail from any mesh: the main job.

@@ -156,25 +156,17 @@ export interface DistanceReport {
 
 /** [bvx_solid_report] */
 export interface SolidReport {
-    trianglesUsed: number;
     crossings: number;
     unbalancedRows: number;
-    dropped: number;
-    boundaryEdges: number;
-    flippedEdges: number;
-    surfaceVoxels: number;
-    closedVoxels: number;
     leaks: number;
     regions: number;
     mixedRegions: number;
     mixedVoxels: number;
-    columns: number;
     cutVoxels: number;
     fillVoxels: number;
     fill: Fill;
     fillReason: FillReason;
     turned: number;
-    doubles: number;
     volume: number;
     meshVolume: number;
     crossingVolume: number;
@@ -182,9 +174,8 @@ export interface SolidReport {
     thinChecked: boolean;
     thinResolution: number;
     thinVoxels: number;
-    thinWall: number;
-    thinLow: Triple;
-    thinHigh: Triple;
+    /** Lowest and highest of these voxels. */
+    thinBox: number[];
 }
 
 export type When = 'auto' | 'never' | 'always';
@@ -195,7 +186,6 @@ export interface VoxelizeOptions extends CallOptions, LatticeOptions {
     window?: WindowIn | undefined;
     closeGaps?: number | undefined;
     addShell?: boolean | undefined;
-    checkEdges?: boolean | undefined;
     up?: 'x' | 'y' | 'z' | undefined;
     /** Used with hasBase. */
     base?: number | undefined;
@@ -289,44 +279,22 @@ export interface RepairReport {
     after: Certificate;
     lattice: Lattice;
     sign: Sign;
-    shelled: boolean;
-    holes: number;
-    holeLength: number;
-    longestHole: number;
-    sheetEdges: number;
-    shelledTriangles: number;
-    overlaps: number;
-    partsKept: number;
-    partsDropped: number;
-    cavitiesKept: number;
-    cavitiesDropped: number;
-    searched: number;
-    distance: DistanceReport;
-    meanOffCaps: number;
-    maxOffCaps: number;
-    sharpShare: number;
-    sharp: boolean;
     needs: 'nothing' | 'lids' | 'manifold' | 'turns' | 'area' | 'outside-in' | 'uncrossing';
     copied: boolean;
+    sharp: boolean;
     thinKept: boolean;
-    crossings: number;
-    crumbs: number;
-    turned: number;
-    thinVoxels: number;
-    thinComponents: number;
-    thinWall: number;
-    thinLow: Triple;
-    thinHigh: Triple;
     thinResolution: number;
-    /** Of the input, each triangle once, turned, and a lid in each hole; -1: copied, not manifold, or without sides. */
-    handles: number;
-    /** The sum of the volumes of the input's components; 0: open, or its sides are unknown. */
-    partsVolume: number;
-    /** Of shelledTriangles, those of components that have a volume but no voxel at their back. */
-    thinShelled: number;
+    thinVoxels: number;
+    holes: number;
+    turned: number;
+    crossings: number;
+    shelledTriangles: number;
+    partsDropped: number;
+    cavitiesDropped: number;
+    crumbs: number;
+    distance: DistanceReport;
     /** What volume the result should have, whatever was wrong with the input; 0: copied, or nothing encloses a centre. */
     crossingVolume: number;
-    shelledArea: number;
 }
 
 /** [bvx_boolean_options] */
@@ -397,7 +365,6 @@ export interface LevelsOptions extends ChainOptions {
     resolution?: number | undefined;
     sign?: Sign | undefined;
     sharp?: When | undefined;
-    outer?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;
     keepLargest?: number | undefined;

@@ -3,17 +3,9 @@
 #include "cli_args/rows.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- its options ---- */
-
-static void start_repair(void *options)
-{
-    ((bvx_repair_options *)options)->struct_size = sizeof(bvx_repair_options);
-}
 
 #define OWN(name) CLI_OWN(bvx_repair_options, name)
 
@@ -36,7 +28,7 @@ static const cli_argument repair_rows[] = {
     FLAG("--if-needed", OWN(if_needed),
          "copy a mesh that needs nothing, with its attributes; to the same format the\n"
          "file itself"),
-    FLAG("--measure", OWN(measure), "report distances between input and result, and overlaps"),
+    FLAG("--measure", OWN(measure), "report distances between input and result"),
     {.also = cli_takes_normals},
     {.also = cli_takes_file_of_a_mesh},
     FLAG("--carry", SHARED(carry),
@@ -48,76 +40,41 @@ static const cli_argument repair_rows[] = {
 static const char *const need_names[] = {"nothing", "lids",       "manifold",  "turns",
                                          "area",    "outside-in", "uncrossing"};
 
-/* Where the thin walls lie, in the mesh's unit. */
-static void thin_box(const bvx_repair_report *r, double box[6])
-{
-    for (int a = 0; a < 3; a++) {
-        box[a] = r->lattice.origin[a] + (double)r->thin_low[a] * r->lattice.spacing[a];
-        box[a + 3] = r->lattice.origin[a] + ((double)r->thin_high[a] + 1.0) * r->lattice.spacing[a];
-    }
-}
-
-static void json_thin_box(cli_text *t, const bvx_repair_report *r)
-{
-    double box[6];
-
-    thin_box(r, box);
-    cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
-                 box[3], box[4], box[5]);
-}
-
 void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
 {
     cli_text_add(t, ", \"repair\": {\"sign\": \"%s\"", cli_sign_names[r->sign]);
     cli_json_count(t, "holes", r->holes);
-    cli_json_value(t, "hole_length", r->hole_length);
-    cli_json_value(t, "longest_hole", r->longest_hole);
     cli_json_count(t, "boundary_edges", r->before.boundary_edges);
     cli_json_count(t, "flipped_edges", r->before.flipped_edges);
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "nonmanifold_edges", r->before.nonmanifold_edges);
     cli_json_count(t, "duplicates", r->before.duplicates);
-    /* Triangles that have lost their area, by whatever they lost it. */
     cli_json_count(t, "degenerate", r->before.degenerate + r->before.collapsed);
     cli_json_count(t, "components_before", r->before.components);
-    cli_json_count(t, "parts_kept", r->parts_kept);
     cli_json_count(t, "parts_dropped", r->parts_dropped);
     cli_json_count(t, "crumbs", r->crumbs);
-    cli_json_count(t, "cavities_kept", r->cavities_kept);
     cli_json_count(t, "cavities_dropped", r->cavities_dropped);
     cli_json_count(t, "thin_voxels", r->thin_voxels);
-    cli_json_count(t, "thin_components", r->thin_components);
-    cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
     cli_json_truth(t, "thin_kept", r->thin_kept);
-    if (r->thin_voxels != 0) json_thin_box(t, r);
     cli_json_count(t, "shelled_triangles", r->shelled_triangles);
-    cli_json_value(t, "shelled_area", r->shelled_area);
-    cli_json_count(t, "thin_shelled", r->thin_shelled);
-    cli_json_count(t, "sheet_edges", r->sheet_edges);
     cli_text_add(t, ", \"needs\": \"%s\"", need_names[r->needs]);
     cli_json_truth(t, "copied", r->copied);
     cli_json_truth(t, "sharp", r->sharp);
-    cli_json_value(t, "sharp_share", r->sharp_share);
     cli_json_value(t, "volume_before", r->before.volume);
     cli_json_value(t, "volume_after", r->after.volume);
-    if (r->parts_volume != 0) cli_json_value(t, "parts_volume", r->parts_volume);
     if (r->crossing_volume != 0) cli_json_value(t, "crossing_volume", r->crossing_volume);
     if (measured) {
-        cli_json_count(t, "overlaps", r->overlaps);
         cli_json_value(t, "mean_input_to_output", r->distance.mean_a_to_b);
         cli_json_value(t, "max_input_to_output", r->distance.max_a_to_b);
         cli_json_value(t, "mean_output_to_input", r->distance.mean_b_to_a);
         cli_json_value(t, "max_output_to_input", r->distance.max_b_to_a);
-        cli_json_value(t, "mean_off_caps", r->mean_off_caps);
-        cli_json_value(t, "max_off_caps", r->max_off_caps);
     }
     cli_text_add(t, "}");
 }
 
-static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made *made)
+static void tell_found(const bvx_repair_report *r, cli_made *made)
 {
-    const bvx_repair_options *const own = run->own;
     const bvx_certificate *const c = &r->before;
 
     cli_tell(made, "  found       %s%s%s; %" PRIu64 " components, volume %.6g\n",
@@ -127,14 +84,11 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
     if (r->needs == BVX_NEEDS_NOTHING)
         cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
                  r->copied ? "; copied" : " (--if-needed copies it)");
-    /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0 && c->boundary_edges == 0)
-        cli_tell(made, "  holes       %" PRIu64 " where junctions part, length %.6g, the longest %.6g\n",
-                 r->holes, r->hole_length, r->longest_hole);
+        cli_tell(made, "  holes       %" PRIu64 " where junctions part\n", r->holes);
     else if (r->holes != 0)
-        cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges, length %.6g, the longest %.6g\n",
-                 r->holes, c->boundary_edges, r->hole_length, r->longest_hole);
+        cli_tell(made, "  holes       %" PRIu64 ", %" PRIu64 " open edges\n", r->holes, c->boundary_edges);
     if (c->flipped_edges != 0)
         cli_tell(made,
                  "  flipped     %" PRIu64 " edges between triangles of opposite sides; %" PRIu64
@@ -145,22 +99,6 @@ static void tell_found(const cli_run *run, const bvx_repair_report *r, cli_made 
     if (c->duplicates + c->degenerate + c->collapsed != 0)
         cli_tell(made, "  useless     %" PRIu64 " duplicate, %" PRIu64 " without area\n", c->duplicates,
                  c->degenerate + c->collapsed);
-    if (own->measure && r->overlaps != 0)
-        cli_tell(made, "  overlaps    %" PRIu64 " voxels in several parts at once\n", r->overlaps);
-}
-
-static void tell_thin(const bvx_repair_report *r, cli_made *made)
-{
-    double box[6];
-
-    /* Walls that voxels hold need no word. */
-    if (r->thin_voxels == 0) return;
-    thin_box(r, box);
-    cli_tell(made,
-             "  thin        %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64
-             " components, in %.6g,%.6g,%.6g to %.6g,%.6g,%.6g%s\n",
-             r->thin_voxels, r->thin_components, box[0], box[1], box[2], box[3], box[4], box[5],
-             r->thin_kept ? ": kept" : "");
 }
 
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
@@ -169,33 +107,26 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     const bvx_repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
-    /* A copy was not measured: no lattice, no rule for inside. */
     if (!r->copied)
         cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
                  (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
-    if (r->shelled)
+    if (r->shelled_triangles != 0)
         cli_tell(made, "  shells      %" PRIu64 " triangles enclose nothing and became shells\n",
                  r->shelled_triangles);
     if (r->crumbs != 0)
         cli_tell(made, "  crumbs      %" PRIu64 " small parts and pockets that are not in the mesh\n",
                  r->crumbs);
-    tell_thin(r, made);
-    if (r->parts_dropped != 0)
-        cli_tell(made, "  dropped     %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
-                 r->parts_dropped + r->parts_kept);
-    if (r->cavities_dropped != 0)
-        cli_tell(made, "  filled      %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
-                 r->cavities_dropped + r->cavities_kept);
+    if (r->thin_voxels != 0)
+        cli_tell(made, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels%s\n", r->thin_voxels,
+                 r->thin_kept ? ": kept" : "");
+    if (r->parts_dropped != 0) cli_tell(made, "  dropped     %" PRIu64 " parts\n", r->parts_dropped);
+    if (r->cavities_dropped != 0) cli_tell(made, "  filled      %" PRIu64 " cavities\n", r->cavities_dropped);
     cli_tell_reduction(reduction, made);
     cli_tell_result(&r->after, made);
     if (!own->measure) return;
-    cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)",
+    cli_tell(made, "  distance    input to result %.3g (largest %.3g), result to input %.3g (%.3g)\n",
              r->distance.mean_a_to_b, r->distance.max_a_to_b, r->distance.mean_b_to_a,
              r->distance.max_b_to_a);
-    /* Lids over holes are far from every triangle; without them the distance says how good the rest is. */
-    if (!r->copied && r->mean_off_caps < HUGE_VAL)
-        cli_tell(made, ", off the caps %.3g (%.3g)", r->mean_off_caps, r->max_off_caps);
-    cli_tell(made, "\n");
 }
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
@@ -203,8 +134,8 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     const bvx_repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
-    /* What several commands share is filled in beside what is repair's own. */
     *o = *own;
+    o->struct_size = sizeof *o;
     if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
     o->placing.interpolation = c->interpolation;
@@ -248,9 +179,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
-    /* The report is of the mesh that is written. */
     report->after = reduction->level.certificate;
-    /* The distances were of the mesh before it collapsed, so they are measured anew. */
     if (!own->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);
@@ -259,7 +188,6 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     status = bvx_mesh_distance(run->context, &from, &to, report->distance.samples, report->distance.seed,
                                &report->distance);
     cli_stage_end(run);
-    report->mean_off_caps = report->max_off_caps = HUGE_VAL; /* not known of the fewer triangles */
     return cli_check_call(run, status, cli_input_name(run->options->input[0]));
 }
 
@@ -279,7 +207,6 @@ typedef struct repair_job {
     cli_reduction reduction;
 } repair_job;
 
-/* The input's bytes as they are. */
 static int write_input(cli_run *run)
 {
     cli_bytes b = {NULL, 0, 0, 0};
@@ -334,7 +261,6 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
 
-    /* The report's entry is made of what the library has certified; nothing is checked twice. */
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;
     entry->path = run->options->output;
@@ -351,17 +277,12 @@ static void tell_repair(const cli_run *run, const void *work, cli_made *made)
     const repair_job *const job = work;
 
     cli_report_repair(&made->members, &job->report, own->measure);
-    tell_found(run, &job->report, made);
+    tell_found(&job->report, made);
     tell_repaired(run, &job->report, &job->reduction, made);
 }
 
-static void free_repair(cli_run *run, void *work)
-{
-    repair_job *const job = work;
-
-    bvx_mesh_free(run->context, &job->repaired);
-    bvx_mesh_free(run->context, &job->source);
-}
+static const cli_owned repair_owns[] = {
+    CLI_OWNS(MESH, repair_job, repaired), CLI_OWNS(MESH, repair_job, source), {0}};
 
 const cli_command cli_repair = {
     .name = "repair",
@@ -382,6 +303,5 @@ const cli_command cli_repair = {
     .most = "--output-dir --resolution --triangles --error --sign --sharp --shell --keep-largest "
             "--if-needed --threads --memory-limit --json",
     .rows = repair_rows,
-    .start = start_repair,
     .own = sizeof(bvx_repair_options),
-    .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .free = free_repair}};
+    .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .owns = repair_owns}};

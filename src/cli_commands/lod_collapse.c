@@ -11,8 +11,6 @@ typedef struct lod_collapse {
     bvx_levels_report report;
 } lod_collapse;
 
-/* ---- Options ---- */
-
 #define OF_SOLID                                                                                       \
     "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity --least-part " \
     "--keep-largest"
@@ -61,23 +59,22 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     const cli_options *const o = run->options;
 
     *b = own->levels;
+    b->struct_size = sizeof *b;
     b->targets = cli_targets(run, &l->run);
-    if (cli_given(run, "--attributes")) b->attribute_weight = cli_or_none(o->attributes);
-    b->lock_border = o->lock_border;
-    b->topology = o->topology;
-    b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    if (cli_given(run, "--attributes")) b->collapse.attribute_weight = cli_or_none(o->attributes);
+    b->collapse.lock_border = o->lock_border;
+    b->collapse.topology = o->topology;
+    b->collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     b->report = &l->report;
     b->reports = l->run.level;
-    /* What follows measures a mesh; a grid has chosen its parts before. */
     if (l->run.kind == CLI_GRID) return;
     if (o->resolution.count != 0) b->fit.resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
     b->sharp = cli_sharp(o);
     if (cli_given(run, "--shell")) b->shell = cli_or_none(o->shell);
     b->parts = cli_parts(run);
+    if (own->outer_hull) b->parts.least_cavity = UINT64_MAX;
 }
-
-/* ---- Levels ---- */
 
 static int is_solid(const lod_collapse *l)
 {
@@ -110,8 +107,6 @@ static int build_levels(cli_run *run, lod_collapse *l)
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-/* ---- What is reported ---- */
-
 /* What was done to the mesh before edges collapsed, where something was. */
 static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 {
@@ -141,7 +136,6 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     const bvx_repair_report *const r = &l->report.repair;
     const bvx_lattice *const b = &r->lattice;
 
-    /* Nothing was measured: one line says what the levels come from. */
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     if (!is_solid(l)) {
         cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n",
@@ -161,26 +155,20 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
              " triangles, %" PRIu64 " piece%s\n",
              b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
              c->surface.components, c->surface.components == 1 ? "" : "s");
-    /* Rows for what measuring changed stand only where it changed something. */
-    if (r->holes != 0)
-        cli_tell(made, "holes closed: %" PRIu64 ", the longest %.3g around\n", r->holes, r->longest_hole);
-    if (r->shelled)
+    if (r->holes != 0) cli_tell(made, "holes closed: %" PRIu64 "\n", r->holes);
+    if (r->shelled_triangles != 0)
         cli_tell(made, "made into shells: %" PRIu64 " triangles that enclose nothing\n",
                  r->shelled_triangles);
     if (r->thin_voxels != 0)
-        cli_tell(
-            made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels, of %" PRIu64 " component%s\n",
-            r->thin_kept ? "kept" : "left as the voxels have them, since keeping them would make handles",
-            r->thin_voxels, r->thin_components, r->thin_components == 1 ? "" : "s");
+        cli_tell(made, "thin walls %s: %" PRIu64 " voxels at walls below 1.5 voxels\n",
+                 r->thin_kept ? "kept"
+                              : "left as the voxels have them, since keeping them would make handles",
+                 r->thin_voxels);
     if (c->crumbs != 0)
         cli_tell(made, "dropped: %" PRIu64 " crumb%s that no piece of the input stands for\n", c->crumbs,
                  c->crumbs == 1 ? "" : "s");
-    if (r->parts_dropped != 0)
-        cli_tell(made, "dropped: %" PRIu64 " of %" PRIu64 " parts\n", r->parts_dropped,
-                 r->parts_dropped + r->parts_kept);
-    if (r->cavities_dropped != 0)
-        cli_tell(made, "filled: %" PRIu64 " of %" PRIu64 " cavities\n", r->cavities_dropped,
-                 r->cavities_dropped + r->cavities_kept);
+    if (r->parts_dropped != 0) cli_tell(made, "dropped: %" PRIu64 " parts\n", r->parts_dropped);
+    if (r->cavities_dropped != 0) cli_tell(made, "filled: %" PRIu64 " cavities\n", r->cavities_dropped);
     cli_tell(made, "\n");
 }
 
@@ -189,7 +177,6 @@ static void report_levels(const lod_collapse *l, cli_made *made)
     cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s", is_solid(l) ? "true" : "false");
-    /* The input, what was found wrong with it, and what the levels were made from. */
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
@@ -216,7 +203,6 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
     lod_collapse *const l = work;
     int status = cli_input_kind(run, run->options->input[0], &l->run.kind);
 
-    /* The first line describes the input; the file's name is in it. */
     made->untitled = 1;
     if (status == CLI_DONE) status = check_solid_options(run, l->run.kind);
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
@@ -236,10 +222,5 @@ static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
     report_levels(l, made);
 }
 
-static void free_collapse(cli_run *run, void *work)
-{
-    cli_free_collapse(run, &((lod_collapse *)work)->run);
-}
-
 const cli_job cli_lod_collapse = {
-    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .free = free_collapse};
+    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .owns = cli_collapse_owns};

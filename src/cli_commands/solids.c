@@ -19,8 +19,8 @@ void cli_take_fill(const cli_run *run, bvx_voxelize_options *v)
 static void thin_box(const bvx_lattice *l, const bvx_solid_report *r, double box[6])
 {
     for (int a = 0; a < 3; a++) {
-        box[a] = l->origin[a] + (double)r->thin_low[a] * l->spacing[a];
-        box[a + 3] = l->origin[a] + ((double)r->thin_high[a] + 1.0) * l->spacing[a];
+        box[a] = l->origin[a] + (double)r->thin_box[0][a] * l->spacing[a];
+        box[a + 3] = l->origin[a] + ((double)r->thin_box[1][a] + 1.0) * l->spacing[a];
     }
 }
 
@@ -36,11 +36,8 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_count(t, "volume_resolution", (uint64_t)r->volume_resolution);
     cli_json_truth(t, "thin_checked", r->thin_checked);
     cli_json_count(t, "thin_voxels", r->thin_voxels);
-    cli_json_value(t, "thin_wall", r->thin_wall);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
-    if (r->thin_voxels != 0)
-        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
-                     box[3], box[4], box[5]);
+    if (r->thin_voxels != 0) cli_json_box(t, "thin_box", box, box + 3);
 }
 
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
@@ -51,7 +48,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_status status;
 
     memset(&report, 0, sizeof report);
-    /* The report is for warnings here; only voxelize tells all of it. */
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
@@ -74,7 +70,6 @@ int cli_fill_input(cli_run *run, cli_input *in)
     status = cli_make_lattice(run, &view, &lattice);
     result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
                               : cli_check_far(run, in->path, &view, 0, &lattice);
-    /* The check of far points comes before the memory is taken. */
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
@@ -92,11 +87,8 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
-    /* What was changed about the mesh to fill it is told with the rule. */
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
-    if (r->doubles != 0)
-        cli_text_add(t, "; %" PRIu64 " double%s left out", r->doubles, r->doubles == 1 ? "" : "s");
     cli_text_add(t, "\n");
 }
 
@@ -108,33 +100,19 @@ static double voxel_volume(const bvx_lattice *l)
 static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
 {
     const cli_options *const o = run->options;
-    int const second = cli_given(run, "--second");
     double const voxel = voxel_volume(lattice);
 
     cli_tell_fill(t, r);
-    /* Lines that only some rules have: what was not counted is not told as 0. */
-    if (r->surface_voxels != 0) cli_text_add(t, "  surface     %" PRIu64 " voxels", r->surface_voxels);
-    if (r->closed_voxels != 0) cli_text_add(t, ", %" PRIu64 " more where gaps are closed", r->closed_voxels);
-    if (r->surface_voxels != 0) cli_text_add(t, "\n");
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    /* Between two terrains what was dug away and what was heaped up are two numbers. */
-    if (o->fill == BVX_FILL_BELOW) {
-        cli_text_add(t, "  columns     %" PRIu64 "%s\n", r->columns,
-                     second ? " where both terrains are" : " under the surface");
-        if (second)
-            cli_text_add(t,
-                         "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64
-                         " voxels, volume %.9g\n",
-                         r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels,
-                         (double)r->fill_voxels * voxel);
-    }
+    if (cli_given(run, "--second"))
+        cli_text_add(
+            t,
+            "  cut         %" PRIu64 " voxels, volume %.9g\n  fill        %" PRIu64 " voxels, volume %.9g\n",
+            r->cut_voxels, (double)r->cut_voxels * voxel, r->fill_voxels, (double)r->fill_voxels * voxel);
     if (r->thin_checked)
         cli_text_add(
             t, "  thin        %" PRIu64 " voxels at walls below 1.5 voxels that are lost or have gaps\n",
             r->thin_voxels);
-    if (cli_given(run, "--check-edges"))
-        cli_text_add(t, "  edges       %" PRIu64 " with one triangle, %" PRIu64 " between flipped ones\n",
-                     r->boundary_edges, r->flipped_edges);
 }
 
 void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattice, const bvx_solid_report *r)
@@ -145,33 +123,20 @@ void cli_report_solid(const cli_run *run, cli_text *t, const bvx_lattice *lattic
     cli_text_add(t, ", \"solid\": {\"fill\": \"%s\", \"reason\": \"%s\"", cli_fill_names[r->fill],
                  cli_fill_reasons[r->fill_reason]);
     cli_json_count(t, "turned", r->turned);
-    cli_json_count(t, "triangles_used", r->triangles_used);
     cli_json_count(t, "crossings", r->crossings);
     cli_json_count(t, "unbalanced_rows", r->unbalanced_rows);
-    cli_json_count(t, "dropped", r->dropped);
-    cli_json_count(t, "doubles", r->doubles);
     /* Members that only some rules have: a program must not take 0 for a count. */
-    if (o->fill == BVX_FILL_FLOOD || o->fill == BVX_FILL_REGIONS || o->add_shell)
-        cli_json_count(t, "surface_voxels", r->surface_voxels);
-    if (o->fill == BVX_FILL_FLOOD) {
-        cli_json_count(t, "closed_voxels", r->closed_voxels);
-        cli_json_count(t, "leaks", r->leaks);
-    }
+    if (o->fill == BVX_FILL_FLOOD) cli_json_count(t, "leaks", r->leaks);
     if (o->fill == BVX_FILL_REGIONS) {
         cli_json_count(t, "regions", r->regions);
         cli_json_count(t, "mixed_regions", r->mixed_regions);
         cli_json_count(t, "mixed_voxels", r->mixed_voxels);
     }
-    if (o->fill == BVX_FILL_BELOW) cli_json_count(t, "columns", r->columns);
     if (cli_given(run, "--second")) {
         cli_json_count(t, "cut_voxels", r->cut_voxels);
         cli_json_count(t, "fill_voxels", r->fill_voxels);
         cli_json_value(t, "cut_volume", (double)r->cut_voxels * voxel);
         cli_json_value(t, "fill_volume", (double)r->fill_voxels * voxel);
-    }
-    if (cli_given(run, "--check-edges")) {
-        cli_json_count(t, "boundary_edges", r->boundary_edges);
-        cli_json_count(t, "flipped_edges", r->flipped_edges);
     }
     cli_json_losses(t, lattice, r);
     cli_text_add(t, "}");

@@ -16,7 +16,7 @@ typedef struct below_job {
     bvx_grid *grid;                /* rows along the axis */
     const int32_t *first, *second; /* highest crossings by row; second may be NULL */
     int32_t base, pieces;
-    uint64_t columns[256], cut[256], fill[256]; /* by piece */
+    uint64_t cut[256], fill[256]; /* by piece */
 } below_job;
 
 /* The first centre at or above a height. */
@@ -33,7 +33,7 @@ static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t
 {
     below_job *const job = user;
     const bvx_grid *const g = job->grid;
-    uint64_t columns = 0, cut = 0, fill = 0;
+    uint64_t cut = 0, fill = 0;
 
     for (uint64_t r = begin; r < end; r++) {
         uint64_t *const row = g->words + (size_t)r * (size_t)g->words_per_row;
@@ -43,7 +43,6 @@ static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t
         int64_t low = least > job->base ? least : job->base, high = most;
         memset(row, 0, (size_t)g->words_per_row * 8);
         if (a == INT32_MIN || (job->second != NULL && b == INT32_MIN)) continue;
-        columns++;
         low = low - g->low[0] < 0 ? 0 : low - g->low[0];
         high = high - g->low[0] > g->size[0] ? g->size[0] : high - g->low[0];
         if (low >= high) continue;
@@ -52,7 +51,6 @@ static void fill_below_piece(void *user, int32_t index, uint64_t begin, uint64_t
         if (job->second != NULL && a > b) cut += (uint64_t)(high - low);
         if (job->second != NULL && a < b) fill += (uint64_t)(high - low);
     }
-    job->columns[index] = columns;
     job->cut[index] = cut;
     job->fill[index] = fill;
 }
@@ -79,7 +77,6 @@ static bvx_status fill_columns(bvx_context *ctx, below_job *job, bvx_solid_repor
     BVXI_TRY(bvxi_for_pieces(ctx, "solid", 0.8, 0.9, job->pieces, bvxi_grid_rows(job->grid), fill_below_piece,
                              job));
     for (int32_t i = 0; i < job->pieces; i++) {
-        report->columns += job->columns[i];
         report->cut_voxels += job->cut[i];
         report->fill_voxels += job->fill[i];
     }

@@ -362,6 +362,5 @@ bvx_status bvxi_fill_auto(bvx_context *ctx, const char *function, const bvx_mesh
     report->fill = w.choice.fill;
     report->fill_reason = w.choice.reason;
     report->turned = w.choice.turned;
-    report->doubles = w.choice.doubles;
     return BVX_OK;
 }

@@ -211,22 +211,17 @@ static bvx_status flood_spaces(bvx_context *ctx, const char *function, flood_wor
 }
 
 static bvx_status flood_twice(bvx_context *ctx, const char *function, const bvxi_flood_walls *walls,
-                              flood_work *work, uint64_t *closed)
+                              flood_work *work)
 {
-    uint64_t before = 0, after = 0;
-
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
     if (walls->close_gaps > 0) {
-        BVXI_TRY(bvx_grid_count(ctx, walls->surface, &before));
         BVXI_TRY(
             BVXI_SHARE(ctx, 0.3, 0.5, bvxi_close_gaps(ctx, NULL, walls->surface, walls->close_gaps, NULL)));
-        BVXI_TRY(bvx_grid_count(ctx, walls->surface, &after));
 
         /* Only the second flood empties voxels, so what the first one could not reach stays filled. */
         work->keep = 0;
         BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.6, BVXI_SCOPE(ctx, flood_spaces(ctx, function, work))));
     }
-    *closed = after - before;
     return BVX_OK;
 }
 
@@ -238,7 +233,7 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
         .walls = walls->surface, .sure = walls->sure, .solid = solid, .keep = walls->close_gaps > 0};
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the voxels that the flood fills", &work.filled));
-    BVXI_TRY(flood_twice(ctx, function, walls, &work, &report->closed_voxels));
+    BVXI_TRY(flood_twice(ctx, function, walls, &work));
     if (work.filled_voxels != 0)
         BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, fill_flood_rim(ctx, walls->surface, work.filled, solid)));
     report->leaks = work.leaks;

@@ -204,11 +204,10 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_voxels = found.voxels;
     report->crossing_volume = bvxi_volume_by_crossings(walls, report->volume);
     if (found.voxels == 0) return;
-    report->thin_wall = found.wall * walls->unit;
     /* Places are counted in the window; the report is in the lattice. */
     for (int a = 0; a < 3; a++) {
-        report->thin_low[a] = found.low[a] + solid->low[a];
-        report->thin_high[a] = found.high[a] + solid->low[a];
+        report->thin_box[0][a] = found.low[a] + solid->low[a];
+        report->thin_box[1][a] = found.high[a] + solid->low[a];
         if (solid->lattice.dims[a] > longest) longest = solid->lattice.dims[a];
     }
     report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
@@ -361,8 +360,7 @@ static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
     double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
     int const large = bvxi_absolute(off) > LOSS_LARGE;
 
-    if (bvxi_absolute(off) > LOSS_MOST &&
-        (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
+    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
         BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
                   bvxi_advised(r->volume_resolution));
 }
@@ -375,7 +373,7 @@ void bvxi_warn_of_walls(bvx_context *ctx, const bvx_lattice *lattice, const bvx_
     if (r->thin_voxels == 0) return;
     w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels, bvxi_advised(r->thin_resolution));
     w->input = input;
-    bvxi_warn_box(w, lattice, r->thin_low, r->thin_high);
+    bvxi_warn_box(w, lattice, r->thin_box[0], r->thin_box[1]);
 }
 
 void bvxi_warn_of_fill(bvx_context *ctx, const bvx_grid *solid, const bvx_solid_report *r, int32_t input)

@@ -1,7 +1,7 @@
 /* voxelize_solid.c - the voxels whose centres lie inside a mesh: bvx_voxelize_solid and its rules.
  *
  * Everything is checked first. Then the rule fills the grid (solid.c for rows, winding.c, vote.c, flood.c,
- * regions.c, below.c), the shell is added, the edges are counted where requested, and a report says what was
+ * regions.c, below.c), the shell is added, and a report says what was
  * lost. */
 #include "fill/fills.h"
 #include "mesh/view.h"
@@ -22,11 +22,9 @@ static bvx_status refuse_for_rule(bvx_context *ctx, const char *option, const ch
 
 static const bvxi_option voxelize_rows[] = {
     BVXI_CHOICE(bvx_voxelize_options, fill, 0, BVX_FILL_COUNT - 1),
-    BVXI_RESERVED(bvx_voxelize_options, reserved),
     BVXI_SWITCH(bvx_voxelize_options, has_base),
     BVXI_WHOLE(bvx_voxelize_options, close_gaps, 0, BVXI_MOST_GAP),
     BVXI_SWITCH(bvx_voxelize_options, add_shell),
-    BVXI_SWITCH(bvx_voxelize_options, check_edges),
     BVXI_CHOICE(bvx_voxelize_options, check_thin, BVX_CHECK_AUTO, BVX_CHECK_ALWAYS),
     BVXI_CHOICE(bvx_voxelize_options, up, BVX_UP_Z, BVX_UP_Y),
 };
@@ -134,8 +132,7 @@ static bvx_status fill_by_vote(bvx_context *ctx, bvxi_solid_job *job, const bvx_
         BVXI_SCOPE(ctx, bvxi_vote(bvxi_solid_step(ctx, job, 0.0, 1.0), job, more, solid, sure, report))));
     if (!more) return BVX_OK;
 
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.6, 0.85, bvxi_shell_open(ctx, job->view, solid, &shell, &report->surface_voxels)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.85, bvxi_shell_open(ctx, job->view, solid, &shell)));
     return BVXI_SHARE(ctx, 0.85, 1.0,
                       flood ? flood_or_fail(ctx, &walls, solid, report)
                             : bvxi_regions(ctx, solid_name, &shell, sure, solid, report));
@@ -175,23 +172,13 @@ static bvx_status fill_chosen(bvx_context *ctx, const bvx_mesh_view *mesh, int32
 
 /* ---- What comes after ---- */
 
-static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid,
-                                bvx_solid_report *report)
+static bvx_status add_the_shell(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_grid *solid)
 {
     uint64_t const words = bvxi_grid_words(solid);
     bvx_grid shell;
-    BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell, &report->surface_voxels));
+    BVXI_TRY(bvxi_shell_open(ctx, mesh, solid, &shell));
 
     for (uint64_t i = 0; i < words; i++) solid->words[i] |= shell.words[i];
-    return BVX_OK;
-}
-
-static bvx_status count_edges(bvx_context *ctx, const bvx_mesh_view *mesh, bvx_solid_report *report)
-{
-    bvx_certificate c;
-    BVXI_TRY(bvx_mesh_check(ctx, mesh, 1, &c));
-    report->boundary_edges = c.boundary_edges;
-    report->flipped_edges = c.flipped_edges;
     return BVX_OK;
 }
 
@@ -215,18 +202,15 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     BVXI_TRY(bvxi_grid_open(context, solid_name, lattice, &window, &made));
     report.fill = o.fill;
 
-    filled = o.add_shell || o.check_edges || o.report != NULL ? 0.3 : 1.0;
+    filled = o.add_shell || o.report != NULL ? 0.3 : 1.0;
     status = BVXI_SHARE(context, 0.0, filled,
                         o.fill == BVX_FILL_AUTO
                             ? bvxi_fill_auto(context, solid_name, mesh, fill_chosen, &made, &report)
                             : BVXI_SCOPE(context, fill_by_rule(context, mesh, &o, NULL, &made, &report)));
     if (status == BVX_OK && o.add_shell)
-        status = BVXI_SHARE(context, 0.3, 0.45,
-                            BVXI_SCOPE(context, add_the_shell(context, mesh, &made, &report)));
-    if (status == BVX_OK && o.check_edges)
-        status = BVXI_SHARE(context, 0.45, 0.7, count_edges(context, mesh, &report));
+        status = BVXI_SHARE(context, 0.3, 0.45, BVXI_SCOPE(context, add_the_shell(context, mesh, &made)));
     if (status == BVX_OK && o.report != NULL)
-        status = BVXI_SHARE(context, 0.7, 1.0,
+        status = BVXI_SHARE(context, 0.45, 1.0,
                             bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
     BVXI_TRY(bvxi_grid_put(context, status, &made, solid));
     if (o.report == NULL) return BVX_OK;

@@ -93,7 +93,7 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
 }
 
 static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                              int32_t *sharp, double *share)
+                              int32_t *sharp)
 {
     uint64_t const bytes = view->triangle_count * 36;
     edge_lengths sum = {0, 0, 0};
@@ -104,26 +104,25 @@ static bvx_status judge_edges(bvx_context *ctx, const bvx_mesh_view *view, const
                            (uint32_t *)(void *)(block + view->triangle_count * 24), &sum));
     bvxi_drop(ctx, block);
 
-    *share = sum.all > 0 ? sum.sharp / sum.all : 0;
-    *sharp = *share > SHARP_SHARE_ANYHOW || (*share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
+    double const share = sum.all > 0 ? sum.sharp / sum.all : 0;
+    *sharp = share > SHARP_SHARE_ANYHOW || (share > SHARP_SHARE && sum.sharp > SHARP_TO_BENT * sum.bent);
     return BVX_OK;
 }
 
 bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                            int32_t *sharp, double *share)
+                            int32_t *sharp)
 {
     uint64_t const bytes = view->vertex_count * 4;
     uint32_t *found = NULL;
     uint64_t different;
 
     *sharp = 0;
-    *share = 0;
     if (view->triangle_count > SHARP_MOST) return BVX_OK;
-    if (representative != NULL) return judge_edges(ctx, view, representative, sharp, share);
+    if (representative != NULL) return judge_edges(ctx, view, representative, sharp);
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices' places", &found));
     BVXI_TRY(bvxi_weld(ctx, view, found, &different));
-    BVXI_TRY(judge_edges(ctx, view, found, sharp, share));
+    BVXI_TRY(judge_edges(ctx, view, found, sharp));
     bvxi_drop(ctx, found);
     return BVX_OK;
 }

@@ -40,12 +40,11 @@ bvx_status bvxi_check_welded(bvx_context *ctx, const char *function, const bvxi_
 
 /* ---- Has a mesh sharp edges, as machine parts have? ---- */
 
-/* *sharp becomes 1 where many edges are sharp, or some are and few are merely bent, *share the sharp edges'
- * part of the length of all. Large meshes are scans: 0 without a look. representative: vertices at one place
- * (topology.h), NULL: they are found first. The view is checked, its indices too. Scratch: 36 bytes a
- * triangle and 4 a vertex. */
+/* *sharp becomes 1 where many edges are sharp, or some are and few are merely bent. Large meshes are scans: 0
+ * without a look. representative: vertices at one place (topology.h), NULL: they are found first. The view is
+ * checked, its indices too. Scratch: 36 bytes a triangle and 4 a vertex. */
 bvx_status bvxi_sharp_edges(bvx_context *ctx, const bvx_mesh_view *view, const uint32_t *representative,
-                            int32_t *sharp, double *share);
+                            int32_t *sharp);
 
 /* ---- The parts of a mesh that hang together, and triangles that are there twice ---- */
 

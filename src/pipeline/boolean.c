@@ -386,9 +386,9 @@ static bvx_status drop_boolean_crumbs(boolean_job *job)
     /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
     for (int32_t empty = 0; empty < 2; empty++) {
         uint64_t crumbs = 0;
-        BVXI_TRY(
-            BVXI_SHARE(job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
-                       bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty, source, 2, &crumbs)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
+                            BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty,
+                                                                  source, 2, &crumbs))));
         job->report.crumbs += crumbs;
     }
     for (int32_t i = 2; i-- > 0;) bvxi_drop(job->ctx, piece[i]);
@@ -477,11 +477,8 @@ static bvx_status flatten_boolean(boolean_job *job, bvx_mesh *result)
 static bvx_status choose_boolean_sharp(boolean_job *job)
 {
     job->report.sharp = job->options->placing.sharp == BVX_SHARP_ALWAYS;
-    for (int32_t i = 0; i < 2 && job->options->placing.sharp == BVX_SHARP_AUTO && !job->report.sharp; i++) {
-        /* The first mesh with sharp edges decides. */
-        double share;
-        BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp, &share));
-    }
+    for (int32_t i = 0; i < 2 && job->options->placing.sharp == BVX_SHARP_AUTO && !job->report.sharp; i++)
+        BVXI_TRY(bvxi_sharp_edges(job->ctx, job->body[i].mesh, NULL, &job->report.sharp));
     return BVX_OK;
 }
 

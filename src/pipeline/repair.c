@@ -63,7 +63,6 @@ static bvx_status count_at(bvxi_repair_job *job, int32_t resolution, uint64_t *t
 
     BVXI_TRY(bvxi_repair_lattice(job, resolution));
     BVXI_TRY(bvxi_repair_inside(job));
-    job->report.searched++;
     return bvx_extract_count(job->ctx, &job->inside, &o, &vertices, triangles);
 }
 
@@ -176,11 +175,13 @@ static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
                                   const bvx_repair_options *options, bvx_mesh *repaired)
 {
+    bvxi_repair_facts facts;
     bvx_repair_options o;
 
-    BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, repaired));
+    BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, &facts, repaired));
     BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
-    if (o.report != NULL) bvxi_repair_warn(ctx, o.report, o.fit.lattice == NULL ? o.fit.resolution : 0, 0);
+    if (o.report != NULL)
+        bvxi_repair_warn(ctx, o.report, &facts, o.fit.lattice == NULL ? o.fit.resolution : 0, 0);
     return BVX_OK;
 }
 
@@ -191,7 +192,7 @@ bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx
 }
 
 bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, const bvx_certificate *known,
-                             const bvx_repair_options *options, bvx_mesh *repaired)
+                             const bvx_repair_options *options, bvxi_repair_facts *facts, bvx_mesh *repaired)
 {
     bvx_repair_options o;
     bvxi_repair_job job;
@@ -210,11 +211,13 @@ bvx_status bvxi_repair_known(bvx_context *context, const bvx_mesh_view *mesh, co
     job.options = &o;
     job.given = mesh;
     job.known = known;
-    job.report.handles = -1;
+    job.facts.handles = -1;
     mine = repaired->positions == NULL;
     status = repair_steps(&job, repaired);
-    bvxi_repair_let_go(&job);
-    if (status == BVX_OK && o.report != NULL) *o.report = job.report;
+    if (status == BVX_OK && o.report != NULL) {
+        *o.report = job.report;
+        *facts = job.facts;
+    }
     if (status != BVX_OK && mine) bvx_mesh_free(context, repaired);
     return status;
 }

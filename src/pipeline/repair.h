@@ -8,6 +8,19 @@
 #include "pipeline/thicken.h"
 #include "winding/holes.h"
 
+/* What warnings need to know beside the report. */
+typedef struct bvxi_repair_facts {
+    double longest_hole;   /* [Units: world] */
+    uint64_t sheet_edges;  /* crossings of the result far from the input's surface: on lids over holes */
+    uint64_t overlaps;     /* voxels in more than one turn of the surface, where sizes changed */
+    uint64_t thin_shelled; /* of shelled_triangles, those of components with a volume but few voxels */
+    double shelled_area;   /* of shelled_triangles [Units: world^2] */
+    double parts_volume;   /* sum of the components' volumes; 0: open, or sides are unknown [Units: world] */
+    int32_t thin_low[3], thin_high[3]; /* the box of thin_voxels, inclusive [Units: voxels] */
+    int32_t
+        handles; /* of the input, turned, with a lid in each hole; -1: copied, not manifold, or no sides */
+} bvxi_repair_facts;
+
 typedef struct bvxi_repair_job {
     bvx_context *ctx;
     const bvx_repair_options *options;
@@ -32,17 +45,18 @@ typedef struct bvxi_repair_job {
     bvxi_winding *winding; /* while sheets are looked for, and the surface made: for lids over holes */
     int32_t fill;          /* BVX_FILL_... that the sign stands for */
     bvx_repair_report report;
+    bvxi_repair_facts facts;
 } bvxi_repair_job;
 
 extern const char bvxi_repair_name[];
 
-/* repair.c: bvx_repair for a caller that has checked the mesh, as in bvxi_repair_job. */
+/* repair.c: bvx_repair for a caller that has checked the mesh, as in bvxi_repair_job; facts are filled where
+ * options have a report. */
 bvx_status bvxi_repair_known(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_certificate *known,
-                             const bvx_repair_options *options, bvx_mesh *repaired);
+                             const bvx_repair_options *options, bvxi_repair_facts *facts, bvx_mesh *repaired);
 
 /* repair_input.c: what the mesh is, its sign, its triangles once each, its pieces. */
 bvx_status bvxi_repair_take(bvxi_repair_job *job);
-void bvxi_repair_let_go(bvxi_repair_job *job);
 /* A view of triangles that are listed, over the given mesh's vertices. */
 void bvxi_repair_view(const bvxi_repair_job *job, const uint32_t *corner, uint64_t count,
                       bvx_mesh_view *view);
@@ -117,9 +131,10 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);
 /* Warn of what a report says; resolution: at which it was made. collapsed: triangles of the level that stands for
  * the result, or 0. */
-void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *report, int32_t resolution, uint64_t collapsed);
+void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *report, const bvxi_repair_facts *facts,
+                      int32_t resolution, uint64_t collapsed);
 /* 1: volume and area of the mesh are those of its body. */
-int bvxi_has_own_size(const bvx_repair_report *report);
+int bvxi_has_own_size(const bvx_repair_report *report, const bvxi_repair_facts *facts);
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
 int bvxi_changed_as_asked(const bvx_repair_report *report);
 

@@ -138,13 +138,11 @@ static bvx_status check_given(bvxi_repair_job *job, const double low[3], const d
 static bvx_status choose_sharp(bvxi_repair_job *job, const uint32_t *representative)
 {
     int32_t const asked = job->options->placing.sharp;
-    bvx_repair_report *const r = &job->report;
 
-    /* The report says how sharp the mesh is, even where the choice was given. */
-    if (asked < 0 || job->options->report != NULL)
-        BVXI_TRY(bvxi_sharp_edges(job->ctx, &job->mesh, representative, &r->sharp, &r->sharp_share));
-    if (asked != BVX_SHARP_AUTO) r->sharp = asked == BVX_SHARP_ALWAYS;
-    return BVX_OK;
+    job->report.sharp = asked == BVX_SHARP_ALWAYS;
+    return asked == BVX_SHARP_AUTO
+               ? bvxi_sharp_edges(job->ctx, &job->mesh, representative, &job->report.sharp)
+               : BVX_OK;
 }
 
 /* Pieces that cross others are bodies, whatever box they lie in, and face outward: no cavity crosses any. */
@@ -235,7 +233,7 @@ static bvx_status judge_marked(bvxi_repair_job *job, const uint32_t *representat
     /* What an open piece encloses is not known. */
     for (uint64_t n = 0; n < count && by->part != NULL; n++)
         if (known->open[pieces[n].mark]) pieces[n].volume6 = 0;
-    if (known->open_edges == 0) job->report.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
+    if (known->open_edges == 0) job->facts.parts_volume = bvxi_mesh_pieces_volume(pieces, count);
     if (job->options->sign == BVX_SIGN_AUTO && count > 1)
         BVXI_TRY(turn_inside_out(job, representative, by, pieces, count));
     bvxi_drop(job->ctx, pieces);
@@ -286,15 +284,4 @@ bvx_status bvxi_repair_take(bvxi_repair_job *job)
     BVXI_TRY(take_pieces(job, representative));
     bvxi_drop(ctx, representative);
     return BVX_OK;
-}
-
-void bvxi_repair_let_go(bvxi_repair_job *job)
-{
-    bvxi_holes_close(job->ctx, &job->holes);
-    bvxi_thin_close(job->ctx, &job->thin);
-    bvxi_drop(job->ctx, job->inside.words);
-    bvxi_drop(job->ctx, job->solid.words);
-    bvxi_drop(job->ctx, job->parted);
-    bvxi_drop(job->ctx, job->piece);
-    bvxi_drop(job->ctx, job->corner);
 }

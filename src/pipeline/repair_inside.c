@@ -49,7 +49,7 @@ bvx_status bvxi_repair_inside(bvxi_repair_job *job)
     BVXI_TRY(bvx_grid_create(job->ctx, &job->lattice, NULL, &job->inside));
     memcpy(job->inside.words, job->solid.words, (size_t)job->grid_bytes);
     if (job->sheets.triangle_count != 0)
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.6, bvxi_repair_lay_shells(job)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.6, BVXI_SCOPE(job->ctx, bvxi_repair_lay_shells(job))));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.6, 0.9, bvxi_repair_thicken(job)));
     return BVXI_SHARE(job->ctx, 0.9, 1.0, bvxi_repair_clean(job));
 }

@@ -1,8 +1,4 @@
-/* repair_report.c - what a repair found and how near it stayed: holes, overlaps, distances.
- *
- * Triangles over holes are those with a vertex further than 0.6 of a voxel's diagonal from the input: a
- * crossing that the input's surface makes lies nearer. */
-#include "nearest/closest.h"
+/* repair_report.c - what a repair found, how near it stayed, and what is warned of. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 #include "winding/holes.h"
@@ -25,8 +21,7 @@ static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
             for (int a = 0; a < 3; a++) sum += (q[a] - p[a]) * (q[a] - p[a]);
             length += sqrt(sum);
         }
-        job->report.hole_length += length;
-        if (length > job->report.longest_hole) job->report.longest_hole = length;
+        if (length > job->facts.longest_hole) job->facts.longest_hole = length;
     }
 }
 
@@ -62,71 +57,16 @@ static bvx_status count_overlaps(bvxi_repair_job *job)
                             bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i])));
     }
     for (uint64_t i = 0; i < job->grid_bytes / 8; i++)
-        job->report.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
+        job->facts.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
     return BVX_OK;
 }
 
-/* far[v] of the result: 1 when it stands off the input. */
-static bvx_status find_far_vertices(bvxi_repair_job *job, const bvx_mesh_view *result, uint8_t *far)
+/* In the world, as the frame is not part of a view. */
+static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
 {
-    /* Farther than a crossing can lie from the surface that makes it. */
-    const double *const h = job->lattice.spacing;
-    double const most = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]) * 0.6;
-    bvx_closest closest;
-    uint32_t hint = 0;
+    double *world, p[3];
 
-    BVXI_TRY(bvxi_closest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "measure", 0.0, 0.1), &job->mesh,
-                               &closest));
-    for (uint64_t v = 0; v < result->vertex_count; v++) {
-        bvx_closest_point found;
-        double p[3];
-        bvxi_view_position(result, v, p);
-        bvxi_closest_ask(&closest, p, &hint, &found);
-        far[v] = found.distance > most;
-    }
-    bvxi_closest_shut(job->ctx, &closest);
-    return BVX_OK;
-}
-
-static bvx_status measure_off_caps(bvxi_repair_job *job, const bvx_mesh_view *result)
-{
-    /* A view of the triangles off the holes, over the same vertices. */
-    bvx_mesh_view near = *result;
-    bvx_distance_report report;
-    uint32_t *corner = NULL;
-    uint8_t *far = NULL;
-
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count, "the vertices over holes", &far));
-
-    BVXI_TRY(
-        bvxi_alloc(job->ctx, BVXI_SCRATCH, result->triangle_count * 12, "the triangles off holes", &corner));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.48, 0.53, find_far_vertices(job, result, far)));
-    near.triangle_count = 0;
-    for (uint64_t t = 0; t < result->triangle_count; t++) {
-        uint32_t *const c = corner + 3 * near.triangle_count;
-        bvxi_view_triangle(result, t, c);
-        near.triangle_count += (uint64_t)(!far[c[0]] && !far[c[1]] && !far[c[2]]);
-    }
-    near.indices = corner;
-    near.index_type = BVX_U32;
-    near.index_stride = 0;
-    if (near.triangle_count != 0) {
-        BVXI_TRY(BVXI_SHARE(
-            job->ctx, 0.53, 1.0,
-            bvx_mesh_distance(job->ctx, &near, &job->mesh, job->options->measure_samples, 1, &report)));
-        job->report.mean_off_caps = report.mean_a_to_b;
-        job->report.max_off_caps = report.max_a_to_b;
-    }
-    return BVX_OK;
-}
-
-/* result with its frame added, in new positions. */
-static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, double *world,
-                              bvx_mesh_view *result)
-{
-    double p[3];
-
-    /* In the world, as the frame is not part of a view. */
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
     for (uint64_t v = 0; v < result->vertex_count; v++) {
         bvxi_view_position(result, v, p);
         for (uint64_t a = 0; a < 3; a++) world[3 * v + a] = p[a] + repaired->frame[a];
@@ -134,19 +74,8 @@ static bvx_status move_result(bvxi_repair_job *job, const bvx_mesh *repaired, do
     result->positions = world;
     result->position_type = BVX_F64;
     result->position_stride = 0;
-    return BVXI_SHARE(job->ctx, 0.0, 0.48,
-                      bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
-                                        &job->report.distance));
-}
-
-static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repaired, bvx_mesh_view *result)
-{
-    double *world;
-    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 24, "the result's places", &world));
-    BVXI_TRY(move_result(job, repaired, world, result));
-    BVXI_TRY(BVXI_SCOPE(job->ctx, measure_off_caps(job, result)));
-    bvxi_drop(job->ctx, world);
-    return BVX_OK;
+    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
+                             &job->report.distance);
 }
 
 #define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
@@ -178,21 +107,21 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     if (r->turned + c.duplicates != 0) BVXI_TRY(bvx_mesh_check(job->ctx, &job->mesh, 1, &c));
     if (!c.edge_manifold || !c.vertex_manifold || !c.oriented) return BVX_OK;
     handles = lidded_handles(&c, r->holes);
-    r->handles = handles < INT32_MAX ? (int32_t)handles : INT32_MAX;
+    job->facts.handles = handles < INT32_MAX ? (int32_t)handles : INT32_MAX;
     if (lidded_handles(&r->after, 0) <= handles || r->crossings != 0) return BVX_OK;
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
-int bvxi_has_own_size(const bvx_repair_report *r)
+int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
-    return r->before.closed && r->before.oriented && r->overlaps == 0 && r->turned == 0 &&
+    return r->before.closed && r->before.oriented && f->overlaps == 0 && r->turned == 0 &&
            r->before.duplicates == 0 && r->before.volume != 0.0;
 }
 
 /* 1: no lids and shells are in its body. */
 static int is_closed(const bvx_repair_report *r)
 {
-    return r->holes == 0 && !r->shelled && r->before.boundary_edges == 0;
+    return r->holes == 0 && r->shelled_triangles == 0 && r->before.boundary_edges == 0;
 }
 
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
@@ -207,9 +136,9 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.2, 0.22, find_holes(job)));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.22, 0.25, compare_handles(job)));
 
-    if (job->options->measure || has_other_size(&job->report))
+    if (has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
-    if (is_closed(&job->report) && !bvxi_has_own_size(&job->report))
+    if (is_closed(&job->report) && !bvxi_has_own_size(&job->report, &job->facts))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
@@ -232,17 +161,18 @@ static int has_lost_walls(const bvx_repair_report *r)
     return r->thin_voxels != 0 && !r->thin_kept;
 }
 
-static void warn_of_walls(bvx_context *ctx, const bvx_repair_report *r)
+static void warn_of_walls(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_THIN_LOST, (double)r->thin_voxels,
                                      bvxi_advised(r->thin_resolution));
 
-    bvxi_warn_box(w, &r->lattice, r->thin_low, r->thin_high);
+    bvxi_warn_box(w, &r->lattice, f->thin_low, f->thin_high);
 }
 
 /* Parts, and handles where walls, or gaps, thinner than voxels have met. Parts that cross may close a handle at each
  * curve where they do, and a curve takes a pair of triangles at least; the shell of an open sheet has its holes. */
-static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, double finer)
+static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
+                             double finer)
 {
     double const after = (double)r->after.components, before = (double)r->before.components;
     int64_t const has = lidded_handles(&r->after, 0);
@@ -251,39 +181,41 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, doubl
     /* Parts that cross become one as they should. */
     if (after < before && r->needs == BVX_NEEDS_NOTHING && !bvxi_changed_as_asked(r) && !has_lost_walls(r))
         BVXI_WARN(ctx, BVX_WARN_JOINED, after, before, finer);
-    if (r->handles >= 0 && (!r->shelled || r->before.closed) && has > r->handles + (int64_t)r->crossings)
-        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)r->handles, finer);
-    if (r->shelled && r->shelled_area > REPAIR_SHELLED * r->before.area)
-        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, r->shelled_area, r->before.area);
+    if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
+        has > f->handles + (int64_t)r->crossings)
+        BVXI_WARN(ctx, BVX_WARN_HANDLES, (double)has, (double)f->handles, finer);
+    if (r->shelled_triangles != 0 && f->shelled_area > REPAIR_SHELLED * r->before.area)
+        BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
 }
 
 /* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
-static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r)
+static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     const double *const h = r->lattice.spacing;
     double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
-    double const share = (double)r->sheet_edges * 6.0 / (edges * r->after.area);
+    double const share = (double)f->sheet_edges * 6.0 / (edges * r->after.area);
 
     if (r->holes != 0 && share > REPAIR_LIDS)
-        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), r->longest_hole);
+        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), f->longest_hole);
 }
 
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
-static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double finer, double collapsed)
+static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
+                         double finer, double collapsed)
 {
-    double const volume = r->after.volume, all = r->parts_volume, seen = r->crossing_volume;
-    int const own = bvxi_has_own_size(r);
+    double const volume = r->after.volume, all = f->parts_volume, seen = r->crossing_volume;
+    int const own = bvxi_has_own_size(r, f);
     double const from = own ? bvxi_absolute(r->before.volume) : seen;
     double const off = from > 0.0 ? volume / from - 1.0 : 0.0;
     double const area = r->before.area, wider = area > 0.0 ? r->after.area / area - 1.0 : 0.0;
 
-    if (all == 0.0 && r->thin_shelled != 0)
-        BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)r->thin_shelled, finer);
+    if (all == 0.0 && f->thin_shelled != 0)
+        BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)f->thin_shelled, finer);
     if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
         !(bvxi_changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
-    else if (bvxi_changed_as_asked(r) || (r->shelled && !own)) return;
+    else if (bvxi_changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
     else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
              (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
@@ -291,7 +223,8 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, double fi
         BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer, collapsed);
 }
 
-void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution, uint64_t collapsed)
+void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_facts *f, int32_t resolution,
+                      uint64_t collapsed)
 {
     double longest = resolution;
 
@@ -299,9 +232,9 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, int32_t resolution
     if (r->copied) return;
     for (int a = 0; a < 3 && resolution == 0; a++)
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
-    if (has_lost_walls(r)) warn_of_walls(ctx, r);
-    warn_of_topology(ctx, r, bvxi_advised(2.0 * longest));
-    warn_of_lids(ctx, r);
-    warn_of_size(ctx, r, bvxi_advised(2.0 * longest), (double)collapsed);
+    if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
+    warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
+    warn_of_lids(ctx, r, f);
+    warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

@@ -347,11 +347,11 @@ static bvx_status list_parted(bvxi_repair_job *job, const all_sums *sums)
     uint32_t c[3];
 
     /* Counted first: bodies from the front, sheets from where they begin. */
-    job->report.shelled_area = 0;
+    job->facts.shelled_area = 0;
     for (uint64_t i = 0; i < sums->count; i++)
         if (is_sheet(&sums->piece[i])) {
             sheet_triangles += sums->piece[i].triangles;
-            job->report.shelled_area += sums->piece[i].area;
+            job->facts.shelled_area += sums->piece[i].area;
         }
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
@@ -507,7 +507,7 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
 
     job->body = job->mesh;
     memset(&job->sheets, 0, sizeof job->sheets);
-    job->report.thin_shelled = 0;
+    job->facts.thin_shelled = 0;
     /* Without shells all is body. */
     if (job->options->shell == 0) return BVX_OK;
     BVXI_TRY(open_sums(job, &sums));
@@ -516,10 +516,9 @@ bvx_status bvxi_repair_part(bvxi_repair_job *job)
     BVXI_TRY(sum_lids(job, &sums));
     BVXI_TRY(join_open_pieces(job, &sums));
     BVXI_TRY(list_parted(job, &sums));
-    job->report.thin_shelled = count_thin_shelled(&sums, bvxi_largest_spacing(&job->lattice));
+    job->facts.thin_shelled = count_thin_shelled(&sums, bvxi_largest_spacing(&job->lattice));
     close_sums(job, &sums);
     job->report.shelled_triangles = job->sheets.triangle_count;
-    job->report.shelled = job->sheets.triangle_count != 0;
     return BVX_OK;
 }
 
@@ -530,20 +529,14 @@ bvx_status bvxi_repair_lay_shells(bvxi_repair_job *job)
     bvxi_nearest *nearest = NULL;
     uint64_t *first = NULL;
     bvx_grid band = job->inside;
-    bvx_status status;
 
     BVXI_TRY(bvxi_nearest_open(bvxi_call_of(job->ctx, bvxi_repair_name, "shells", 0.0, 0.3), &job->sheets,
                                &job->lattice, &nearest));
-    status = bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words);
-    if (status == BVX_OK)
-        status = bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first);
-    if (status == BVX_OK)
-        status = bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
-                                   0.5 * job->options->shell * most, &band, first);
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the shells", &band.words));
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, (rows + 1) * 8, "the shells' rows", &first));
+    BVXI_TRY(bvxi_nearest_band(bvxi_call_of(job->ctx, NULL, "shells", 0.3, 1.0), nearest,
+                               0.5 * job->options->shell * most, &band, first));
     /* Shells are joined to the solid, word by word. */
-    for (uint64_t i = 0; i < words && status == BVX_OK; i++) job->inside.words[i] |= band.words[i];
-    bvxi_drop(job->ctx, first);
-    if (band.words != job->inside.words) bvxi_drop(job->ctx, band.words);
-    bvxi_nearest_close(job->ctx, nearest);
-    return status;
+    for (uint64_t i = 0; i < words; i++) job->inside.words[i] |= band.words[i];
+    return BVX_OK;
 }

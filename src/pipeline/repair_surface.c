@@ -127,7 +127,7 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
     rule.missing = lid_ratios;
     rule.missing_user = job;
     BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &rule, &o, repaired));
-    job->report.sheet_edges = report.lids + report.middle;
+    job->facts.sheet_edges = report.lids + report.middle;
     return BVX_OK;
 }
 

@@ -20,38 +20,19 @@ static int32_t longest_thin_side(const bvxi_repair_job *job)
     return longest;
 }
 
-static bvx_status count_thin_components(repair_walls *t)
+static void tell_walls(repair_walls *t)
 {
     bvxi_repair_job *const job = t->job;
-    uint64_t const vertices = job->given->vertex_count;
-    uint8_t *own;
-
-    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, vertices, "the pieces with thin walls", &own));
-
-    /* Each piece counts once, however many places it has. */
-    for (uint64_t n = 0; n < t->walls.count; n++)
-        if (t->walls.point[n].wall != BVXI_NO_WALL)
-            own[job->piece[t->walls.corner[3 * (size_t)t->walls.point[n].triangle]]] = 1;
-    for (uint64_t v = 0; v < vertices; v++) job->report.thin_components += own[v];
-    bvxi_drop(job->ctx, own);
-    return BVX_OK;
-}
-
-static bvx_status tell_walls(repair_walls *t)
-{
-    bvx_repair_report *const r = &t->job->report;
+    bvx_repair_report *const r = &job->report;
     bvxi_wall_report found;
 
     bvxi_walls_report(&t->walls, &found);
     r->thin_voxels = found.voxels;
-    r->thin_wall = found.wall * t->walls.unit;
-    /* Nothing is thin. */
-    if (found.voxels == 0) return BVX_OK;
-    memcpy(r->thin_low, found.low, sizeof found.low);
-    memcpy(r->thin_high, found.high, sizeof found.high);
-    r->thin_resolution = bvxi_wall_resolution(longest_thin_side(t->job), found.wall);
-    r->thin_kept = t->job->options->thin == BVX_THIN_KEEP;
-    return count_thin_components(t);
+    if (found.voxels == 0) return;
+    memcpy(job->facts.thin_low, found.low, sizeof found.low);
+    memcpy(job->facts.thin_high, found.high, sizeof found.high);
+    r->thin_resolution = bvxi_wall_resolution(longest_thin_side(job), found.wall);
+    r->thin_kept = job->options->thin == BVX_THIN_KEEP;
 }
 
 static bvx_status thicken(repair_walls *t)
@@ -65,7 +46,7 @@ static bvx_status thicken(repair_walls *t)
     job->report.crossing_volume = bvxi_volume_by_crossings(&t->walls, (double)voxels * h[0] * h[1] * h[2]);
     if (t->walls.count == 0) return BVX_OK;
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.6, bvxi_walls_ask(&t->walls, 1.0)));
-    BVXI_TRY(tell_walls(t));
+    tell_walls(t);
     if (!job->report.thin_kept) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.6, 1.0, bvxi_thicken(&t->walls, &job->inside, &job->thin));
 }
@@ -77,8 +58,8 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
 
     /* What an earlier resolution found goes. */
     bvxi_thin_close(job->ctx, &job->thin);
-    job->report.thin_voxels = job->report.thin_components = 0;
-    job->report.thin_wall = job->report.crossing_volume = 0;
+    job->report.thin_voxels = 0;
+    job->report.crossing_volume = 0;
     job->report.thin_resolution = job->report.thin_kept = 0;
     if (job->body.triangle_count == 0) return BVX_OK;
     /* nobody asks what is lost */

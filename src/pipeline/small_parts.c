@@ -22,7 +22,6 @@
 static bvx_status keep_large_parts(bvxi_repair_job *job)
 {
     const bvx_repair_options *const o = job->options;
-    bvx_repair_report *const r = &job->report;
     bvx_keep_report report;
     bvx_keep_options const keep = {.struct_size = sizeof keep,
                                    .at_least = o->parts.least_part,
@@ -30,30 +29,14 @@ static bvx_status keep_large_parts(bvxi_repair_job *job)
                                    .report = &report};
 
     BVXI_TRY(bvx_grid_keep(job->ctx, &job->inside, &keep, &job->inside));
-    r->parts_kept = report.kept;
-    r->parts_dropped = report.dropped;
+    job->report.parts_dropped += report.dropped;
     return BVX_OK;
-}
-
-/* Mark the cavities below least; *kept and *gone count them. */
-static void judge_cavities(const uint64_t *voxels, uint8_t *marks, uint64_t count, uint64_t least,
-                           uint64_t *kept, uint64_t *gone)
-{
-    *kept = *gone = 0;
-
-    /* What touches the window's side is the outside. */
-    for (uint64_t i = 0; i < count; i++) {
-        int const outside = marks[i] != 0;
-        marks[i] = !outside && voxels[i] < least;
-        if (!outside) *(marks[i] ? gone : kept) += 1;
-    }
 }
 
 static bvx_status fill_small_cavities(bvxi_repair_job *job)
 {
-    bvx_repair_report *const r = &job->report;
     bvxi_spaces spaces;
-    uint64_t *voxels = NULL;
+    uint64_t gone = 0, *voxels = NULL;
     uint8_t *marks = NULL; /* at a side of the window at first: that is no cavity */
 
     BVXI_TRY(
@@ -62,12 +45,12 @@ static bvx_status fill_small_cavities(bvxi_repair_job *job)
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count * 8, "the sizes of cavities", &voxels));
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, count, "the marks of cavities", &marks));
     bvxi_spaces_measure(&spaces, voxels, marks);
-    judge_cavities(voxels, marks, count, job->options->parts.least_cavity, &r->cavities_kept,
-                   &r->cavities_dropped);
-    if (r->cavities_dropped != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
-    bvxi_drop(job->ctx, marks);
-    bvxi_drop(job->ctx, voxels);
-    bvxi_spaces_free(&spaces);
+    for (uint64_t i = 0; i < count; i++) {
+        marks[i] = marks[i] == 0 && voxels[i] < job->options->parts.least_cavity;
+        gone += marks[i];
+    }
+    if (gone != 0) bvxi_spaces_flip(&spaces, marks, job->inside.words);
+    job->report.cavities_dropped += gone;
     return BVX_OK;
 }
 
@@ -79,17 +62,15 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
     uint64_t crumbs[2] = {0, 0};
 
     for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
-        BVXI_TRY(
-            bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty, &source, 1, &crumbs[empty]));
+        BVXI_TRY(BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, bvxi_repair_name, &job->inside, empty,
+                                                       &source, 1, &crumbs[empty])));
     r->crumbs = crumbs[0] + crumbs[1];
+    r->parts_dropped = crumbs[0];
+    r->cavities_dropped = crumbs[1];
 
     /* Parts before cavities: one that goes may have had cavities of its own. */
-    if (o->parts.least_part > 1 || o->parts.keep_largest != 0 || o->report != NULL)
-        BVXI_TRY(keep_large_parts(job));
-    if (o->parts.least_cavity > 1 || o->report != NULL) BVXI_TRY(fill_small_cavities(job));
-    r->parts_dropped += crumbs[0];
-    r->cavities_dropped += crumbs[1];
-    return BVX_OK;
+    if (o->parts.least_part > 1 || o->parts.keep_largest != 0) BVXI_TRY(keep_large_parts(job));
+    return o->parts.least_cavity > 1 ? BVXI_SCOPE(job->ctx, fill_small_cavities(job)) : BVX_OK;
 }
 
 /* ---- Crumbs ---- */
@@ -453,8 +434,6 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     *dropped = judge_crumbs(job);
     /* Only now bits change: all was judged by the solid as it was. */
     if (*dropped != 0) bvxi_spaces_each(&job->spaces, flip_crumb_run, job);
-    for (int32_t s = job->sources; s-- > 0;) bvxi_drop(job->ctx, job->piece[s]);
-    bvxi_drop(job->ctx, job->small.words);
     return BVX_OK;
 }
 
@@ -472,8 +451,5 @@ bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *in
     BVXI_TRY(bvxi_spaces_open(ctx, function, "crumbs", inside, empty, BVXI_CONNECT_6, &job.spaces));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, job.spaces.count * sizeof *job.part, "the parts", &job.part));
     if (job.spaces.count > 1) find_small_parts(&job);
-    if (job.small_parts != 0) BVXI_TRY(judge_small_parts(&job, dropped));
-    bvxi_drop(ctx, job.part);
-    bvxi_spaces_free(&job.spaces);
-    return BVX_OK;
+    return job.small_parts != 0 ? judge_small_parts(&job, dropped) : BVX_OK;
 }

@@ -257,7 +257,6 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
     uint32_t const kept = keep_covering(job->snapped.cell, b, n);
     uint32_t singles = 0, severals = 0;
 
-    chunk->used += kept;
     measure_boxes(b, kept);
     for (uint32_t i = 0; i < kept; i++) { /* part the boxes of one centre from the others */
         int const single = (b->tall[i] | b->deep[i]) == 1;

@@ -113,14 +113,8 @@ static bvx_status fill_from_lists(bvx_context *ctx, bvxi_solid_job *job, bvx_sol
     bvx_status status;
 
     BVXI_TRY(bvxi_solid_gather(ctx, job, 0.1, 0.2, &lists));
-    for (int32_t c = 0; c < job->chunks; c++) {
-        /* Counted here, as the rule may go over the triangles again. */
-        report->triangles_used += job->chunk[c].used;
-        job->chunk[c].used = 0;
-    }
     report->crossings += lists.total;
     status = job->take_lists(ctx, job, &lists, 0.2, 1.0);
-    for (int32_t c = 0; c < job->chunks; c++) job->chunk[c].used = 0;
     bvxi_row_lists_free(ctx, &lists);
     return status;
 }
@@ -133,7 +127,6 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
     job->listed = NULL;
     memset(job->crossings, 0, sizeof job->crossings);
     memset(job->unbalanced, 0, sizeof job->unbalanced);
-    memset(job->dropped, 0, sizeof job->dropped);
     memset(job->tile_sums, 0, sizeof job->tile_sums);
     /* Tiles by rows: no two workers write one row. */
     bvxi_tiles_choose(&job->tiles, job->block.ny, job->block.nz, BVXI_SOLID_TILES);
@@ -150,11 +143,9 @@ static bvx_status fill_block(bvx_context *ctx, bvxi_solid_job *job, bvx_solid_re
         bvxi_drop(ctx, job->beyond);
     }
 
-    for (int32_t c = 0; c < job->chunks; c++) report->triangles_used += job->chunk[c].used;
     for (int32_t t = 0; t < job->tiles.count; t++) {
         report->crossings += job->crossings[t];
         report->unbalanced_rows += job->unbalanced[t];
-        report->dropped += job->dropped[t];
         job->signed_sum += job->tile_sums[t][0];
         job->parity_sum += job->tile_sums[t][1];
     }

@@ -23,7 +23,6 @@ typedef struct bvxi_crossing {
 typedef struct bvxi_chunk {
     uint64_t next, end;    /* triangles still to do */
     uint64_t bad;          /* first with an index out of range, or UINT64_MAX */
-    uint64_t used;         /* triangles whose box holds the centre of a row */
     bvxi_crossing *sorted; /* [Size: BVXI_SOLID_BUFFER] by tile */
     /* [Size: BVXI_SOLID_LARGE] triangles of many rows, left to the tiles */
     uint32_t *large;
@@ -65,7 +64,7 @@ struct bvxi_solid_job {
     uint8_t *odd_rows; /* by row of the window, where not NULL: 1 when it does not balance (parity) */
     int32_t keep_odd;  /* 1: such rows stay as they are, filled behind their last crossing (parity) */
     uint8_t *beyond;   /* by row: parity of the crossings behind the window's last voxel */
-    uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES], dropped[BVXI_SOLID_TILES];
+    uint64_t crossings[BVXI_SOLID_TILES], unbalanced[BVXI_SOLID_TILES];
     int32_t summed; /* 1: the sums below are made (parity) */
     /* of the turns that crossings make and of the bits set: equal or opposite where both are one */
     uint64_t signed_sum, parity_sum;

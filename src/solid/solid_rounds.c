@@ -93,7 +93,6 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
     for (int32_t c = 0; c < job->chunks; c++) {
         bvxi_piece(all, job->chunks, c, &job->chunk[c].next, &job->chunk[c].end);
         job->chunk[c].bad = UINT64_MAX;
-        job->chunk[c].used = 0;
     }
 
     /* A round goes as far as the buffers hold; memory stays bounded whatever the mesh, at the price of

@@ -110,7 +110,7 @@ static void solve_rows(void *user, int32_t tile)
     bvxi_solid_job *const job = user;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const row_bytes = (size_t)job->grid->words_per_row * 8;
-    uint64_t dropped = 0, unbalanced = 0, crossings = 0;
+    uint64_t unbalanced = 0, crossings = 0;
 
     for (int32_t k = r.k0; k < r.k1; k++) {
         for (int32_t j = r.j0; j < r.j1; j++) {
@@ -128,11 +128,9 @@ static void solve_rows(void *user, int32_t tile)
             lost = job->fill == BVX_FILL_PARITY ? fill_parity(job, words, job->lists.crossing + begin, n)
                                                 : fill_nonzero(job, words, job->lists.crossing + begin, n);
             crossings += n;
-            dropped += lost;
             unbalanced += lost != 0;
         }
     }
-    job->dropped[tile] += dropped;
     if (job->fill == BVX_FILL_NONZERO) { /* parity has counted its rows and crossings before */
         job->unbalanced[tile] += unbalanced;
         job->crossings[tile] += crossings;

@@ -132,13 +132,13 @@ static bvx_status check_field_triangles(bvx_context *ctx, const char *function, 
 static bvx_status choose_field_sharp(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                                      bvx_field_surface_options *o)
 {
-    double low[3], high[3], share;
+    double low[3], high[3];
     int32_t sharp;
 
     if (o->placing.sharp != BVX_SHARP_AUTO) return BVX_OK;
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp, &share)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_sharp_edges(ctx, mesh, NULL, &sharp)));
     o->placing.sharp = sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     return BVX_OK;
 }

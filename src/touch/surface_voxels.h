@@ -126,10 +126,9 @@ static inline void bvxi_touch_voxel(bvxi_surface_job *job, int32_t i, int32_t j,
  * triangles and corners. */
 bvx_status bvxi_lost_surface(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                              const bvx_grid *solid, bvx_grid *lost, double beyond[3]);
-/* The conservative surface of a mesh over the window of solid, in
- * scratch words, and how many voxels it has. */
+/* The conservative surface of a mesh over the window of solid, in scratch words. */
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                           bvx_grid *shell, uint64_t *voxels);
+                           bvx_grid *shell);
 
 /* ---- The exact runs of voxels that one triangle of any size touches ---- */
 

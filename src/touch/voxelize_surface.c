@@ -371,7 +371,7 @@ bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
 }
 
 bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_grid *solid,
-                           bvx_grid *shell, uint64_t *voxels)
+                           bvx_grid *shell)
 {
     uint64_t const words = bvxi_grid_words(solid);
     bvx_surface_options o = {.struct_size = sizeof o};
@@ -383,6 +383,5 @@ bvx_status bvxi_shell_open(bvx_context *ctx, const bvx_mesh_view *mesh, const bv
     /* Scratch of the caller's size: the shell lives no longer than the step that needs it. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, words * 8, "the conservative surface", &shell->words));
     shell->word_capacity = words;
-    BVXI_TRY(bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell));
-    return bvx_grid_count(ctx, shell, voxels);
+    return bvx_voxelize_surface(ctx, mesh, &solid->lattice, &o, shell);
 }

@@ -425,11 +425,5 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     BVXI_TRY(list_open_edges(ctx, &t, odd_once, edges, count));
     close_edge_table(ctx, &t);
     /* What is left may still cancel along lines, where vertices lie on the middle of edges. */
-    BVXI_TRY(bvxi_cancel_lines(ctx, s, odd_once, edges, count));
-    return BVX_OK;
-
-    bvxi_drop(ctx, *edges);
-    *edges = NULL;
-    *count = 0;
-    return BVX_OK;
+    return bvxi_cancel_lines(ctx, s, odd_once, edges, count);
 }

@@ -165,16 +165,15 @@ static void show_repair(const bench_model *m, FILE *targets)
            bench_median(&times[0]), bench_min(&times[1]), bench_median(&times[1]),
            bench_min(&times[0]) / bench_min(&times[1]), (double)peaks[0] / 1048576.0,
            (double)peaks[1] / 1048576.0, a->triangle_count, same ? "same" : "DIFFERENT");
-    printf("\nSign by %s; %" PRIu64 " holes, the longest %.3g voxels around; %" PRIu64
-           " cuts of sheets over holes. Result: %" PRIu64 " boundary, %" PRIu64 " non-manifold and %" PRIu64
-           " flipped edges.\n",
-           r.sign >= 0 && r.sign <= BVX_SIGN_NONE ? signs[r.sign] : "?", r.holes, r.longest_hole / voxel,
-           r.sheet_edges, r.after.boundary_edges, r.after.nonmanifold_edges, r.after.flipped_edges);
-    printf("Off the sheets the result lies %.4f voxels from the scan on average, %.3f at most.\n",
-           r.mean_off_caps / voxel, r.max_off_caps / voxel);
+    printf("\nSign by %s; %" PRIu64 " holes. Result: %" PRIu64 " boundary, %" PRIu64
+           " non-manifold and %" PRIu64 " flipped edges.\n",
+           r.sign >= 0 && r.sign <= BVX_SIGN_NONE ? signs[r.sign] : "?", r.holes, r.after.boundary_edges,
+           r.after.nonmanifold_edges, r.after.flipped_edges);
+    printf("The scan lies %.4f voxels from the result on average, %.3f at most.\n",
+           r.distance.mean_a_to_b / voxel, r.distance.max_a_to_b / voxel);
     fflush(stdout);
-    bench_say_target(targets, "repaired bunny at 256 : scan, mean off the caps", r.mean_off_caps / voxel,
-                     "voxels", 0.1, 1);
+    bench_say_target(targets, "scan : repaired bunny at 256, mean", r.distance.mean_a_to_b / voxel, "voxels",
+                     0.1, 1);
     bvx_mesh_free(contexts[0], &once);
     for (int n = 0; n < 2; n++) {
         bvx_mesh_free(contexts[n], &repaired[n]);

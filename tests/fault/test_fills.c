@@ -102,7 +102,7 @@ static bvx_status vote(void *user, bvx_context *ctx)
     bvx_voxelize_options o = {.struct_size = sizeof o};
     (void)user;
     o.fill = BVX_FILL_VOTE;
-    o.check_edges = o.add_shell = 1;
+    o.add_shell = 1;
     return fill_by(ctx, &holes_view, &o);
 }
 

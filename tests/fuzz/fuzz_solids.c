@@ -29,7 +29,6 @@ static int fuzz_fill(bvx_context *ctx, bvx_context *other, fuzz_input *in, const
         o.add_shell = fuzz_range(in, 0, 1);
         o.check_thin = fuzz_range(in, BVX_CHECK_AUTO, BVX_CHECK_ALWAYS);
     }
-    o.check_edges = fuzz_range(in, 0, 1);
     if (!fuzz_good(ctx, bvx_voxelize_solid(ctx, &m->view, lattice, &o, solid))) {
         fuzz_require(solid->words == NULL, "a grid behind an error");
         return 0;

@@ -50,7 +50,7 @@ awk 'BEGIN {
 }' >plate.obj
 certified 'thin plate' plate.obj --resolution 128
 run repair plate.obj -o result.ply --resolution 128 --json
-[ $status = 0 ] && grep -q '"thin_components": 1, "thin_wall": 0.00200000[0-9]*, "thin_resolution": 1500, "thin_kept": true, "thin_box": ' out &&
+[ $status = 0 ] && grep -q '"thin_resolution": 1500, "thin_kept": true, ' out &&
     grep -q '"volume_after": 0.008' out && [ "$(grep -o '"code": "[A-Z_]*"' out)" = '"code": "BVX_WARN_VOLUME"' ]
 result 'thin plate keeps its volume but for 3 %, which is told' $?
 # Half of it is a box, so that something is left without the plate.
@@ -121,7 +121,7 @@ run repair rod.obj -o result.ply --resolution 1000
 result 'and not where voxels hold them' $?
 
 run repair flipped.obj -o result.ply --resolution 48 --measure --json
-grep -q '"repair": {"sign": "winding", .*"holes": 0,' out && grep -q '"mean_off_caps": ' out && grep -q '"volume_after": ' out
+grep -q '"repair": {"sign": "winding", .*"holes": 0,' out && grep -q '"mean_output_to_input": ' out && grep -q '"volume_after": ' out
 result 'report for programs' $?
 run repair holes.obj -o result.ply --resolution 48 --measure
 grep -q '^  found       open' out && grep -q '^  holes  ' out && grep -q 'closed, manifold, oriented' out && grep -q '^  distance' out
@@ -157,20 +157,20 @@ for k in 0 8; do printf 'f %d %d %d\nf %d %d %d\n' $((1+k)) $((3+k)) $((4+k)) $(
     $((1+k)) $((2+k)) $((6+k)) $((1+k)) $((6+k)) $((5+k)) $((3+k)) $((7+k)) $((8+k)) $((3+k)) $((8+k)) $((4+k)) \
     $((1+k)) $((5+k)) $((7+k)) $((1+k)) $((7+k)) $((3+k)) $((2+k)) $((4+k)) $((8+k)) $((2+k)) $((8+k)) $((6+k)); done >>boxes.obj
 run repair boxes.obj -o result.ply --resolution 64 --keep-largest 1 --json
-[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"parts_kept": 1, "parts_dropped": 1' out && grep -q '"components": 1, "volume": \(1\|0.99[0-9]*\|1.00[0-9]*\),' out
+[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"parts_dropped": 1' out && grep -q '"components": 1, "volume": \(1\|0.99[0-9]*\|1.00[0-9]*\),' out
 result 'the largest part is kept' $?
 run repair boxes.obj -o result.ply --resolution 64 --keep-largest 2 --json
-[ $status = 0 ] && grep -q '"parts_kept": 2, "parts_dropped": 0' out
+[ $status = 0 ] && grep -q '"parts_dropped": 0' out
 result 'both parts are kept' $?
 run repair boxes.obj -o result.ply --resolution 64 --keep-largest 1
-grep -q '^  dropped     1 of 2 parts' out
+grep -q '^  dropped     1 part' out
 result 'the dropped part is told' $?
 refuses 2 'a whole number from 1' boxes.obj -o result.ply --keep-largest 0
 # The smaller one a cavity of the other: filled as asked, without a word about the volume that is there now.
 awk '$1 == "v" && ++n > 8 { print "v", 0.25 + ($2 > 3.5) / 2, 0.25 + $3 / 2, 0.25 + $4 / 2; next } $1 == "f" && ++m > 12 { print $1, $2, $4, $3; next }
     { print }' boxes.obj >hollow.obj
 run repair hollow.obj -o result.ply --resolution 64 --least-cavity 1000000 --json
-[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"cavities_kept": 0, "cavities_dropped": 1' out
+[ $status = 0 ] && grep -q '"warnings": \[\]' out && grep -q '"cavities_dropped": 1' out
 result 'a cavity is filled as asked' $?
 # Two rings a hair apart, and a spike that crosses one of them at 7 pairs of triangles: those close no 20 handles.
 if has python3; then

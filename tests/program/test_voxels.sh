@@ -106,7 +106,7 @@ reports 'voxelize --mode sampled --json' 'r["surface"]["mode"] == "sampled" and 
 reports 'voxelize --mode thin --json' 'r["surface"] == {"mode": "thin"} and r["set"] > 0' voxelize "$knot" -o x.bvx --mode thin --resolution 70
 reports 'an open mesh has a surface' 'r["set"] > 0 and r["warnings"] == []' voxelize ground.obj -o x.bvx --mode conservative --spacing 1
 rm -f x.bvx
-for option in '--fill parity' '--close-gaps 2' --add-shell --check-edges '--check-thin always' '--base 1' "--second $knot" '--up z'; do
+for option in '--fill parity' '--close-gaps 2' --add-shell '--check-thin always' '--base 1' "--second $knot" '--up z'; do
     # shellcheck disable=SC2086
     refuses 2 'is for solids' voxelize "$knot" -o x.bvx --mode thin $option
 done
@@ -146,17 +146,11 @@ reports 'mixed regions are counted' 'r["solid"]["mixed_regions"] == 1 == r["soli
 rm -f x.bvx
 refuses 1 'the surface has holes' voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill flood
 sets 8192 half.obj --spacing 0.0625 --padding 2 --fill flood --close-gaps 16
-reports 'closed gaps are counted' 'r["solid"]["closed_voxels"] > 0 and r["solid"]["surface_voxels"] > 0 and r["solid"]["leaks"] == 0' \
+reports 'closed gaps hold the flood' 'r["solid"]["leaks"] == 0' \
     voxelize half.obj -o x.bvx --spacing 0.0625 --padding 2 --fill flood --close-gaps 16
 # Solid and shell: what either has.
 sets 360 box.obj --spacing 0.25 --padding 2 --add-shell
 sets 360 box.obj --spacing 0.25 --padding 2 --add-shell --fill flood
-works 'closed edges' voxelize box.obj -o x.bvx --spacing 0.25 --check-edges
-holds 'no edge is open' says '^  edges +0 with one triangle, 0 between flipped ones$'
-reports 'open edges' 'r["solid"]["boundary_edges"] == 4 and r["solid"]["flipped_edges"] == 0' voxelize open.obj -o x.bvx --spacing 0.25 --check-edges
-reports 'flipped edges' 'r["solid"]["boundary_edges"] == 0 and r["solid"]["flipped_edges"] == 3' voxelize flipped.obj -o x.bvx --spacing 0.25 --check-edges
-reports 'edges only when asked for' '"boundary_edges" not in r["solid"]' voxelize box.obj -o x.bvx --spacing 0.25
-rm -f x.bvx
 refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3
 refuses 2 '--close-gaps needs --fill flood' voxelize box.obj -o x.bvx --close-gaps 3 --fill regions
 for rule in flood regions; do refuses 2 'needs the whole lattice' voxelize box.obj -o x.bvx --fill $rule --window 0,0,0,2,2,2; done
@@ -167,7 +161,7 @@ refuses 2 'one of: auto, parity, nonzero, vote, flood, regions, below' voxelize 
 { corners 0 2 2 2; sides 0 <all; } >two.obj
 warns "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: " voxelize plate.obj -o x.bvx --spacing 0.1
 holds 'with a place and a remedy' grep -q -E '[0-9]+ voxels, in 2[.]5,2[.]5,3 to 5,5,3[.]1; a resolution of 188 keeps nine tenths of them' err
-reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] > 500 and abs(r["solid"]["thin_wall"] - 0.04) < 0.002
+reports 'thin walls are in the report' 'r["solid"]["thin_checked"] is True and r["solid"]["thin_voxels"] > 500
     and len(r["solid"]["thin_box"]) == 2 and [w["code"] for w in r["warnings"]] == ["BVX_WARN_THIN_LOST", "BVX_WARN_VOXELS"]
     and "volume of 8, the input about 8.25 (-3.03 %)" in r["warnings"][1]["message"] and r["warnings"][0]["place"][0] == [2.5, 2.5, 3]
     and abs(r["solid"]["volume"] - 8) < 0.01' voxelize plate.obj -o x.bvx --spacing 0.1
@@ -494,7 +488,6 @@ if [ -d "$meshes" ]; then
     warns 'rows of centres do not balance' voxelize "$meshes/bunny_scan_69451.ply.gz" -o again.bvx --fill regions --resolution 128
     same 'holes of the scan join all regions, so each voxel votes' bunny.bvx again.bvx
     works 'a real terrain' voxelize "$meshes/terrain_turbineSiting.stl.gz" -o terrain.bvx --fill below --base 900 --resolution 200
-    holds 'a real terrain has columns' says '^  columns +[0-9]{5} under the surface$'
     works 'open sheets, many in one voxel' refine "$meshes/motorBike.obj.gz" -o bike.bvx --base 16 --halvings 3 --expand 3 --states surface
     works 'the same at once' voxelize "$meshes/motorBike.obj.gz" -o again.bvx --mode conservative --resolution 128
     holds 'refined open sheets are those at once' test "$(set_of bike.bvx)" = "$(set_of again.bvx)"

@@ -162,7 +162,6 @@ static bvx_status grid_compare(const world *w)
 static bvx_status voxelize_solid(const world *w)
 {
     TAKE_OPTIONS(voxelize, o);
-    TAKE_RESERVED(o.reserved);
     SPOIL(o);
     return bvx_voxelize_solid(w->ctx, w->mesh, w->lattice, &o, (bvx_grid *)w->out);
 }
@@ -463,7 +462,6 @@ static bvx_status repair(const world *w)
 static bvx_status mesh_simplify(const world *w)
 {
     TAKE_OPTIONS(simplify, o);
-    TAKE_RESERVED(o.reserved[0]);
     SPOIL(o);
     return bvx_mesh_simplify(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
@@ -600,7 +598,7 @@ static const call calls[] = {
     CALL(grid_cast, GRID, PLAIN),
     CALL(grid_sample, GRID, PLAIN),
     CALL(grid_compare, GRID | OTHER, PLAIN),
-    CALL(voxelize_solid, MESH | LATTICE | OPTIONS | RESERVED, TO_GRID),
+    CALL(voxelize_solid, MESH | LATTICE | OPTIONS, TO_GRID),
     CALL(find_seed, GRID, PLAIN),
     CALL(find_pockets, GRID | SECOND | SLOT, PLAIN),
     CALL(grid_fill, GRID, TO_GRID),
@@ -655,7 +653,7 @@ static const call calls[] = {
     CALL(build_bodies, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_simplify, MESH | OPTIONS, TO_MESH),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
     CALL(check_written, BODY, PLAIN),

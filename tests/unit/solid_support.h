@@ -147,10 +147,6 @@ static inline void assert_is_oracle(const bvx_lattice *l, const bvx_window *wind
         }
     TEST_ASSERT_EQUAL_UINT64(o.crossings, r.crossings);
     TEST_ASSERT_EQUAL_UINT64(o.unbalanced_rows, r.unbalanced_rows);
-    TEST_ASSERT_EQUAL_UINT64(o.dropped, r.dropped);
-    TEST_ASSERT_TRUE(o.covering <= r.triangles_used);
-    TEST_ASSERT_TRUE(r.triangles_used <= o.boxes * (uint64_t)((g.size[1] + 65534) / 65535) *
-                                             (uint64_t)((g.size[2] + 65534) / 65535));
     bvx_grid_free(ctx, &g);
     oracle_free(&o);
     free(q);

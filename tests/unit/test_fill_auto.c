@@ -149,8 +149,7 @@ static void test_doubled_triangles_are_there_once(void)
 static void test_some_doubled_triangles_are_there_once(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid good, g;
+    bvx_grid good;
     size_t count;
 
     add_ball(24.3, 24.1, 24.2, 20);
@@ -160,9 +159,6 @@ static void test_some_doubled_triangles_are_there_once(void)
     maker_flip(&mesh, count + 3, count + 9);
 
     assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "every seventh triangle twice");
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64((count + 6) / 7, r.doubles);
-    bvx_grid_free(ctx, &g);
     bvx_grid_free(ctx, &good);
 }
 
@@ -186,7 +182,6 @@ static void test_two_sided_triangles_are_there_once(void)
     assert_auto_equals(&good, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0, "a ball of two sides");
     g = solid_by(ctx, &l, &w, BVX_FILL_AUTO, &r);
     assert_same_bits(&good_window, &g, "a window of it");
-    TEST_ASSERT_EQUAL_UINT64(count, r.doubles);
     bvx_grid_free(ctx, &g);
     bvx_grid_free(ctx, &good_window);
     bvx_grid_free(ctx, &good);
@@ -195,8 +190,6 @@ static void test_two_sided_triangles_are_there_once(void)
 static void test_a_sheet_of_two_sides_encloses_nothing(void)
 {
     bvx_lattice const l = lattice_of(SIDE, SIDE, SIDE);
-    bvx_solid_report r;
-    bvx_grid g;
     size_t count;
 
     /* A ball without its upper part. */
@@ -207,9 +200,6 @@ static void test_a_sheet_of_two_sides_encloses_nothing(void)
     maker_flip(&mesh, count, mesh.triangles);
 
     assert_auto_sets(&l, 0, BVX_FILL_PARITY, BVX_FILL_REASON_SOUND, 0);
-    g = by_auto(&l, &r);
-    TEST_ASSERT_EQUAL_UINT64(0, r.doubles);
-    bvx_grid_free(ctx, &g);
 }
 
 /* ---- Cavities ---- */

@@ -95,8 +95,8 @@ static void test_closed_mesh_keeps_its_volume(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 1, &c));
     TEST_ASSERT_DOUBLE_WITHIN(0.003 * c.volume, c.volume, repair_volume(48, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_INT32(BVX_SIGN_WINDING, report.sign);
-    TEST_ASSERT_EQUAL_UINT64(0, report.holes + report.shelled_triangles + report.sheet_edges);
-    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
+    TEST_ASSERT_EQUAL_UINT64(0, report.holes + report.shelled_triangles);
+    TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
 
 static void test_holes_are_closed(void)
@@ -108,8 +108,7 @@ static void test_holes_are_closed(void)
         make_ball(at, 2);
         for (int i = 0; i < 12; i++) maker_remove(&mesh, (size_t)maker_below(&seed, (int32_t)mesh.triangles));
         TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2), repair_volume(40, BVX_SIGN_AUTO));
-        TEST_ASSERT_TRUE(report.holes > 0 && report.hole_length > 0 &&
-                         report.longest_hole <= report.hole_length);
+        TEST_ASSERT_TRUE(report.holes > 0);
         TEST_ASSERT_EQUAL_UINT64(0, report.shelled_triangles);
     }
 }
@@ -150,7 +149,6 @@ static void test_wide_hole_gets_a_lid(void)
     /* less the cap above z = 1, of a round ball 5 / 32 */
     TEST_ASSERT_DOUBLE_WITHIN(0.04 * ball_volume(2), ball_volume(2) * 27 / 32,
                               repair_volume(48, BVX_SIGN_AUTO));
-    TEST_ASSERT_TRUE(report.sheet_edges > 100);
     TEST_ASSERT_EQUAL_UINT64(1, report.holes);
 }
 
@@ -197,8 +195,6 @@ static void test_a_part_inside_out_is_turned(void)
                               repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(mesh.triangles - first, report.turned);
     TEST_ASSERT_EQUAL_INT32(BVX_NEEDS_OUTSIDE_IN, report.needs);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 2 * ball_volume(2),
-                              report.parts_volume); /* two balls are not quite alike */
     /* As it was given. */
     TEST_ASSERT_TRUE(repair_volume(64, BVX_SIGN_WINDING) < 1.5 * ball_volume(2));
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
@@ -279,11 +275,9 @@ static void test_an_inside_out_part_that_touches_at_vertices_is_turned(void)
     make_mirrored(1);
     right = repair_volume(64, BVX_SIGN_AUTO);
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 2 * 32.0 / 3, report.parts_volume);
     make_mirrored(0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, right, repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(8, report.turned);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 2 * 32.0 / 3, report.parts_volume);
 }
 
 /* A cavity faces inward, and is none of those. */
@@ -299,12 +293,11 @@ static void test_cavities_are_not_turned(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * ball_volume(2), ball_volume(2) - ball_volume(1),
                               repair_volume(64, BVX_SIGN_AUTO));
     TEST_ASSERT_EQUAL_UINT64(0, report.turned);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, ball_volume(2) + ball_volume(1), report.parts_volume);
 }
 
 /* A bar three voxels thick and a ball that overlaps it, of which one triangle is turned, gone or there twice: its
- * volume is known all the same; and a ring's handle. */
-static void test_volume_and_handles_are_known_whatever_is_wrong(void)
+ * volume is known all the same; so is a ring's. */
+static void test_volume_is_known_whatever_is_wrong(void)
 {
     double const low[3] = {-8.07, -0.41, -0.33}, high[3] = {8.11, 0.37, 0.42}, at[3] = {0.3, 0, 0};
     static const uint8_t ring[9] = {1, 1, 1, 1, 0, 1, 1, 1, 1};
@@ -322,7 +315,6 @@ static void test_volume_and_handles_are_known_whatever_is_wrong(void)
         both = ball_volume(2) + (high[1] - low[1]) * (high[2] - low[2]) * (high[0] - low[0] - 3.9);
         repair_volume(64, BVX_SIGN_AUTO);
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * both, both, report.crossing_volume);
-        TEST_ASSERT_EQUAL_INT32(0, report.handles);
 
         maker_clear(&mesh);
         maker_cubes(&mesh, &seed, ring, n, at);
@@ -330,7 +322,6 @@ static void test_volume_and_handles_are_known_whatever_is_wrong(void)
         if (wrong == 2) maker_remove(&mesh, 20);
         if (wrong == 3) maker_duplicate(&mesh, 20);
         repair_volume(32, BVX_SIGN_AUTO);
-        TEST_ASSERT_EQUAL_INT32(1, report.handles);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * 8, 8, report.crossing_volume);
     }
 }
@@ -343,7 +334,6 @@ static void test_overlapping_parts_are_one(void)
     make_ball(b, 2);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), 27.0 / 16 * ball_volume(2),
                               repair_volume(64, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(1, report.after.components);
 }
 
@@ -362,14 +352,12 @@ static void test_cavities_and_parts(void)
     make_ball(far, 0.5);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2) - ball_volume(0.8) + ball_volume(0.5),
                               repair_volume(64, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_UINT64(2, report.parts_kept);
-    TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
+    TEST_ASSERT_EQUAL_UINT64(0, report.parts_dropped + report.cavities_dropped);
     view = maker_view(&mesh);
     o.parts.least_part = 1000;
     o.parts.least_cavity = 10000;
     out = repaired_by(ctx, &view, &o);
     assert_certified(&out);
-    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_dropped);
     TEST_ASSERT_EQUAL_UINT64(1, report.cavities_dropped);
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * ball_volume(2), ball_volume(2), report.after.volume);
@@ -403,7 +391,6 @@ static void test_the_largest_parts_are_kept(void)
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &made, 0, &c));
             TEST_ASSERT_EQUAL_UINT64(kept, c.components);
             TEST_ASSERT_DOUBLE_WITHIN(0.03 * volume[n], volume[n], c.volume);
-            if (told) TEST_ASSERT_EQUAL_UINT64(kept, report.parts_kept);
             if (told) TEST_ASSERT_EQUAL_UINT64(3 - kept, report.parts_dropped);
             bvx_mesh_free(ctx, &out);
         }
@@ -413,7 +400,6 @@ static void test_the_largest_parts_are_kept(void)
     o.parts.keep_largest = 2;
     o.parts.least_part = 2500;
     bvx_mesh out = repaired_by(ctx, &view, &o);
-    TEST_ASSERT_EQUAL_UINT64(1, report.parts_kept);
     TEST_ASSERT_EQUAL_UINT64(2, report.parts_dropped);
     bvx_mesh_free(ctx, &out);
 }
@@ -436,7 +422,7 @@ static void test_a_part_in_a_cavity_is_not_the_largest(void)
     out = repaired_by(ctx, &view, &o);
     assert_certified(&out);
     TEST_ASSERT_EQUAL_UINT64(1, report.parts_dropped);
-    TEST_ASSERT_EQUAL_UINT64(1, report.cavities_kept);
+    TEST_ASSERT_EQUAL_UINT64(0, report.cavities_dropped);
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * ball_volume(2), ball_volume(2) - ball_volume(1.5), report.after.volume);
     bvx_mesh_free(ctx, &out);
 }
@@ -458,9 +444,7 @@ static void test_sheet_becomes_a_shell(void)
     /* a plate of 4 x 4, two voxels thick, with half a pipe along its rim */
     TEST_ASSERT_DOUBLE_WITHIN(0.1 * 3.6, 16 * 2 * spacing + 16 * 3.14159 * spacing * spacing / 2,
                               repair_volume(40, BVX_SIGN_AUTO));
-    TEST_ASSERT_EQUAL_INT32(1, report.shelled);
     TEST_ASSERT_EQUAL_UINT64(2, report.shelled_triangles);
-    TEST_ASSERT_EQUAL_UINT64(0, report.thin_shelled); /* no voxels make a body of it */
 }
 
 static void test_sheet_without_shells_is_an_error(void)
@@ -629,7 +613,6 @@ static void test_target_triangles(void)
         out = repaired_by(ctx, &view, &o);
         assert_certified(&out);
         TEST_ASSERT_TRUE(out.triangle_count <= target[i] && 2 * out.triangle_count > target[i]);
-        TEST_ASSERT_TRUE(report.searched > 1);
         bvx_mesh_free(ctx, &out);
     }
 }
@@ -651,8 +634,6 @@ static void test_measured_distances(void)
         assert_certified(&out);
         TEST_ASSERT_TRUE(report.distance.mean_b_to_a < 0.05 * 4 / 48 &&
                          report.distance.max_b_to_a < 4.0 / 48);
-        TEST_ASSERT_TRUE(report.mean_off_caps > 0 && report.mean_off_caps < 0.05 * 4 / 48);
-        TEST_ASSERT_EQUAL_UINT64(0, report.overlaps);
         bvx_mesh_free(ctx, &out);
     }
 }
@@ -749,7 +730,7 @@ int main(void)
     RUN_TEST(test_a_closed_part_inside_out_is_turned_beside_an_open_one);
     RUN_TEST(test_an_inside_out_part_that_touches_at_vertices_is_turned);
     RUN_TEST(test_cavities_are_not_turned);
-    RUN_TEST(test_volume_and_handles_are_known_whatever_is_wrong);
+    RUN_TEST(test_volume_is_known_whatever_is_wrong);
     RUN_TEST(test_overlapping_parts_are_one);
     RUN_TEST(test_cavities_and_parts);
     RUN_TEST(test_the_largest_parts_are_kept);

@@ -84,7 +84,6 @@ static void test_default_keeps_a_boxs_edges(void)
     TEST_ASSERT_EQUAL_INT32(0, report.sharp);
     by_default = distance_with(40, -1);
     TEST_ASSERT_EQUAL_INT32(1, report.sharp);
-    TEST_ASSERT_TRUE(report.sharp_share > 0.3 && report.sharp_share < 1);
     TEST_ASSERT_TRUE(by_default < plain / 3);
 }
 
@@ -296,13 +295,13 @@ static void test_crumbs_are_counted_and_kept_when_asked(void)
     o.thin = BVX_THIN_SHELL;
     out = repaired(&o);
     crumbs = report.crumbs;
-    TEST_ASSERT_TRUE(crumbs > 3 && report.parts_kept == 1 &&
-                     report.parts_dropped + report.cavities_dropped == crumbs);
+    TEST_ASSERT_TRUE(crumbs > 3 && report.parts_dropped + report.cavities_dropped == crumbs);
     bvx_mesh_free(ctx, &out);
     o.parts.keep_crumbs = 1;
     out = repaired(&o);
     TEST_ASSERT_EQUAL_UINT64(0, report.crumbs);
-    TEST_ASSERT_EQUAL_UINT64(crumbs + 1, report.parts_kept + report.cavities_kept);
+    TEST_ASSERT_EQUAL_UINT64(0, report.parts_dropped + report.cavities_dropped);
+    TEST_ASSERT_TRUE(report.after.components > 1);
     bvx_mesh_free(ctx, &out);
 }
 

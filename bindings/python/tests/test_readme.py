@@ -82,7 +82,7 @@ def test_pages_are_built(tmp_path, run_notebook):
         assert name in ("big", "formats", "reports") or f'id="bitvox.{name}"' in whole, name
     for name in ("close_gaps", "half_width"):
         assert name in pages["stages"]
-    assert "longest_hole" in pages["reports"]
+    assert "cavities_dropped" in pages["reports"]
     shown = re.findall(r'<img [^>]*src="\.\./(\w+\.png)"', (tmp_path / "gallery" / "index.html").read_text(encoding="utf-8"))
     assert len(shown) >= 8 and all((tmp_path / name).read_bytes()[1:4] == b"PNG" for name in shown)
     books = sorted((tmp_path / "notebooks").glob("*/index.html"))

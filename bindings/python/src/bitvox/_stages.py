@@ -41,7 +41,6 @@ def voxelize(
     fill: Fill | None = None,
     close_gaps: int | None = None,
     add_shell: bool = False,
-    check_edges: bool = False,
     check_thin: ThinCheck | None = None,
     base: float | None = None,
     second: Any = None,
@@ -82,10 +81,8 @@ def voxelize(
         with fill "flood": gaps of up to this many voxels stop the flood.
     add_shell
         set all voxels that the surface touches too.
-    check_edges
-        count open and flipped edges in the report.
     check_thin
-        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_wall``, ``thin_low``, ``thin_high`` and
+        look for walls too thin for the voxels, for the report's ``thin_voxels``, ``thin_box`` and
         ``thin_resolution``: "auto" (the default: in whole lattices), "always", "never". The report's ``volume``,
         ``mesh_volume`` (0 where that says nothing) and ``crossing_volume`` tell more: where they are more than 1 % apart,
         ``volume_resolution`` is the resolution that is within it, else 0.
@@ -129,7 +126,7 @@ def voxelize(
     made = new_grid()
     if choice_of_mode(mode) != "solid":
         for name, value in {"fill": fill, "close_gaps": close_gaps, "add_shell": add_shell or None, "base": base,
-                            "check_edges": check_edges or None, "check_thin": check_thin, "second": second, "up": up}.items():
+                            "check_thin": check_thin, "second": second, "up": up}.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for mode 'solid', not for {mode!r}")
         return _surface_voxels(source, where, window, choice_of_mode(mode), attached, made, threads, memory_limit, progress)
@@ -146,7 +143,7 @@ def voxelize(
         if options.fill != lib.BVX_FILL_FLOOD:
             raise ArgumentError("close_gaps is for fill 'flood'")
         options.close_gaps = in_range("close_gaps", close_gaps, 0, 65535)
-    options.add_shell, options.check_edges = int(bool(add_shell)), int(bool(check_edges))
+    options.add_shell = int(bool(add_shell))
     if check_thin is not None:
         options.check_thin = choice("check_thin", check_thin, "BVX_CHECK_", THIN_CHECKS)
     if base is not None:
@@ -756,13 +753,13 @@ def repair(
     thin
         walls of bodies thinner than 1.5 voxels: "keep" (whole, about as thick as they are), "shell" (pieces without
         a voxel become shells, other walls are lost where no center lies in them) or "drop" (lost). They are described by
-        the report's ``thin_voxels``, ``thin_wall`` and ``thin_resolution``.
+        the report's ``thin_voxels`` and ``thin_resolution``.
     least_part, least_cavity
         smaller pieces are dropped, smaller cavities filled [voxels]. least_part None: crumbs are dropped, small
         pieces nowhere three voxels thick where the mesh has no part of its own; 0: nothing is dropped.
     keep_largest
-        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves (the report's
-        ``parts_kept``, ``parts_dropped``); None: all.
+        this many of the largest pieces are kept, by voxels that join through faces, of what ``least_part`` leaves; the report
+        counts ``parts_dropped``. None: all.
     if_needed
         a mesh that needs nothing is copied, its positions as they are (``report.copied``; ``report.needs`` is one of
         ``BVX_NEEDS_...``: 0 nothing, 1 lids, 2 manifold, 3 turns, 4 area, 5 outside in, 6 uncrossing).
@@ -781,10 +778,9 @@ def repair(
     Returns
     -------
     Mesh
-        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``hole_length``
-        [world], ``shelled``, ``overlaps``, the certificates ``before`` and ``after``, ``distance`` when measured ...
-        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh, ``mean_off_caps`` and ``max_off_caps`` of
-        the surface before it.
+        A `Mesh`; ``mesh.report`` (`bitvox.reports.RepairReport`) says what was found and done: ``holes``, ``turned``,
+        the certificates ``before`` and ``after``, ``distance`` when measured ...
+        With ``triangles`` or ``error``, ``after`` and ``distance`` are of the collapsed mesh.
 
     Raises
     ------
@@ -918,7 +914,7 @@ def boolean(
     thin
         walls of a and b thinner than 1.5 voxels: "keep" (whole, about as thick as they are; a thin wall of b is a slot in a
         difference) or "drop" (lost where no center lies in them): the report's ``thin_kept`` (1: a, 2: b, added up), and
-        ``thin_voxels``, ``thin_wall`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
+        ``thin_voxels`` and ``thin_resolution`` of its ``solid_a`` and ``solid_b``.
     least_part
         smaller parts are dropped [voxels]; None: crumbs that neither mesh has a part for, as for `repair`.
     keep_largest
