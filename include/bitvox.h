@@ -260,11 +260,14 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
       "{; a resolution of %d keeps nine tenths of them}")                                                                                                  \
     X(BVX_WARN_THICKER, 2,                                                                                                                                 \
       "the result has a volume of %g, all parts of the input together %g (%p): what is thinner than a "                                                    \
-      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}")                                                                     \
+      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}"                                                                      \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_VOLUME, 3,                                                                                                                                  \
-      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}")                                                            \
+      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}"                                                             \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_AREA, 4,                                                                                                                                    \
-      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}")                                             \
+      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}"                                              \
+      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
     X(BVX_WARN_PARTS, 5,                                                                                                                                   \
       "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap closed "                                                   \
       "around an empty space{; a resolution of %d may keep it}")                                                                                           \
@@ -752,8 +755,9 @@ typedef struct bvx_solid_report {
                              BVX_FILL_REASON_SOUND, when the mesh leaves the window, with add_shell
                              [Units: world] */
     double crossing_volume;    /**< with thin_checked and without add_shell: volume, if the solid ended where
-                                    lines of centres cross the mesh and not half way between centres. Rounded
-                                    to a float [Units: world] */
+                                    lines of centres cross the mesh and not half way between centres; where a
+                                    closed mesh without mesh_volume is then off, of a solid of half the
+                                    spacing. Rounded to a float [Units: world] */
     int32_t volume_resolution; /**< resolution from which volume is within 1 % of mesh_volume (of
                                     crossing_volume where that is 0), by how far off it is now; 0: it is
                                     within 1 %, or no resolution is. Not in bvx_boolean_report */
@@ -1212,9 +1216,10 @@ typedef struct bvx_repair_report {
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
                           parts_dropped and cavities_dropped too */
     bvx_distance_report distance; /**< measure 1: a is the input, b the result */
-    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh: what
-                                 volume the result should have, overlaps counted once, whatever was wrong with
-                                 the input. Walls that thin_voxels counts are not all in it. 0: copied, or
+    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh (of a
+                                 closed one whose result is then off, at half the spacing): what volume the
+                                 result should have, overlaps counted once, whatever was wrong with the input.
+                                 Walls that thin_voxels counts are not all in it. 0: copied, or
                                  nothing encloses a centre. Rounded to a float [Units: world] */
     uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
@@ -1354,7 +1359,7 @@ typedef struct bvx_boolean_report {
 /** Meshes of which thin walls were kept. */
 enum { BVX_KEPT_A = 1, BVX_KEPT_B = 2 };
 
-/** What has few voxels: fewer than 16 along its longest axis as far as it lies on the lattice, or none. */
+/** What has few voxels: fewer than 6 along its longest axis as far as it lies on the lattice, or none. */
 enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 
 typedef struct bvx_boolean_options {

@@ -17,6 +17,8 @@ enum { LOSS_GRAIN = 4096 };
 #define LOSS_FLAT    256.0 /* a face that rises less than this once lies along the lattice */
 #define LOSS_MOST    0.01  /* of a volume that is as it should be */
 #define LOSS_LARGEST 1e6   /* times that no resolution is known for */
+#define LOSS_CLOSE   0.004 /* of a volume: nearer to what lines of centres see no look is worth it */
+#define LOSS_WORDS   (UINT64_C(1) << 24)
 
 /* Sums over some triangles: six times the volume, twice the shadows along each axis, and of these those of
  * faces along the lattice. */
@@ -211,6 +213,13 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report)
     report->thin_resolution = bvxi_wall_resolution(longest, found.wall);
 }
 
+int bvxi_solid_is_closed(const bvx_solid_report *r)
+{
+    return r->fill_reason != BVX_FILL_REASON_OPEN && r->unbalanced_rows == 0 &&
+           (r->fill == BVX_FILL_PARITY || r->fill == BVX_FILL_NONZERO || r->fill == BVX_FILL_WINDING ||
+            r->fill == BVX_FILL_VOTE);
+}
+
 static bvx_status look_for_walls(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
                                  const bvx_grid *solid, bvx_solid_report *report)
 {
@@ -221,6 +230,44 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
     BVXI_TRY(bvxi_walls_find(&walls));
     bvxi_tell_walls(&walls, report);
     return BVX_OK;
+}
+
+/* The same of a lattice of half the spacing, on which the mesh is snapped as on this one. */
+static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                                   const bvx_lattice *lattice, int32_t fill, double *volume)
+{
+    bvx_voxelize_options const o = {.struct_size = sizeof o, .fill = fill, .check_thin = BVX_CHECK_NEVER};
+    bvx_lattice half = *lattice;
+    bvx_grid solid = {0};
+    bvxi_walls walls = {.ctx = ctx, .function = function, .mesh = mesh, .solid = &solid};
+    uint64_t voxels;
+
+    for (int a = 0; a < 3; a++) {
+        half.spacing[a] *= 0.5;
+        half.dims[a] *= 2;
+    }
+    if (half.fraction_bits > 4) half.fraction_bits--;
+    solid.word_capacity = bvx_grid_bound(&half, NULL);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid.word_capacity * 8, "a finer solid", &solid.words));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvx_voxelize_solid(ctx, mesh, &half, &o, &solid)));
+    BVXI_TRY(bvx_grid_count(ctx, &solid, &voxels));
+    BVXI_TRY(bvxi_walls_open(&walls));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_walls_mark(&walls)));
+    *volume = bvxi_volume_by_crossings(&walls, (double)voxels * voxel_size(&half));
+    return BVX_OK;
+}
+
+bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                           const bvx_lattice *lattice, int32_t fill, double made, double *volume)
+{
+    bvx_status status;
+
+    /* Edges and thin bars put the sums off by the square of the spacing. */
+    if (!(*volume > 0.0) || bvxi_absolute(made - *volume) <= LOSS_CLOSE * *volume ||
+        bvx_grid_bound(lattice, NULL) > LOSS_WORDS / 8)
+        return BVX_OK;
+    status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, fill, volume));
+    return status == BVX_ERR_BUDGET ? BVX_OK : status;
 }
 
 /* From which resolution on the volume is right. What is off shrinks with the voxels; but faces along the
@@ -277,6 +324,10 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                   : BVX_OK;
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
+    if (status == BVX_OK && whole && report->mesh_volume == 0 && bvxi_solid_is_closed(report))
+        status = BVXI_SHARE(
+            ctx, 0.95, 0.95,
+            bvxi_see_volume(ctx, function, mesh, l, o->fill, report->volume, &report->crossing_volume));
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
 }
 
@@ -294,16 +345,22 @@ static double rows_of(const bvx_grid *g, int32_t fill)
                : y * z + x * z + x * y;
 }
 
-/* Half a voxel of surface is always off a little. What sides say counts while lines of centres see no more of it:
- * shells that face the wrong way take from it; what an open mesh encloses is not known. */
-static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
+/* What sides say counts while lines of centres see no more of it: shells that face the wrong way take from it. */
+double bvxi_known_volume(const bvx_solid_report *r)
 {
     int const by_sides = r->mesh_volume > 0.0 && r->crossing_volume * (1.0 - LOSS_LARGE) <= r->mesh_volume;
-    double const wanted = by_sides ? r->mesh_volume : r->crossing_volume;
+
+    return by_sides ? r->mesh_volume : r->crossing_volume;
+}
+
+/* Half a voxel of surface is always off a little; what a mesh with rows that do not balance encloses is not known. */
+static void warn_of_voxels(bvx_context *ctx, const bvx_solid_report *r)
+{
+    double const wanted = bvxi_known_volume(r);
     double const off = wanted > 0.0 && r->volume > 0.0 ? r->volume / wanted - 1.0 : 0.0;
     int const large = bvxi_absolute(off) > LOSS_LARGE;
 
-    if (bvxi_absolute(off) > LOSS_MOST && r->fill_reason != BVX_FILL_REASON_OPEN)
+    if (bvxi_absolute(off) > LOSS_MOST && (r->fill_reason != BVX_FILL_REASON_OPEN || r->unbalanced_rows == 0))
         BVXI_WARN(ctx, large ? BVX_WARN_VOLUME : BVX_WARN_VOXELS, r->volume, wanted, off,
                   bvxi_advised(r->volume_resolution));
 }

@@ -97,6 +97,17 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report);
  * comes out exact. 0: it has none. */
 double bvxi_volume_by_crossings(const bvxi_walls *walls, double volume);
 
+/* Replace that volume of a closed mesh, which fill makes a solid, by what lines twice as dense see, where a result
+ * of volume made leaves it by more than a little. A lattice that is large, or beyond the memory limit, keeps it.
+ * Scratch: two grids of eight times the lattice's size, and what bvx_voxelize_solid needs. */
+bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
+                           const bvx_lattice *lattice, int32_t fill, double made, double *volume);
+
+/* Of a solid's report: the volume that it should have, 0 where nothing says; 1: a rule that goes by triangles alone
+ * made it, without lids. */
+double bvxi_known_volume(const bvx_solid_report *report);
+int bvxi_solid_is_closed(const bvx_solid_report *report);
+
 /* Voxels along the longest axis, now longest, with which a wall is as thick
  * as holds anywhere; 0 where there is no such number. */
 int32_t bvxi_wall_resolution(int32_t longest, double wall);

@@ -500,7 +500,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 
 /* ---- Warnings ---- */
 
-#define BOOLEAN_OFF    0.05 /* of a volume */
+#define BOOLEAN_OFF    0.02 /* of a volume */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
 /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
@@ -520,37 +520,125 @@ static double shared_volume(const boolean_job *job)
     return shared[0] < shared[1] ? shared[0] : shared[1];
 }
 
-/* The volume of the result beside those of the meshes. An intersection's does not follow from these. */
-static void warn_of_operands_volume(boolean_job *job, double volume, double finer)
+/* The volume of the result beside those of the meshes, these seen nearer where it matters. An intersection's does
+ * not follow from these. */
+static bvx_status warn_of_operands_volume(boolean_job *job, double volume, double finer)
 {
-    const bvx_boolean_report *const r = &job->report;
-    int const alone = job->operation == BVX_BOOLEAN_DIFFERENCE;
-    double const a = r->solid_a.crossing_volume, b = alone ? 0.0 : r->solid_b.crossing_volume;
-    double const shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
-    double const wanted = a + b - shared;
+    bvx_boolean_report *const r = &job->report;
+    bvx_solid_report *const of[2] = {&r->solid_a, &r->solid_b};
+    int const count = job->operation == BVX_BOOLEAN_DIFFERENCE ? 1 : 2;
+    double shared, wanted = 0.0;
 
-    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0 || !(a > 0.0) ||
-        !(alone || b > 0.0) || !(wanted > 0.0))
-        return;
-    if (volume < (1.0 - BOOLEAN_OFF) * (a + b - shared * BOOLEAN_SHARED) ||
-        volume > (1.0 + BOOLEAN_OFF) * (a + b - shared / BOOLEAN_SHARED))
-        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted, volume / wanted - 1.0, finer);
+    for (int i = 0; i < count; i++)
+        if (!(bvxi_known_volume(of[i]) > 0.0)) return BVX_OK;
+    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0) return BVX_OK;
+    shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
+    for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
+    for (int i = 0; i < count; i++)
+        if (bvxi_known_volume(of[i]) == of[i]->crossing_volume && bvxi_solid_is_closed(of[i]))
+            BVXI_TRY(bvxi_see_volume(job->ctx, boolean_name, job->body[i].mesh, &job->lattice,
+                                     job->options->fill, of[i]->crossing_volume + volume + shared - wanted,
+                                     &of[i]->crossing_volume));
+    wanted = 0.0;
+    for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
+    if (volume < (1.0 - BOOLEAN_OFF) * (wanted - shared * BOOLEAN_SHARED) ||
+        volume > (1.0 + BOOLEAN_OFF) * (wanted - shared / BOOLEAN_SHARED))
+        BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted - shared, volume / (wanted - shared) - 1.0,
+                  finer);
+    return BVX_OK;
 }
 
-/* A union has no more parts than its meshes have together. They are counted only where that is in question: one
- * part, or two that do not meet, are as it should be. */
+enum { BOOLEAN_BOXES = 1024 };
+
+typedef struct piece_box {
+    double low[3], high[3];
+    uint32_t group; /* an earlier one of the same group, or itself */
+} piece_box;
+
+static uint32_t group_of(piece_box *box, uint32_t i)
+{
+    while (box[i].group != i) i = box[i].group = box[box[i].group].group;
+    return i;
+}
+
+/* The boxes of one mesh's pieces, after those of the other; *count is more than BOOLEAN_BOXES where they do not
+ * fit. */
+static bvx_status add_piece_boxes(boolean_job *job, const bvx_mesh_view *mesh, const uint32_t *piece,
+                                  piece_box *box, uint32_t *count)
+{
+    uint32_t *number;
+
+    BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the pieces' numbers", &number));
+    for (uint64_t t = 0; t < mesh->triangle_count; t++) {
+        uint32_t c[3], *n;
+
+        bvxi_view_triangle(mesh, t, c);
+        n = &number[piece[c[0]]];
+        if (*n == 0) {
+            if (*count == BOOLEAN_BOXES) return (*count)++, BVX_OK;
+            box[*count] = (piece_box){{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}, *count};
+            *n = ++*count;
+        }
+        for (int k = 0; k < 3; k++) {
+            piece_box *const b = &box[*n - 1];
+            double p[3];
+
+            bvxi_view_position(mesh, c[k], p);
+            for (int a = 0; a < 3; a++) {
+                b->low[a] = p[a] < b->low[a] ? p[a] : b->low[a];
+                b->high[a] = p[a] > b->high[a] ? p[a] : b->high[a];
+            }
+        }
+    }
+    return BVX_OK;
+}
+
+/* Groups of pieces whose boxes meet: a union of closed meshes has no fewer parts. 0: too many to compare. */
+static bvx_status count_apart(boolean_job *job, uint64_t *groups)
+{
+    uint32_t *piece[2] = {NULL, NULL}, count = 0;
+    piece_box *box;
+
+    BVXI_TRY(open_boolean_pieces(job, piece));
+    BVXI_TRY(
+        bvxi_alloc(job->ctx, BVXI_SCRATCH, BOOLEAN_BOXES * sizeof *box, "the boxes of the pieces", &box));
+    for (int i = 0; i < 2 && count <= BOOLEAN_BOXES; i++)
+        BVXI_TRY(add_piece_boxes(job, job->body[i].mesh, piece[i], box, &count));
+    *groups = 0;
+    for (uint32_t i = 0; i < count && count <= BOOLEAN_BOXES; i++) {
+        ++*groups;
+        for (uint32_t k = 0; k < i; k++) {
+            int meet = 1;
+
+            for (int a = 0; a < 3; a++)
+                meet &= box[i].low[a] <= box[k].high[a] && box[k].low[a] <= box[i].high[a];
+            if (!meet || group_of(box, k) == group_of(box, i)) continue;
+            box[group_of(box, k)].group = group_of(box, i);
+            --*groups;
+        }
+    }
+    return BVX_OK;
+}
+
+/* A union has no more parts than its meshes have together, which are counted only where that is in question; and no
+ * fewer than lie apart. */
 static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, double finer)
 {
-    uint64_t own = 0;
+    const bvx_boolean_report *const r = &job->report;
+    uint64_t own = 0, apart = 0;
 
-    if (job->operation != BVX_BOOLEAN_UNION || parts <= 2) return BVX_OK;
-    for (int i = 0; i < 2; i++) {
+    if (job->operation != BVX_BOOLEAN_UNION) return BVX_OK;
+    for (int i = 0; i < 2 && parts > 2; i++) {
         bvx_certificate c;
 
         BVXI_TRY(bvx_mesh_check(job->ctx, job->body[i].mesh, 1, &c));
         own += c.components;
     }
-    if (parts > own) BVXI_WARN(job->ctx, BVX_WARN_PARTS, (double)parts, (double)own, finer);
+    if (parts > 2 && parts > own) BVXI_WARN(job->ctx, BVX_WARN_PARTS, (double)parts, (double)own, finer);
+    if (r->parts_dropped != 0 || !bvxi_solid_is_closed(&r->solid_a) || !bvxi_solid_is_closed(&r->solid_b))
+        return BVX_OK;
+    BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, &apart)));
+    if (parts < apart) BVXI_WARN(job->ctx, BVX_WARN_JOINED, (double)parts, (double)apart, finer);
     return BVX_OK;
 }
 
@@ -587,7 +675,7 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         bvx_mesh_view_of(result, &view);
         BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &c));
         BVXI_TRY(warn_of_operands_parts(job, c.components, finer));
-        warn_of_operands_volume(job, c.volume, finer);
+        BVXI_TRY(warn_of_operands_volume(job, c.volume, finer));
     }
     r->warnings = bvxi_warned(job->ctx);
     return BVX_OK;

@@ -420,7 +420,11 @@ static void warn_of_surface(levels_job *job)
         BVXI_WARN(job->ctx, BVX_WARN_LOWERED, r->planned_resolution, r->resolution);
     if (r->crumbs != 0)
         BVXI_WARN(job->ctx, BVX_WARN_CRUMBS, (double)r->crumbs, bvxi_advised(2.0 * r->resolution));
-    bvxi_repair_warn(job->ctx, &r->repair, &job->facts, r->resolution);
+    bvxi_repair_warn(job->ctx, &r->repair, &job->facts, r->resolution,
+                     job->chain.count != 0 ? job->chain.levels[0].triangle_count : 0);
+    /* What the surface and edges that collapsed have lost together, where the surface alone is as it should be. */
+    if (bvxi_has_own_size(&r->repair, &job->facts) && (bvxi_warned(job->ctx) >> BVX_WARN_VOLUME & 1) == 0)
+        from.volume = r->repair.before.volume;
     /* The solid's crumbs are not in its surface. */
     from.components -= r->crumbs - r->repair.crumbs;
     bvxi_levels_warn(job->ctx, &job->chain, &from, NULL);

@@ -181,7 +181,7 @@ static bvx_status repair_and_warn(bvx_context *ctx, const bvx_mesh_view *mesh,
     BVXI_TRY(bvxi_repair_known(ctx, mesh, NULL, options, &facts, repaired));
     BVXI_TRY(bvxi_take_options(ctx, bvxi_repair_name, options, &o, sizeof o));
     if (o.report != NULL)
-        bvxi_repair_warn(ctx, o.report, &facts, o.fit.lattice == NULL ? o.fit.resolution : 0);
+        bvxi_repair_warn(ctx, o.report, &facts, o.fit.lattice == NULL ? o.fit.resolution : 0, 0);
     return BVX_OK;
 }
 

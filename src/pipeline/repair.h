@@ -129,9 +129,12 @@ bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const b
 
 /* repair_report.c: what the report says beyond what the steps have counted. */
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);
-/* Warn of what a report says; resolution: at which it was made. */
+/* Warn of what a report says; resolution: at which it was made. collapsed: triangles of the level that stands for
+ * the result, or 0. */
 void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *report, const bvxi_repair_facts *facts,
-                      int32_t resolution);
+                      int32_t resolution, uint64_t collapsed);
+/* 1: volume and area of the mesh are those of its body. */
+int bvxi_has_own_size(const bvx_repair_report *report, const bvxi_repair_facts *facts);
 /* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
 int bvxi_changed_as_asked(const bvx_repair_report *report);
 

@@ -78,14 +78,17 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
                              &job->report.distance);
 }
 
-/* Volume or area of a closed mesh have changed by a twentieth: overlaps may be why. */
+#define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
+#define REPAIR_CHANGED 0.05 /* of an area, or a volume that lines of centres see, the same */
+
+/* Volume or area of a closed mesh have changed: overlaps may be why. */
 static int has_other_size(const bvx_repair_report *r)
 {
     double const volume = bvxi_absolute(r->before.volume);
 
     if (!r->before.closed || !r->before.oriented) return 0;
-    return bvxi_absolute(r->after.volume - volume) > 0.05 * volume ||
-           bvxi_absolute(r->after.area - r->before.area) > 0.05 * r->before.area;
+    return bvxi_absolute(r->after.volume - volume) > REPAIR_OFF * volume ||
+           bvxi_absolute(r->after.area - r->before.area) > REPAIR_CHANGED * r->before.area;
 }
 
 /* Of a certificate, with lids in so many holes. */
@@ -109,6 +112,18 @@ static bvx_status compare_handles(bvxi_repair_job *job)
     return bvx_mesh_crossings(job->ctx, &job->mesh, &r->crossings, NULL, 0);
 }
 
+int bvxi_has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
+{
+    return r->before.closed && r->before.oriented && f->overlaps == 0 && r->turned == 0 &&
+           r->before.duplicates == 0 && r->before.volume != 0.0;
+}
+
+/* 1: no lids and shells are in its body. */
+static int is_closed(const bvx_repair_report *r)
+{
+    return r->holes == 0 && r->shelled_triangles == 0 && r->before.boundary_edges == 0;
+}
+
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 {
     bvx_mesh_view result;
@@ -123,13 +138,16 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 
     if (has_other_size(&job->report))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
+    if (is_closed(&job->report) && !bvxi_has_own_size(&job->report, &job->facts))
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
+                            bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
+                                            job->report.after.volume, &job->report.crossing_volume)));
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }
 
 /* ---- Warnings ---- */
 
-#define REPAIR_CHANGED 0.05 /* of a volume or an area, from which on it is warned of */
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
@@ -181,20 +199,13 @@ static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r, const bvx
         BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), f->longest_hole);
 }
 
-/* 1: volume and area of the mesh are those of its body. */
-static int has_own_size(const bvx_repair_report *r, const bvxi_repair_facts *f)
-{
-    return r->before.closed && r->before.oriented && f->overlaps == 0 && r->turned == 0 &&
-           r->before.duplicates == 0 && r->before.volume != 0.0;
-}
-
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
  * see of it. Where walls were put back there is more than these see. */
 static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f,
-                         double finer)
+                         double finer, double collapsed)
 {
     double const volume = r->after.volume, all = f->parts_volume, seen = r->crossing_volume;
-    int const own = has_own_size(r, f);
+    int const own = bvxi_has_own_size(r, f);
     double const from = own ? bvxi_absolute(r->before.volume) : seen;
     double const off = from > 0.0 ? volume / from - 1.0 : 0.0;
     double const area = r->before.area, wider = area > 0.0 ? r->after.area / area - 1.0 : 0.0;
@@ -203,15 +214,17 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvx
         BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)f->thin_shelled, finer);
     if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
         !(bvxi_changed_as_asked(r) && r->cavities_dropped))
-        BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer);
+        BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
     else if (bvxi_changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
-    else if (bvxi_absolute(off) > REPAIR_CHANGED && (own || off < 0.0 || r->thin_voxels == 0))
-        BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer);
+    else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
+             (own || off < 0.0 || r->thin_voxels == 0))
+        BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
     else if (own && bvxi_absolute(wider) > REPAIR_CHANGED && !has_lost_walls(r))
-        BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer);
+        BVXI_WARN(ctx, BVX_WARN_AREA, r->after.area, area, wider, finer, collapsed);
 }
 
-void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_facts *f, int32_t resolution)
+void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_facts *f, int32_t resolution,
+                      uint64_t collapsed)
 {
     double longest = resolution;
 
@@ -222,6 +235,6 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
     if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
     warn_of_lids(ctx, r, f);
-    warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest));
+    warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

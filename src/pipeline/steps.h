@@ -55,7 +55,7 @@ typedef struct bvxi_box_sides {
 bvxi_box_sides bvxi_sides_on_lattice(const bvxi_body_box *box, const bvx_lattice *lattice);
 
 /* Seen in fewer voxels than FEW along its longest side a body is coarse: FEW_WANTED would show it. */
-enum { BVXI_BOOLEAN_FEW = 16, BVXI_BOOLEAN_WANTED = 64 };
+enum { BVXI_BOOLEAN_FEW = 6, BVXI_BOOLEAN_WANTED = 64 };
 
 /* The resolution at which so many voxels become wanted, at most 2^24. */
 int32_t bvxi_advised_resolution(const bvx_lattice *lattice, double voxels, double wanted);

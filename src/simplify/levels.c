@@ -385,7 +385,7 @@ bvx_status bvxi_levels_make(bvx_context *ctx, bvxi_level_chain *c, const bvx_mes
 
 /* ---- Warnings ---- */
 
-#define LEVEL_CHANGED 0.05 /* of the volume, from which on it is warned of */
+#define LEVEL_CHANGED 0.02 /* of the volume, from which on it is warned of */
 #define LEVEL_HOLLOW  1e-9 /* of a cube of that area: bodies that face opposite ways may cancel each other */
 
 /* Levels of which a fact holds. */

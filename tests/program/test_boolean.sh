@@ -78,7 +78,7 @@ grep -q '"fill": "winding", "reason": "open"' out
 result 'an open box is filled by winding' $?
 printf 'v %s\n' '1 1 1' '2 1 1' '1 2 1' '2 2 1' '1 1 2' '2 1 2' '1 2 2' '2 2 2' >crumb.obj
 cat sides >>crumb.obj
-run boolean difference cube.obj crumb.obj -o result.ply --resolution 64 --json
+run boolean difference cube.obj crumb.obj -o result.ply --resolution 48 --json
 grep -q 'crumb.obj: few or no voxels show this body; a resolution of 576 does' out
 result 'a body of few voxels is told' $?
 refuses 1 'take a resolution of' union cube.obj crumb.obj -o result.ply --spacing 5

@@ -161,19 +161,19 @@ static void test_few_voxels_are_told_with_the_resolution_to_take(void)
     static const double low[3] = {0, 0, 0};
     static const double high[3] = {100, 100, 100};
     static const double low_b[3] = {20, 20, 20};
-    static const double high_b[3] = {30, 25, 25};
+    static const double high_b[3] = {24, 23, 23};
     static const double plate_low[3] = {-10, -10, 30.01}, plate_high[3] = {110, 110, 30.2};
     bvx_boolean_options o = with(100);
     make_boxes(low, high, low_b, high_b);
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_B, report.few);
-    TEST_ASSERT_EQUAL_INT32(640, report.advised_resolution);
+    TEST_ASSERT_EQUAL_INT32(1600, report.advised_resolution);
     o.fit.resolution = report.advised_resolution / 4;
     run(BVX_BOOLEAN_DIFFERENCE, &o);
     TEST_ASSERT_EQUAL_INT32(0, report.few);
 
     make_boxes(low_b, high_b, low, high);
-    o.fit.resolution = 10;
+    o.fit.resolution = 3;
     run(BVX_BOOLEAN_DIFFERENCE, &o); /* nothing is left: no mesh to warn of but a */
     TEST_ASSERT_EQUAL_INT32(BVX_FEW_A | BVX_FEW_B, report.few);
 

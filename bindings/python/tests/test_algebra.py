@@ -165,7 +165,7 @@ def test_boolean_fits_its_lattice_and_says_how_it_filled():
     assert abs(mesh.check().volume - 72) < 0.5 and mesh.report.few == 0
     assert (mesh.report.solid_a.fill, mesh.report.solid_b.fill_reason) == ("parity", "sound")
 
-    mesh = bitvox.boolean(part, box_mesh((1, 1, 1), (2, 2, 2)), "difference", resolution=64)
+    mesh = bitvox.boolean(part, box_mesh((1, 1, 1), (2, 2, 2)), "difference", resolution=40)
     assert (mesh.report.few, mesh.report.advised_resolution) == (2, 512)
     with pytest.raises(bitvox.EmptyError, match="take a resolution of"):
         bitvox.boolean(part, half, "union", resolution=64)
