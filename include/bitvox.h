@@ -1082,23 +1082,28 @@ typedef struct bvx_level_report {
     uint64_t reserved[3];
 } bvx_level_report;
 
-typedef struct bvx_simplify_options {
-    size_t struct_size;
-    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
-    int32_t position_type;     /**< BVX_F32, BVX_F64 or AUTO, the mesh's [Limit: 0..2] [Default:
-                                BVX_POSITION_AUTO] */
-    int32_t lock_border;       /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
-                                    join [Limit: 0..1] [Default: 0] */
-    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight;   /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
+/** How edges collapse, and what stays. */
+typedef struct bvx_collapse {
+    double attribute_weight; /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
                                     length on the surface, a difference of 1 in normals and colours by a
                                     hundredth of the mesh's longest side. BVX_NONE: they follow the shape and
                                     cost nothing [Limit: BVX_NONE, or 0..1000] [Default: 1] */
-    const uint8_t *locked;     /**< vertices of the mesh with a value other than 0 stay bit for bit
+    const uint8_t *locked;   /**< vertices of the mesh with a value other than 0 stay bit for bit
                                     [Size: vertex_count] [Default: NULL] */
-    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
-    uint64_t reserved[3];
+    int32_t
+        position_type;   /**< BVX_F32, BVX_F64 or AUTO: the mesh's; of a measured surface f32 where it holds,
+                                    else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t lock_border; /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
+                                    join [Limit: 0..1] [Default: 0] */
+    int32_t vertices;    /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology;    /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+} bvx_collapse;
+
+typedef struct bvx_simplify_options {
+    size_t struct_size;
+    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
+    bvx_collapse collapse;     /**< [Default: all zero] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_simplify_options;
 
 /** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
@@ -1282,8 +1287,8 @@ typedef struct bvx_levels_options {
     size_t struct_size;
     bvx_targets targets;   /**< as in bvx_simplify_options; halving starts from the input
                                 [Default: half the triangles of the one before] */
-    int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's own; of a measured surface f32 where it
-                                holds, else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    bvx_collapse collapse; /**< without solid: vertices, topology and attributes are of the mesh as it is
+                                [Default: all zero] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
                         from its default] */
@@ -1294,16 +1299,10 @@ typedef struct bvx_levels_options {
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     double shell;  /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
                                      [Default: 2] */
-    bvx_parts parts;           /**< solid: that are kept [Default: all zero] */
-    int32_t outer;             /**< solid: 1: drop inner shells and cavities [Limit: 0..1] [Default: 0] */
-    int32_t lock_border;       /**< 1: as in bvx_simplify_options [Limit: 0..1] [Default: 0] */
+    bvx_parts parts;           /**< solid: that are kept; a least_cavity of UINT64_MAX leaves the outer hull
+                                    [Default: all zero] */
     bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
-    double attribute_weight;   /**< as in bvx_simplify_options [Limit: BVX_NONE, or 0..1000]
-                                     [Default: 1] */
-    const uint8_t *locked;     /**< as in bvx_simplify_options [Size: vertex_count] [Default: NULL] */
-    int32_t vertices;          /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;          /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_levels_options;
 
 /** Levels of detail from any mesh: the main job.

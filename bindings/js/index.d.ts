@@ -365,7 +365,6 @@ export interface LevelsOptions extends ChainOptions {
     resolution?: number | undefined;
     sign?: Sign | undefined;
     sharp?: When | undefined;
-    outer?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;
     keepLargest?: number | undefined;

@@ -140,7 +140,7 @@ export function layoutTable({ structs, choices }, wanted) {
         const fields = {};
         // Fields of the structs that options share are options themselves.
         const flat = structs[name].fields.flatMap(field =>
-            /_options$/.test(name) && /^bvx_(fit|placing|parts|targets)$/.test(field[1])
+            /_options$/.test(name) && /^bvx_(fit|placing|parts|targets|collapse)$/.test(field[1])
                 ? structs[field[1]].fields.map(([inner, type, offset, ...rest]) => [inner, type, field[2] + offset, ...rest])
                 : [field],
         );

@@ -50,7 +50,7 @@ static const cli_argument lod_rows[] = {
     FLAG("--sharp", SHARED(sharp), "of a solid: put vertices on sharp edges and corners"),
     FLAG("--no-sharp", SHARED(no_sharp),
          "do not put vertices there [where many of the mesh's edges are sharp]"),
-    FLAG("--outer-hull", OWN(levels.outer), "inner shells and cavities are dropped"),
+    FLAG("--outer-hull", OWN(outer_hull), "inner shells and cavities are dropped"),
     CHOICE("--method", "NAME", OWN(method), method_names, METHOD_OF,
            "collapse: edges of the mesh, or of a grid's surface, collapse; edge-ratio,\n"
            "coverage: samples of a solid [collapse; edge-ratio for grids and volumes\n"

@@ -39,10 +39,10 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     bvx_status status;
 
     s.targets = cli_targets(run, c);
-    if (cli_given(run, "--attributes")) s.attribute_weight = cli_or_none(o->attributes);
-    s.lock_border = o->lock_border;
-    s.topology = o->topology;
-    s.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
+    s.collapse.lock_border = o->lock_border;
+    s.collapse.topology = o->topology;
+    s.collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");

@@ -8,8 +8,9 @@
 typedef struct cli_lod_options {
     bvx_lod_options samples;   /* --method edge-ratio, coverage */
     bvx_levels_options levels; /* --method collapse */
-    int32_t method;            /* 1 + BVX_LOD_... or CLI_METHOD_COLLAPSE; 0: not given */
-    cli_list resolutions;      /* --levels */
+    int32_t outer_hull;
+    int32_t method;       /* 1 + BVX_LOD_... or CLI_METHOD_COLLAPSE; 0: not given */
+    cli_list resolutions; /* --levels */
 } cli_lod_options;
 
 typedef struct cli_chain {

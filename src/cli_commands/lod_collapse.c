@@ -62,10 +62,10 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
 
     *b = own->levels;
     b->targets = cli_targets(run, &l->run);
-    if (cli_given(run, "--attributes")) b->attribute_weight = cli_or_none(o->attributes);
-    b->lock_border = o->lock_border;
-    b->topology = o->topology;
-    b->vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
+    if (cli_given(run, "--attributes")) b->collapse.attribute_weight = cli_or_none(o->attributes);
+    b->collapse.lock_border = o->lock_border;
+    b->collapse.topology = o->topology;
+    b->collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     b->report = &l->report;
     b->reports = l->run.level;
     /* What follows measures a mesh; a grid has chosen its parts before. */
@@ -75,6 +75,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->sharp = cli_sharp(o);
     if (cli_given(run, "--shell")) b->shell = cli_or_none(o->shell);
     b->parts = cli_parts(run);
+    if (own->outer_hull) b->parts.least_cavity = UINT64_MAX;
 }
 
 /* ---- Levels ---- */

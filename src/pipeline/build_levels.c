@@ -35,24 +35,18 @@ typedef struct levels_job {
 
 /* ---- Checks ---- */
 
-#define LEVELS_SHELL  2.0
-#define LEVELS_WEIGHT 1.0
+#define LEVELS_SHELL 2.0
 
 static const bvxi_option levels_rows[] = {
     BVXI_TARGETS(bvx_levels_options),
     BVXI_WHOLE(bvx_levels_options, fit.resolution, 0, 1 << 24),
     BVXI_RESERVED(bvx_levels_options, fit.reserved),
     BVXI_PARTS(bvx_levels_options),
-    BVXI_CHOICE(bvx_levels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_COLLAPSE(bvx_levels_options),
     BVXI_SWITCH(bvx_levels_options, solid),
     BVXI_AMONG(bvx_levels_options, sign, BVX_SIGNS_OF_REPAIR),
     BVXI_CHOICE(bvx_levels_options, sharp, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS),
-    BVXI_SWITCH(bvx_levels_options, outer),
     BVXI_OR(bvx_levels_options, shell, ZERO_OR, LEVELS_SHELL, 1.5, 1e6),
-    BVXI_SWITCH(bvx_levels_options, lock_border),
-    BVXI_CHOICE(bvx_levels_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
-    BVXI_OR(bvx_levels_options, attribute_weight, REAL, LEVELS_WEIGHT, 0.0, 1000.0),
-    BVXI_CHOICE(bvx_levels_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
 };
 
 /* Requested, or implied by an option that only a measured surface can follow. */
@@ -60,27 +54,26 @@ static int wants_solid(const bvx_levels_options *o)
 {
     return o->solid || o->fit.lattice != NULL || o->fit.resolution != 0 || o->sign != BVX_SIGN_AUTO ||
            o->sharp != BVX_SHARP_AUTO || o->shell != LEVELS_SHELL || o->parts.least_part != 0 ||
-           o->parts.keep_largest != 0 || o->parts.least_cavity != 0 || o->parts.keep_crumbs || o->outer;
+           o->parts.keep_largest != 0 || o->parts.least_cavity != 0 || o->parts.keep_crumbs;
 }
 
 static bvx_status check_levels_options(bvx_context *ctx, bvx_levels_options *o)
 {
+    const bvx_collapse *const c = &o->collapse;
+
     BVXI_TRY(bvxi_check_options(ctx, levels_name, o, BVXI_OPTIONS(levels_rows)));
-    if (o->outer && o->parts.least_cavity != 0)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: outer fills every cavity; least_cavity is not used with it", levels_name);
-    if (wants_solid(o) && (o->lock_border || o->locked != NULL || o->vertices != BVX_VERTICES_PLACED))
+    if (wants_solid(o) && (c->lock_border || c->locked != NULL || c->vertices != BVX_VERTICES_PLACED))
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: lock_border, locked and BVX_VERTICES_KEPT keep vertices of the mesh; solid, and "
             "the options that imply it, measure a new surface",
             levels_name);
-    if (wants_solid(o) && o->attribute_weight != LEVELS_WEIGHT)
+    if (wants_solid(o) && c->attribute_weight != BVXI_WEIGHT)
         return bvxi_fail_for(
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
             "%s: attribute_weight is %g, and the surface that solid, and the options that imply it, "
             "measure has no attributes",
-            levels_name, o->attribute_weight);
+            levels_name, c->attribute_weight);
     return BVX_OK;
 }
 
@@ -222,7 +215,7 @@ static bvx_repair_options repair_options(levels_job *job, int32_t resolution, in
     /* Positions of the surface are those of the levels. */
     bvx_repair_options r = {.struct_size = sizeof r,
                             .fit = {.lattice = o->fit.lattice, .resolution = resolution},
-                            .placing = {.sharp = o->sharp, .position_type = o->position_type},
+                            .placing = {.sharp = o->sharp, .position_type = o->collapse.position_type},
                             .sign = o->sign,
                             .shell = o->shell > 0.0 ? o->shell : BVX_NONE,
                             .parts = o->parts,
@@ -230,7 +223,6 @@ static bvx_repair_options repair_options(levels_job *job, int32_t resolution, in
                             .report = &job->report.repair};
 
     r.parts.keep_crumbs |= o->parts.least_part != 0;
-    if (o->outer) r.parts.least_cavity = UINT64_MAX;
     return r;
 }
 
@@ -412,18 +404,8 @@ static void take_chain(levels_job *job, uint64_t level_count, bvx_mesh *levels)
     const bvx_levels_options *const o = job->options;
     bvxi_level_chain *const c = &job->chain;
 
+    bvxi_chain_take(c, job->mesh, &o->targets, &o->collapse);
     c->function = levels_name;
-    c->original = job->mesh;
-    c->targets = o->targets;
-    c->halve_from = job->mesh->triangle_count;
-    c->collapse.position_type = o->position_type != BVX_POSITION_AUTO ? o->position_type
-                                                                      : (int32_t)job->mesh->position_type;
-    c->collapse.even = o->targets.even;
-    c->collapse.attribute_weight = o->attribute_weight;
-    c->collapse.lock_border = o->lock_border;
-    c->collapse.locked = o->locked;
-    c->collapse.vertices = o->vertices;
-    c->collapse.topology = o->topology;
     c->count = level_count;
     c->levels = levels;
     c->reports = o->reports;

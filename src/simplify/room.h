@@ -18,12 +18,20 @@ enum {
         BVXI_COUNT(type, targets.samples, 0, INT32_MAX),                                                     \
         BVXI_OR(type, targets.even, REAL, BVXI_EVEN, 0.0, 1.0)
 
+#define BVXI_COLLAPSE(type)                                                           \
+    BVXI_CHOICE(type, collapse.position_type, BVX_POSITION_AUTO, BVX_F64),            \
+        BVXI_SWITCH(type, collapse.lock_border),                                      \
+        BVXI_OR(type, collapse.attribute_weight, REAL, BVXI_WEIGHT, 0.0, 1000.0),     \
+        BVXI_CHOICE(type, collapse.vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT), \
+        BVXI_CHOICE(type, collapse.topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY)
+#define BVXI_WEIGHT 1.0 /* by default */
+
 typedef struct bvxi_collapse_options {
     int32_t position_type; /* of the levels: new positions are rounded to it */
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
     int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    /* As in bvx_simplify_options; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
+    /* As in bvx_collapse; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
     double attribute_weight;
     int32_t lock_border, vertices, topology;
     const uint8_t *locked;
@@ -49,6 +57,26 @@ typedef struct bvxi_level_chain {
     bvx_level_report *reports; /* or NULL */
     bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */
 } bvxi_level_chain;
+
+/* The targets and the collapse of a chain's options; AUTO becomes the mesh's type. */
+static inline void bvxi_chain_take(bvxi_level_chain *chain, const bvx_mesh_view *original,
+                                   const bvx_targets *targets, const bvx_collapse *collapse)
+{
+    bvxi_collapse_options *const c = &chain->collapse;
+
+    /* Errors are measured against the mesh as it was given, not as it was welded. */
+    chain->original = original;
+    chain->targets = *targets;
+    chain->halve_from = original->triangle_count;
+    c->position_type = collapse->position_type != BVX_POSITION_AUTO ? collapse->position_type
+                                                                    : (int32_t)original->position_type;
+    c->even = targets->even;
+    c->attribute_weight = collapse->attribute_weight;
+    c->lock_border = collapse->lock_border;
+    c->locked = collapse->locked;
+    c->vertices = collapse->vertices;
+    c->topology = collapse->topology;
+}
 
 /* What was done to a mesh before its edges collapse; cut_edge: the ends of the first edge that was cut. */
 typedef struct bvxi_sheets_report {

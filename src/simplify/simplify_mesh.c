@@ -7,12 +7,7 @@ static const char simplify_name[] = "bvx_mesh_simplify";
 
 static const bvxi_option simplify_rows[] = {
     BVXI_TARGETS(bvx_simplify_options),
-    BVXI_CHOICE(bvx_simplify_options, position_type, BVX_POSITION_AUTO, BVX_F64),
-    BVXI_SWITCH(bvx_simplify_options, lock_border),
-    BVXI_OR(bvx_simplify_options, attribute_weight, REAL, 1.0, 0.0, 1000.0),
-    BVXI_CHOICE(bvx_simplify_options, vertices, BVX_VERTICES_PLACED, BVX_VERTICES_KEPT),
-    BVXI_CHOICE(bvx_simplify_options, topology, BVX_TOPOLOGY_KEEP, BVX_TOPOLOGY_SIMPLIFY),
-    BVXI_RESERVED(bvx_simplify_options, reserved),
+    BVXI_COLLAPSE(bvx_simplify_options),
 };
 
 static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
@@ -33,18 +28,7 @@ static bvx_status run_mesh_simplify(bvx_context *context, const bvx_mesh_view *m
     for (uint64_t i = 0; i < level_count; i++)
         BVXI_TRY(bvxi_view_apart(context, simplify_name, mesh, &levels[i]));
 
-    /* Errors are measured against the mesh as it was given, not as it was welded. */
-    chain.original = mesh;
-    chain.targets = o.targets;
-    chain.halve_from = mesh->triangle_count;
-    chain.collapse.position_type = o.position_type != BVX_POSITION_AUTO ? o.position_type
-                                                                        : (int32_t)mesh->position_type;
-    chain.collapse.even = o.targets.even;
-    chain.collapse.attribute_weight = o.attribute_weight;
-    chain.collapse.lock_border = o.lock_border;
-    chain.collapse.locked = o.locked;
-    chain.collapse.vertices = o.vertices;
-    chain.collapse.topology = o.topology;
+    bvxi_chain_take(&chain, mesh, &o.targets, &o.collapse);
     chain.count = level_count;
     chain.levels = levels;
     chain.reports = o.reports;

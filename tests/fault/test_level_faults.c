@@ -42,7 +42,7 @@ static bvx_status simplify(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_
 
     if (j->by_error == 1) o.targets.errors = errors;
     else o.targets.triangles = targets;
-    if (j->by_error == 3) o.attribute_weight = 10;
+    if (j->by_error == 3) o.collapse.attribute_weight = 10;
     o.targets.samples = 20;
     o.reports = reports;
     return bvx_mesh_simplify(ctx,
@@ -59,7 +59,7 @@ static bvx_status build(const job *j, bvx_context *ctx, bvx_mesh *level, bvx_lev
 
     if (j->by_error == 1) o.targets.errors = errors;
     else o.targets.triangles = targets;
-    if (j->by_error == 3) o.attribute_weight = 10;
+    if (j->by_error == 3) o.collapse.attribute_weight = 10;
     o.targets.samples = 20;
     o.reports = reports;
     o.report = report;

@@ -14,14 +14,14 @@ static void fuzz_take_options(fuzz_input *in, bvx_levels_options *o, uint64_t *t
     else if (fuzz_range(in, 0, 1) != 0) o->targets.errors = errors;
     o->targets.error_kind = fuzz_range(in, 0, 1);
     o->targets.samples = o->targets.errors != NULL ? 50 : 0;
-    o->position_type = fuzz_range(in, 0, BVX_F64);
+    o->collapse.position_type = fuzz_range(in, 0, BVX_F64);
     if (fuzz_range(in, 0, 7) == 0) return;
     o->solid = 1;
     o->sharp = fuzz_range(in, BVX_SHARP_AUTO, BVX_SHARP_ALWAYS);
     o->fit.resolution = fuzz_range(in, 2, 24);
-    o->outer = fuzz_range(in, 0, 3) == 0;
+    o->parts.least_cavity = fuzz_range(in, 0, 3) == 0 ? UINT64_MAX : 0;
     o->shell = fuzz_range(in, 0, 3) == 0 ? 0 : fuzz_range(in, 6, 16) / 4.0;
-    if (!o->outer) o->parts.least_cavity = (uint64_t)fuzz_range(in, 0, 9);
+    if (o->parts.least_cavity == 0) o->parts.least_cavity = (uint64_t)fuzz_range(in, 0, 9);
     o->parts.least_part = (uint64_t)fuzz_range(in, 0, 9);
     o->parts.keep_largest = (uint64_t)fuzz_range(in, 0, 2);
 }

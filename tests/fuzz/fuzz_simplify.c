@@ -137,7 +137,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     default: o.targets.triangles = targets;
     }
     o.targets.error_kind = fuzz_range(in, 0, 1);
-    o.position_type = fuzz_range(in, BVX_F32, BVX_F64);
+    o.collapse.position_type = fuzz_range(in, BVX_F32, BVX_F64);
     o.targets.even = fuzz_range(in, 0, 2) / 2.0 * fuzz_range(in, 0, 255) / 255.0;
     o.targets.samples = (uint64_t)fuzz_range(in, 0, 1) * 20;
     if (o.targets.errors != NULL) o.targets.samples = 50;
@@ -145,7 +145,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     if (fuzz_range(in, 0, 2) == 0) {
         for (uint64_t i = 0; i < 4 * view->vertex_count; i++) colours[i] = (uint8_t)fuzz_range(in, 0, 255);
         coloured.colours = colours;
-        o.attribute_weight = fuzz_range(in, 0, 255) / 16.0;
+        o.collapse.attribute_weight = fuzz_range(in, 0, 255) / 16.0;
     }
     turned = coloured;
     status = bvx_mesh_simplify(ctx, view, &o, 2, level);
@@ -155,7 +155,7 @@ static void fuzz_simplify(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
         return;
     }
     for (int i = 0; i < 2; i++)
-        fuzz_level(ctx, &level[i], &reports[i].certificate, &before, crossings, o.position_type,
+        fuzz_level(ctx, &level[i], &reports[i].certificate, &before, crossings, o.collapse.position_type,
                    o.targets.errors != NULL);
 
     corners = malloc((size_t)view->triangle_count * 12);

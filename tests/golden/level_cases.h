@@ -25,7 +25,7 @@ static void simplified_mesh(golden *g, const char *name, const bvx_mesh_view *vi
     bvx_simplify_options o = {.struct_size = sizeof o};
 
     o.targets.triangles = targets;
-    o.position_type = type;
+    o.collapse.position_type = type;
     o.targets.even = even > 0 ? even : BVX_NONE;
     o.reports = reports;
     golden_begin(g, name);
@@ -47,7 +47,7 @@ static void built_levels(golden *g, const char *name, const bvx_mesh_view *view,
     if (golden_skips(g, name)) return;
     if (errors == NULL) o.targets.triangles = targets;
     else o.targets.errors = errors;
-    o.position_type = type;
+    o.collapse.position_type = type;
     o.fit.resolution = resolution;
     o.sharp = BVX_SHARP_NEVER + sharp;
     o.reports = reports;

@@ -130,7 +130,7 @@ class Field:
 
 
 STRUCTS, SHARED = {}, {}  # SHARED: structs that options have by value; their fields are the options'
-for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placing)|(?<=parts)|(?<=targets)) \{\n(.*?)\n\} ", HEADER, re.S):
+for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placing)|(?<=parts)|(?<=targets)|(?<=collapse)) \{\n(.*?)\n\} ", HEADER, re.S):
     fields = (STRUCTS if found.group(2) else SHARED)[found.group(1)] = {}
     kind = "bvx_" + found.group(1) + "_options"
     body = re.sub(r"/\*(?!\*<).*?\*/", "", found.group(3), flags=re.S)
@@ -217,6 +217,7 @@ def standards():
     sources = "".join(path.read_text() for path in sorted(Path("src").glob("*/*.[ch]")))
     numbers = dict(re.findall(r"(?:#define|enum \{) (\w+) +(?:= )?(-?[\d.e-]+)", sources))
     sources = re.sub(r"BVXI_TARGETS\((bvx_\w+)\)", r"BVXI_OR(\1, targets.even, REAL, BVXI_EVEN,", sources)
+    sources = re.sub(r"BVXI_COLLAPSE\((bvx_\w+)\)", r"BVXI_OR(\1, collapse.attribute_weight, REAL, BVXI_WEIGHT,", sources)
     rows = {(struct, field): standard for struct, field, standard in re.findall(r"BVXI_OR\(\s*(bvx_\w+), ([\w.]+), \w+, ([\w.]+),", sources)}
     for f in fields:
         told, row = default_of(f), rows.pop((f.struct, f.path), None)
@@ -268,7 +269,7 @@ FILLED = {
 }
 # Rows whose name is not the field's.
 SYNONYMS = {
-    ("faces", "--merge"): "merged", ("refine", "--halvings"): "levels", ("sections", "--subdivide"): "depth", ("lod", "--outer-hull"): "outer", ("lod", "--attributes"): "attribute_weight",
+    ("faces", "--merge"): "merged", ("refine", "--halvings"): "levels", ("sections", "--subdivide"): "depth", ("lod", "--attributes"): "attribute_weight",
     ("simplify", "--attributes"): "attribute_weight",
     ("morph", "--drain"): "drain_radius", ("voxelize", "--value-type"): "value_type", ("refine", "--adaptive"): "tolerance",
     ("components", "--keep-largest"): "largest", ("voxelize", "--keep-largest"): "largest", ("lod", "--keep-largest"): "largest",

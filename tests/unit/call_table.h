@@ -462,7 +462,6 @@ static bvx_status repair(const world *w)
 static bvx_status mesh_simplify(const world *w)
 {
     TAKE_OPTIONS(simplify, o);
-    TAKE_RESERVED(o.reserved[0]);
     SPOIL(o);
     return bvx_mesh_simplify(w->ctx, w->mesh, &o, 1, (bvx_mesh *)w->out);
 }
@@ -654,7 +653,7 @@ static const call calls[] = {
     CALL(build_bodies, SECTIONS | OPTIONS, TO_MESH),
     CALL(slice_mesh, MESH | OPTIONS | RESERVED, TO_SECTIONS),
     CALL(repair, MESH | OPTIONS | RESERVED, TO_MESH),
-    CALL(mesh_simplify, MESH | OPTIONS | RESERVED, TO_MESH),
+    CALL(mesh_simplify, MESH | OPTIONS, TO_MESH),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
     CALL(check_written, BODY, PLAIN),

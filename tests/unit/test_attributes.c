@@ -339,7 +339,7 @@ static void test_a_cylinder_keeps_seams_normals_and_materials(void)
     view = view_with(0);
     view.normals = normal;
     for (int type = BVX_F32; type <= BVX_F64; type++) {
-        o.position_type = type;
+        o.collapse.position_type = type;
         simplify(&view, &o, 3);
         for (int i = 0; i < 3; i++) {
             int across;
@@ -495,7 +495,7 @@ static void test_a_weight_of_0_carries_attributes(void)
     for (int i = 0; i < 2; i++) {
         int across;
 
-        o.attribute_weight = i;
+        o.collapse.attribute_weight = i;
         simplify(&view, &o, 1);
         off[i] = uv_error(&level[0], torus_formula, 0, &across);
         snprintf(where, sizeof where, "weight %d: off by %g", i, off[i]);
@@ -632,7 +632,7 @@ static void test_kept_vertices_are_the_meshs_own(void)
     static const uint64_t targets[3] = {6000, 800, 200};
     bvx_simplify_options o = options_for(targets);
 
-    o.vertices = BVX_VERTICES_KEPT;
+    o.collapse.vertices = BVX_VERTICES_KEPT;
     for (int kind = 0; kind < 4; kind++) {
         bvx_mesh_view view;
 
@@ -676,7 +676,7 @@ static void test_levels_of_kept_vertices_have_their_attributes(void)
     bvx_mesh_view view;
 
     make_cylinder();
-    o.vertices = BVX_VERTICES_KEPT;
+    o.collapse.vertices = BVX_VERTICES_KEPT;
     for (size_t i = 0; i < 4 * mesh.vertices; i++) colour[i] = (uint8_t)maker_below(&seed, 256);
     memcpy(uv2, uv, mesh.vertices * 8);
     view = view_with(0);
@@ -743,7 +743,7 @@ static void test_locked_vertices_stay(void)
         make_torus(0);
         for (size_t v = 0; v < mesh.vertices; v++) locked[v] = maker_below(&seed, 15) == 0;
         view = kind == 0 ? maker_view(&mesh) : view_with(0);
-        o.locked = locked;
+        o.collapse.locked = locked;
         simplify(&view, &o, 1);
         snprintf(where, sizeof where, "kind %d, %d triangles", kind, (int)level[0].triangle_count);
         TEST_ASSERT_TRUE_MESSAGE(report[0].met && report[0].certificate.closed, where);
@@ -772,7 +772,7 @@ static void test_tiles_with_locked_borders_join(void)
     bvx_simplify_options o = options_for(&target);
     maker_mesh joined = {0};
 
-    o.lock_border = 1;
+    o.collapse.lock_border = 1;
     for (int kind = 0; kind < 2; kind++) {
         bvx_mesh_view view;
         bvx_certificate c;
@@ -844,7 +844,7 @@ static void test_vertices_of_many_triangles_come_down(void)
         targets[0] = mesh.triangles / 2;
         targets[1] = mesh.triangles / 10;
         o.targets.triangles = targets;
-        o.vertices = kind < 2 ? BVX_VERTICES_PLACED : BVX_VERTICES_KEPT;
+        o.collapse.vertices = kind < 2 ? BVX_VERTICES_PLACED : BVX_VERTICES_KEPT;
         view = maker_view(&mesh);
         simplify(&view, &o, 2);
         for (int i = 0; i < 2; i++) {

@@ -39,8 +39,8 @@ static void simplify_to(uint64_t target, int32_t topology, int32_t vertices)
 
     drop_levels();
     o.targets.triangles = &target;
-    o.topology = topology;
-    o.vertices = vertices;
+    o.collapse.topology = topology;
+    o.collapse.vertices = vertices;
     o.reports = report;
     snprintf(where, sizeof where, "%d triangles, topology %d, vertices %d", (int)target, (int)topology,
              (int)vertices);

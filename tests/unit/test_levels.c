@@ -76,7 +76,7 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
         make_shape(&level_shapes[n]);
         view = maker_view(&mesh);
         o.targets.triangles = targets;
-        o.position_type = BVX_F64;
+        o.collapse.position_type = BVX_F64;
         build(&o, 2);
         check_levels(level_shapes[n].name, targets, 2, level_shapes[n].euler,
                      (int64_t)level_shapes[n].components);
@@ -89,7 +89,7 @@ static void test_a_sound_mesh_is_simplified_as_it_is(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &before));
         TEST_ASSERT_EQUAL_MEMORY_MESSAGE(&before, &found.before, sizeof before, where);
         s.targets.triangles = targets;
-        s.position_type = BVX_F64;
+        s.collapse.position_type = BVX_F64;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &s, 2, alone));
         for (int i = 0; i < 2; i++) {
             assert_same_bytes(&alone[i], &level[i]);
@@ -317,7 +317,7 @@ static void all_defects(int32_t resolution, int32_t sharp)
             o.fit.resolution = resolution;
             o.sharp = BVX_SHARP_NEVER + sharp;
             o.targets.triangles = targets;
-            o.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
+            o.collapse.position_type = kind % 2 == 0 ? BVX_F32 : BVX_F64;
             snprintf(name, sizeof name, "%s with %s at %d, sharp %d", defect_shape_names[which],
                      defect_kinds[kind].name, (int)resolution, (int)sharp);
             snprintf(where, sizeof where, "%s", name);
@@ -381,7 +381,7 @@ static void test_outer_and_parts_and_cavities(void)
     TEST_ASSERT_EQUAL_INT32(1, found.solid);
     o.fit.resolution = 60;
     o.parts.keep_largest = 0;
-    o.outer = 1;
+    o.parts.least_cavity = UINT64_MAX;
     build(&o, 1);
     check_levels("outer", &target, 1, 2, 1);
     TEST_ASSERT_EQUAL_INT32(1, found.solid);
@@ -427,7 +427,7 @@ static void test_types_far_from_the_origin(void)
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &crossings, NULL, 0));
         TEST_ASSERT_EQUAL_UINT64(0, crossings);
         if (way == 1) {
-            o.position_type = BVX_F32;
+            o.collapse.position_type = BVX_F32;
             view = maker_view(&mesh);
             drop_levels();
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_build_levels(ctx, &view, &o, 1, level));
@@ -652,23 +652,20 @@ static void test_contradictions(void)
         if (way / 3 == 2) o.sign = BVX_SIGN_VOTE;
         if (way / 3 == 3) o.parts.least_part = 1;
         if (way / 3 == 4) o.parts.least_cavity = 1;
-        if (way / 3 == 5) o.outer = 1;
+        if (way / 3 == 5) o.parts.least_cavity = UINT64_MAX;
         if (way / 3 == 6) o.solid = 1;
         if (way / 3 == 7) o.sharp = BVX_SHARP_NEVER;
         if (way / 3 == 8) o.sharp = BVX_SHARP_ALWAYS;
         if (way / 3 == 9) o.shell = 3;
         if (way / 3 == 10) o.parts.keep_largest = 1;
-        if (way % 3 == 0) o.lock_border = 1;
-        if (way % 3 == 1) o.locked = locked;
-        if (way % 3 == 2) o.vertices = BVX_VERTICES_KEPT;
+        if (way % 3 == 0) o.collapse.lock_border = 1;
+        if (way % 3 == 1) o.collapse.locked = locked;
+        if (way % 3 == 2) o.collapse.vertices = BVX_VERTICES_KEPT;
         refuse(BVX_ERR_ARGUMENT, &o, 1, "measure a new surface");
-        o.lock_border = 0, o.locked = NULL, o.vertices = BVX_VERTICES_PLACED, o.attribute_weight = 2;
+        o.collapse.lock_border = 0, o.collapse.locked = NULL, o.collapse.vertices = BVX_VERTICES_PLACED,
+        o.collapse.attribute_weight = 2;
         refuse(BVX_ERR_ARGUMENT, &o, 1, "has no attributes");
     }
-    o = defaults();
-    o.outer = 1;
-    o.parts.least_cavity = 5;
-    refuse(BVX_ERR_ARGUMENT, &o, 1, "least_cavity");
     o = defaults();
     o.fit.lattice = &lattice;
     o.fit.resolution = 50;

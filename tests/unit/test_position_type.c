@@ -136,7 +136,7 @@ static bvx_status levels(const world *w, int32_t type, int32_t local, bvx_mesh *
     bvx_levels_options o = {.struct_size = sizeof o};
 
     (void)local;
-    o.position_type = type;
+    o.collapse.position_type = type;
     o.solid = 1;
     o.targets.triangles = &target;
     o.fit.lattice = &w->lattice;
@@ -277,7 +277,7 @@ static void test_without_voxels_the_input_decides(void)
     bvx_mesh_free(ctx, &mesh);
     bvx_sections_free(ctx, &sections);
 
-    TEST_ASSERT_EQUAL_INT32(BVX_POSITION_AUTO, si.position_type);
+    TEST_ASSERT_EQUAL_INT32(BVX_POSITION_AUTO, si.collapse.position_type);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &worlds[0].view, &si, 1, &mesh));
     TEST_ASSERT_EQUAL_INT32(BVX_F64, mesh.position_type);
     bvx_mesh_free(ctx, &mesh);

@@ -41,7 +41,7 @@ static bvx_simplify_options defaults(void)
 {
     bvx_simplify_options o = {.struct_size = sizeof o};
     o.reports = report;
-    o.position_type = BVX_F64;
+    o.collapse.position_type = BVX_F64;
     if (exact) o.targets.even = BVX_NONE;
     return o;
 }

@@ -29,7 +29,7 @@ static void to_targets(const uint64_t *targets, uint64_t count, int32_t type)
 {
     bvx_simplify_options o = defaults();
     o.targets.triangles = targets;
-    o.position_type = type;
+    o.collapse.position_type = type;
     simplify(&o, count);
 }
 
@@ -67,7 +67,7 @@ static void check_shape(const level_shape *s, int32_t type, double even)
     targets[2] = mesh.triangles / 24;
     targets[3] = 1;
     o.targets.triangles = targets;
-    o.position_type = type;
+    o.collapse.position_type = type;
     o.targets.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 4);
     for (int i = 0; i < 4; i++) {
@@ -130,7 +130,7 @@ static void test_surfaces_of_random_bits_keep_the_guarantee(void)
             before = certificate_of(&surface);
             bvx_mesh_view_of(&surface, &view);
             o.targets.triangles = targets;
-            o.position_type = type;
+            o.collapse.position_type = type;
             simplify_view(&view, &o, 3);
             for (int i = 0; i < 3; i++) {
                 snprintf(where, sizeof where, "one bit in %d, type %d, level %d: %lu of %lu triangles", every,
@@ -236,7 +236,7 @@ static int comes_down_exactly(const level_shape *s, int32_t type, double even)
 
     make_shape(s);
     o.targets.triangles = &s->fewest;
-    o.position_type = type;
+    o.collapse.position_type = type;
     o.targets.even = even > 0 ? even : BVX_NONE;
     simplify(&o, 1);
     view = maker_view(&mesh);
@@ -312,7 +312,7 @@ static void check_order_and_types(const uint64_t *targets, const double *errors)
             o.targets.triangles = targets;
             o.targets.errors = errors;
             o.targets.samples = 300;
-            o.position_type = BVX_F64;
+            o.collapse.position_type = BVX_F64;
             simplify(&o, 2);
             memcpy(wanted, level, sizeof wanted);
             memcpy(told, report, sizeof told);
@@ -828,10 +828,7 @@ static void test_simplify_refuses_options_out_of_range_or_exclusive(void)
     for (int i = 0; i < 3; i++) {
         static const double wrong[3] = {-1e-9, 1000.001, (double)NAN};
         o = defaults();
-        o.reserved[i] = 1;
-        refuse(BVX_ERR_ARGUMENT, &o, 1, "reserved");
-        o = defaults();
-        o.attribute_weight = wrong[i];
+        o.collapse.attribute_weight = wrong[i];
         refuse(BVX_ERR_ARGUMENT, &o, 1, "attribute_weight");
     }
 }

@@ -49,7 +49,7 @@ static void simplify_coloured(double weight, uint64_t target)
 
     drop_levels();
     o.targets.triangles = &target;
-    o.attribute_weight = weight > 0 ? weight : BVX_NONE;
+    o.collapse.attribute_weight = weight > 0 ? weight : BVX_NONE;
     o.targets.samples = 20000;
     o.reports = report;
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level),
@@ -199,7 +199,7 @@ static void test_without_a_weight_or_colours_nothing_changes(void)
 
         drop_levels();
         o.targets.triangles = &target;
-        o.attribute_weight = way == 0 ? BVX_NONE : 0.5; /* of colours that are not there */
+        o.collapse.attribute_weight = way == 0 ? BVX_NONE : 0.5; /* of colours that are not there */
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, level));
         snprintf(where, sizeof where, "way %d", way);
         assert_same_corners(&plain, &level[0]);
@@ -234,7 +234,7 @@ static void test_order_and_threads_do_not_matter(void)
         c.threads = threads;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         o.targets.triangles = &target;
-        o.attribute_weight = 1;
+        o.collapse.attribute_weight = 1;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_simplify(other, &view, &o, 1, &made));
         assert_same_bytes(&wanted, &made);
         bvx_mesh_free(other, &made);

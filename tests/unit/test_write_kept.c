@@ -139,7 +139,7 @@ static bvx_mesh level_of(const bvx_mesh *m, uint64_t target)
     bvx_mesh level = {0};
 
     o.targets.triangles = &target;
-    o.vertices = BVX_VERTICES_KEPT;
+    o.collapse.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view_of(m, &view);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, &level),
                                     bvx_last_message(ctx));
@@ -296,7 +296,7 @@ static void test_kept_vertices_are_not_joined(void)
             for (int k = 0; k < 6; k++) triangles[n++] = of[k];
         }
     o.targets.triangles = &target;
-    o.vertices = BVX_VERTICES_KEPT;
+    o.collapse.vertices = BVX_VERTICES_KEPT;
     bvx_mesh_view const view = bvx_mesh_view_packed(positions, 2 * VERTICES, triangles, n / 3);
     TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_mesh_simplify(ctx, &view, &o, 1, &level),
                                     bvx_last_message(ctx));

@@ -297,16 +297,16 @@ def simplify(
 def _set_kept(options: Any, mesh: Mesh, attribute_weight: float | None, lock_border: bool, locked: Any, vertices: Any, topology: Any) -> Any:
     """What stays; returns the array that options point at."""
     if attribute_weight is not None:
-        options.attribute_weight = or_none(float(attribute_weight), "attribute_weight")
-    options.lock_border = int(bool(lock_border))
-    options.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
-    options.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
+        options.collapse.attribute_weight = or_none(float(attribute_weight), "attribute_weight")
+    options.collapse.lock_border = int(bool(lock_border))
+    options.collapse.vertices = choice("vertices", vertices, "BVX_VERTICES_", VERTICES)
+    options.collapse.topology = choice("topology", topology, "BVX_TOPOLOGY_", TOPOLOGY)
     if locked is None:
         return None
     values = [bool(value) for value in locked]
     if len(values) != mesh.n_vertices:
         raise ArgumentError(f"locked has {len(values)} values, the mesh {mesh.n_vertices} vertices")
-    array = options.locked = ffi.new("uint8_t[]", values)
+    array = options.collapse.locked = ffi.new("uint8_t[]", values)
     return array
 
 
@@ -318,7 +318,7 @@ def _set_common(options: Any, even: float | None, strict: bool, error: Any, samp
         options.targets.even = or_none(float(even), "even")
     options.targets.strict = int(bool(strict))
     options.targets.samples = in_range("samples", samples, 0, 2**31 - 1)
-    options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
+    options.collapse.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
 
 
 # ---- levels of any mesh ----
@@ -498,12 +498,15 @@ def lod(
             options.fit.resolution = in_range("resolution", resolution, 1, 2**24)
         options.sign = choice("sign", "auto" if sign is None else sign, "BVX_SIGN_", REPAIR_SIGNS)
         options.sharp = sharpness(sharp)
-        options.outer = int(bool(outer_hull))
         if shell is not None:
             options.shell = or_none(float(shell), "shell")
         options.parts.least_part = 0 if least_part is None else in_range("least_part", least_part, 0, 2**64 - 1)
         options.parts.keep_largest = 0 if keep_largest is None else in_range("keep_largest", keep_largest, 1, 2**64 - 1)
         options.parts.least_cavity = 0 if least_cavity is None else in_range("least_cavity", least_cavity, 0, 2**64 - 1)
+        if outer_hull:
+            if least_cavity:
+                raise ArgumentError("outer_hull fills every cavity; least_cavity is not used with it")
+            options.parts.least_cavity = 2**64 - 1
         reports, report = ffi.new("bvx_level_report[]", targets.count), ffi.new("bvx_levels_report *")
         options.reports, options.report = reports, report
 
@@ -611,7 +614,7 @@ def _set_levels(options: Any, levels: Any, triangles: Any) -> tuple[int, Any]:
 
 def _build_levels(solid: Grid, options: Any, count: int, dtype: Any, limits: dict[str, Any]) -> list[Any]:
     """The levels as bvx_meshes of their own."""
-    options.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
+    options.collapse.position_type = lib.BVX_POSITION_AUTO if dtype is None else position_type(dtype)
     with Run(**limits) as run:
         array = ffi.new("bvx_mesh[]", count)
         run.check(lib.bvx_build_lods(run.context, solid._c, options, count, array))
