@@ -15,15 +15,6 @@ static uint64_t mesh_position_bytes(int32_t type)
     return type == BVX_F64 ? 24 : 12;
 }
 
-bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type)
-{
-    if (position_type == BVX_POSITION_AUTO || position_type == BVX_F32 || position_type == BVX_F64)
-        return BVX_OK;
-    return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                         "%s: position type %d is not BVX_POSITION_AUTO (0), BVX_F32 (1) or BVX_F64 (2)",
-                         function, (int64_t)position_type);
-}
-
 int bvxi_mesh_has_attributes(const bvx_mesh *mesh)
 {
     return mesh->colours != NULL || mesh->uvs != NULL || mesh->uv_triangles != NULL ||

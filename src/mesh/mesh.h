@@ -69,9 +69,6 @@ static inline uint64_t bvxi_assets_bytes(const bvx_assets *assets)
     return assets != NULL ? assets->block_bytes : 0;
 }
 
-/* Refuse a position_type of options that has no meaning. */
-bvx_status bvxi_check_position_type(bvx_context *ctx, const char *function, int32_t position_type);
-
 /* Refuse a mesh whose reserved fields are not zero. */
 bvx_status bvxi_mesh_check_reserved(bvx_context *ctx, const char *function, const bvx_mesh *mesh);
 

@@ -10,8 +10,7 @@
 #include "pipeline/repair.h"
 
 enum {
-    MOST_PAIRED = 1000, /* pieces whose boxes are compared in pairs; of more the voxels are asked at once */
-    MOST_TURNED = 4096  /* pieces beyond which none is turned: pairs of boxes would take long */
+    MOST_TURNED = 4096 /* pieces beyond which none is turned: pairs of boxes would take long */
 };
 
 static void add_to_piece(bvxi_mesh_piece *s, const double p[3][3])
@@ -139,31 +138,19 @@ int bvxi_cavities_lie_within(const bvxi_mesh_piece *pieces, uint64_t count)
     return 1;
 }
 
-int bvxi_bodies_may_nest(const bvxi_mesh_piece *pieces, uint64_t count)
+bvx_status bvxi_fill_twice(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                           const int32_t rule[2], uint64_t *words[2])
 {
-    if (count > MOST_PAIRED) return 1;
-    for (uint64_t n = 0; n < count; n++)
-        if (pieces[n].volume6 > 0 && has_outer(pieces, count, &pieces[n])) return 1;
-    return 0;
-}
-
-bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                            int *agree)
-{
-    static const int32_t rule[2] = {BVX_FILL_PARITY, BVX_FILL_NONZERO};
     uint64_t const bytes = bvx_grid_bound(lattice, NULL) * 8;
     bvx_voxelize_options o = {.struct_size = sizeof o};
-    bvx_grid grid[2];
 
-    /* Both rules on one lattice; equal bits say that no piece hides another. */
-    memset(grid, 0, sizeof grid);
     for (int i = 0; i < 2; i++) {
-        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the pieces' solids", &grid[i].words));
-        grid[i].word_capacity = bytes / 8;
+        bvx_grid grid = {.word_capacity = bytes / 8};
+
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the pieces' solids", &words[i]));
+        grid.words = words[i];
         o.fill = rule[i];
-        BVXI_TRY(
-            BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid[i])));
+        BVXI_TRY(BVXI_SHARE(ctx, 0.5 * i, 0.5 * (i + 1), bvx_voxelize_solid(ctx, mesh, lattice, &o, &grid)));
     }
-    *agree = memcmp(grid[0].words, grid[1].words, (size_t)bytes) == 0;
     return BVX_OK;
 }

@@ -121,11 +121,9 @@ int bvxi_cavities_lie_within(const bvxi_mesh_piece *pieces, uint64_t count);
 /* Mark bodies that face inward though they are nobody's cavities by their boxes, and what lies in them;
  * returns how many pieces. Of more than 4,096 none. */
 uint64_t bvxi_mark_inside_out(bvxi_mesh_piece *pieces, uint64_t count);
-/* 0: no piece that faces outward can lie in another such. */
-int bvxi_bodies_may_nest(const bvxi_mesh_piece *pieces, uint64_t count);
-/* Do parity and nonzero fill the same voxels? Scratch: two grids of the lattice. */
-bvx_status bvxi_rules_agree(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                            int *agree);
+/* The whole lattice filled by two rules. Scratch: two grids of the lattice, the words that come out. */
+bvx_status bvxi_fill_twice(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                           const int32_t rule[2], uint64_t *words[2]);
 
 /* repair_report.c: what the report says beyond what the steps have counted. */
 bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired);

@@ -32,11 +32,16 @@ static bvx_status judge_pieces(bvxi_repair_job *job, int *right)
     return BVX_OK;
 }
 
-/* Do parity and nonzero fill the same voxels? */
+/* Do parity and nonzero fill the same voxels? Then no piece hides another. */
 static bvx_status judge_nesting(bvxi_repair_job *job, int *right)
 {
+    static const int32_t rule[2] = {BVX_FILL_PARITY, BVX_FILL_NONZERO};
+    uint64_t *words[2];
+
     BVXI_TRY(bvxi_repair_lattice(job, job->options->fit.resolution));
-    return BVXI_SCOPE(job->ctx, bvxi_rules_agree(job->ctx, &job->mesh, &job->lattice, right));
+    BVXI_TRY(bvxi_fill_twice(job->ctx, &job->mesh, &job->lattice, rule, words));
+    *right = memcmp(words[0], words[1], (size_t)bvx_grid_bound(&job->lattice, NULL) * 8) == 0;
+    return BVX_OK;
 }
 
 bvx_status bvxi_repair_needs(bvxi_repair_job *job)
@@ -52,7 +57,8 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     /* Cheapest first: volumes, then two fills, then crossings, which several pieces may not come to. */
     right = r->turned == 0;
     if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.1, judge_pieces(job, &right)));
-    if (several && right) BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, judge_nesting(job, &right)));
+    if (several && right)
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, 0.2, BVXI_SCOPE(job->ctx, judge_nesting(job, &right))));
     if (!right) {
         r->needs = BVX_NEEDS_OUTSIDE_IN;
         return BVX_OK;

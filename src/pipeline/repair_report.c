@@ -44,20 +44,12 @@ static bvx_status find_holes(bvxi_repair_job *job)
 /* Voxels where the winding number is nearest to an even number but 0: what WINDING has and VOTE has not. */
 static bvx_status count_overlaps(bvxi_repair_job *job)
 {
-    bvx_voxelize_options o = {.struct_size = sizeof o};
-    bvx_grid grid[2];
+    static const int32_t rule[2] = {BVX_FILL_VOTE, BVX_FILL_WINDING};
+    uint64_t *words[2];
 
-    /* The same mesh by both rules: what one has and the other has not. */
-    memset(grid, 0, sizeof grid);
-    for (int i = 0; i < 2; i++) {
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the overlaps", &grid[i].words));
-        grid[i].word_capacity = job->grid_bytes / 8;
-        o.fill = i == 0 ? BVX_FILL_VOTE : BVX_FILL_WINDING;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5 * i, 0.5 * (i + 1),
-                            bvx_voxelize_solid(job->ctx, &job->mesh, &job->lattice, &o, &grid[i])));
-    }
+    BVXI_TRY(bvxi_fill_twice(job->ctx, &job->mesh, &job->lattice, rule, words));
     for (uint64_t i = 0; i < job->grid_bytes / 8; i++)
-        job->facts.overlaps += bvxi_popcount(grid[1].words[i] & ~grid[0].words[i]);
+        job->facts.overlaps += bvxi_popcount(words[1][i] & ~words[0][i]);
     return BVX_OK;
 }
 
