@@ -208,7 +208,10 @@ static bvx_status fill_collapsed(bvx_context *ctx, const lod_job *job, bvxi_marc
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, fine.triangle_capacity * 12, "the triangles before collapse",
                         &fine.triangles));
     BVXI_TRY(bvxi_march_fill(ctx, march, &fine));
-    return collapse_level(ctx, job, &fine, mesh);
+    BVXI_TRY(collapse_level(ctx, job, &fine, mesh));
+    bvxi_drop(ctx, fine.triangles);
+    bvxi_drop(ctx, fine.positions);
+    return BVX_OK;
 }
 
 static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, bvx_mesh *mesh)
@@ -225,7 +228,7 @@ static bvx_status make_lod(bvx_context *ctx, lod_job *job, int32_t resolution, b
             "lower threshold",
             lod_name, level_number(job), (int64_t)w.samples.axis[0].count, (int64_t)w.samples.axis[1].count,
             (int64_t)w.samples.axis[2].count);
-    BVXI_TRY(job->options->collapse != 0 ? BVXI_SCOPE(ctx, fill_collapsed(ctx, job, &w.march, mesh))
+    BVXI_TRY(job->options->collapse != 0 ? fill_collapsed(ctx, job, &w.march, mesh)
                                          : bvxi_march_fill(ctx, &w.march, mesh));
     report_lod(job, &w, mesh);
     close_level(ctx, &w);
