@@ -233,7 +233,7 @@ BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *level
  *  BVX_FORMAT_BVX     our own: lattice and window whole; slices packed by runs, each with a checksum
  *  Returns BVX_ERR_RANGE (larger than the format holds), BVX_ERR_UNSUPPORTED (no grid format, or a lattice
  *  that it cannot hold).
- *  [Memory: the file; BINVOX: and 64 layers of x a worker]
+ *  [Memory: the file; BINVOX: and 64 layers of x twice]
  *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
 BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format,
                                   bvx_buffer *file);
@@ -280,7 +280,7 @@ BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field,
  *  limits), BVX_ERR_UNSUPPORTED (a newer version of the format, compressed data, more than one model, turned
  *  axes).
  *  [Memory: the grid, and at most size and 32 KiB (VTI in base64: the decoded samples; BVX: the offsets of
- *  slices); BINVOX: and 64 layers of x a worker. Packed formats can expand to far more than their bytes: set
+ *  slices); BINVOX: and 64 layers of x twice. Packed formats can expand to far more than their bytes: set
  *  a memory limit for files from strangers]
  *  [Cost: O(bytes + words)] */
 BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size, int32_t format,
@@ -306,7 +306,7 @@ typedef struct bvx_read_volume_options {
     size_t struct_size;
     const void *data;   /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
     uint64_t data_size; /**< [Units: bytes] [Limit: any] [Default: 0] */
-    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip [Default: NULL, refused] */
+    bvx_inflate_fn *inflate; /**< NRRD of encoding gzip, VTI with blocks of zlib [Default: NULL, refused] */
     void *inflate_user;      /**< first argument of inflate [Default: NULL] */
     int32_t sample_type;     /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
     int32_t big_endian;      /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
@@ -326,7 +326,7 @@ typedef struct bvx_read_volume_options {
  *  BVX_FORMAT_NRRD  three axes, x fastest, any scalar type; raw, ascii, or gzip with options.inflate; samples
  *                   in other files come by bvx_volume_data_name and options.data
  *  BVX_FORMAT_NPY   any whole-number or float type, three axes [x,y,z]
- *  BVX_FORMAT_VTI   raw, base64 or ascii without compression, cell or point data
+ *  BVX_FORMAT_VTI   raw, base64 or ascii, cell or point data; blocks of zlib with options.inflate
  *  BVX_FORMAT_RAW   samples only, of the options' size, type and byte order
  *  Returns BVX_ERR_FORMAT (byte or line, and why), BVX_ERR_RANGE (dims beyond the limits),
  *  BVX_ERR_UNSUPPORTED (a format or encoding that is not read, turned axes, gzip without inflate),

@@ -27,6 +27,34 @@ enum {
 
 typedef struct cli_argument cli_argument;
 
+/* What a job holds to its end: members of its memory, all zero where they were not reached. */
+enum {
+    CLI_OWNS_BYTES = 1, /* of malloc */
+    CLI_OWNS_MESH,
+    CLI_OWNS_GRID,
+    CLI_OWNS_FIELD,
+    CLI_OWNS_SECTIONS,
+    CLI_OWNS_INPUT,
+    CLI_OWNS_VOLUME,
+    CLI_OWNS_TREE,
+    CLI_OWNS_VOXELS
+};
+
+typedef struct cli_owned {
+    int32_t kind, count;
+    size_t at, size; /* of the first, of each */
+} cli_owned;
+
+#define CLI_OWNS(kind, type, member)                  \
+    {                                                 \
+        CLI_OWNS_##kind, 1, offsetof(type, member), 0 \
+    }
+#define CLI_OWNS_ALL(kind, type, member)                                               \
+    {                                                                                  \
+        CLI_OWNS_##kind, sizeof(((type *)0)->member) / sizeof(((type *)0)->member[0]), \
+            offsetof(type, member), sizeof(((type *)0)->member[0])                     \
+    }
+
 /* A command's way from the input to the result. */
 struct cli_job {
     size_t size; /* bytes of what it works with: run->work */
@@ -34,6 +62,7 @@ struct cli_job {
     int (*make)(cli_run *run, void *work, cli_made *made);
     /* After writing, what is to be said of it; may be NULL, as the next. */
     void (*tell)(const cli_run *run, const void *work, cli_made *made);
+    const cli_owned *owns; /* ends with a kind of 0; freed in this order */
     void (*free)(cli_run *run, void *work);
 };
 

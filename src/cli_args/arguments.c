@@ -149,7 +149,6 @@ static const char *new_name(int32_t bit, const char *name)
                     "--halvings, how many times voxels are halved (--levels of lod are resolutions)"}};
 
     for (size_t i = 0; i < sizeof renamed / sizeof renamed[0]; i++)
-        /* An older name is told with the new one, so that scripts can be mended. */
         if (renamed[i].command == bit && strcmp(renamed[i].old, name) == 0) return renamed[i].now;
     return NULL;
 }
@@ -160,7 +159,6 @@ static int refuse_option(cli_run *run, const char *word, size_t length)
     const char *nearest;
     int32_t const bit = run->command->bit;
 
-    /* Without "=VALUE", and cut where a message would be all option. */
     snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), word);
     if (new_name(bit, name) != NULL)
         return cli_usage(run, "%s is not an option of %s; it is now called %s", name, run->command->name,
@@ -303,10 +301,8 @@ static void print_option(const cli_argument *a)
 {
     char left[40];
 
-    /* A column for names and values, one for what they do. */
     snprintf(left, sizeof left, "%s %s", a->name, a->value != NULL ? a->value : "");
     printf("  %-24s", left);
-    /* Further lines stand under the first one. */
     for (const char *p = a->help; *p != 0; p++) {
         putchar(*p);
         if (*p == '\n') printf("%26s", "");

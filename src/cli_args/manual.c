@@ -32,7 +32,6 @@ static void put_paragraph(const char *text)
     putchar('\n');
 }
 
-/* A term and what it means. */
 static void put_item(const char *term, const char *text)
 {
     printf(".TP\n\\fB");
@@ -50,12 +49,10 @@ static void put_options(const cli_command *command, int common)
     for (int i = 0; i < rows; i++) {
         const cli_argument *const a = row[i];
 
-        /* What all commands take stands once, in a section of its own. */
         if (cli_is_common(a) != common) continue;
         printf(".TP\n\\fB");
         put_roff(a->name);
         printf("\\fR");
-        /* The name is bold, its value in italics: the manner of manual pages. */
         if (a->value != NULL) {
             printf(" \\fI");
             put_roff(a->value);
@@ -82,7 +79,6 @@ static void put_commands(const cli_command *const *commands)
     const cli_command *c;
     put_section("COMMANDS");
     for (int i = 0; (c = commands[i]) != NULL; i++) put_command(c);
-    /* Neither is a command in the table: both are taken before commands are looked for. */
     printf(".SS \"bitvox help [COMMAND | \\-\\-man | \\-\\-bash\\-completion]\"\n");
     put_roff("Prints the commands, the options of one, this page, or a script for bash to be read by its "
              "\"source\".\n");
@@ -98,7 +94,6 @@ static void put_examples(const cli_command *const *commands)
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf(".PP\n");
         put_roff(c->does);
-        /* Command lines are not filled, and stand to the right. */
         printf(":\n.PP\n.nf\n.RS\n");
         for (const char *p = c->example; *p != 0;) {
             size_t const n = strcspn(p, "\n");
@@ -133,7 +128,6 @@ void cli_print_manual(const cli_command *const *commands)
         "every word "
         "is an input. As an input, - is standard input, whose format --format gives.");
     put_commands(commands);
-    /* Any command will do: these rows are the same in all of them. */
     put_section("COMMON OPTIONS");
     put_options(commands[0], 1);
     put_section("PROGRESS AND REPORT");
@@ -204,7 +198,6 @@ static void put_values(const cli_command *c)
     for (int i = 0; i < rows; i++) {
         const cli_argument *const a = row[i];
 
-        /* A flag has no value to complete. */
         if (a->kind == CLI_FLAG) continue;
         printf("    %s/%s) ", c->name, a->name);
         if (a->choice != NULL && a->kind != CLI_SET) {
@@ -244,7 +237,6 @@ void cli_print_completion(const cli_command *const *commands)
            "    fi\n"
            "    if [[ $COMP_CWORD -eq 1 ]]; then\n"
            "        _bitvox_words '");
-    /* The first word is a command. */
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
     printf("help --help --version'\n"
            "        return\n"
@@ -253,7 +245,6 @@ void cli_print_completion(const cli_command *const *commands)
            "        if [[ ${COMP_WORDS[i]} == -- ]]; then _bitvox_files; return; fi\n"
            "    done\n"
            "    case $command/$before in\n");
-    /* After an option: its values. What follows decides for words that are neither. */
     for (int i = 0; (c = commands[i]) != NULL; i++) put_values(c);
     printf("    help/help) _bitvox_words '");
     for (int i = 0; (c = commands[i]) != NULL; i++) printf("%s ", c->name);
@@ -265,7 +256,6 @@ void cli_print_completion(const cli_command *const *commands)
            "    *) _bitvox_files; return ;;\n"
            "    esac\n"
            "    case $command in\n");
-    /* A word that begins with a dash is one of the options of its command. */
     for (int i = 0; (c = commands[i]) != NULL; i++) {
         printf("    %s) _bitvox_words '", c->name);
         put_option_names(c);

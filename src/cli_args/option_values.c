@@ -46,7 +46,6 @@ static int take_list(const cli_argument *a, const char *text, const char *stops,
 
     list->count = 0;
     for (;;) {
-        /* One more than fits is refused, not cut off. */
         if (list->count == a->most) return 0;
         if (!take_whole(p, stops, a->low, a->high, &list->value[list->count], &p)) return 0;
         list->count++;
@@ -60,7 +59,6 @@ static int take_triple(const cli_argument *a, const char *text, cli_triple *t)
 {
     const char *p = text;
 
-    /* An axis in place of its numbers. */
     for (int k = 0; a->choice != NULL && k < 3; k++) {
         if (strcmp(text, a->choice[k]) != 0) continue;
         t->value[k] = 1.0;
@@ -76,23 +74,19 @@ static int take_triple(const cli_argument *a, const char *text, cli_triple *t)
     return 1;
 }
 
-/* "2.5,7", ",7" or "2.5,". */
 static int take_pair(const char *text, cli_pair *t)
 {
     const char *p = text;
 
-    /* An end that is left out has no limit. */
     t->value[0] = -HUGE_VAL;
     t->value[1] = HUGE_VAL;
     if (*p != ',' && !take_real(p, ",", &t->value[0], &p)) return 0;
     if (*p++ != ',') return 0;
     if (*p != 0 && !take_real(p, "", &t->value[1], &p)) return 0;
     t->given = 1;
-    /* "," alone leaves out both ends and says nothing. */
     return p != text + 1;
 }
 
-/* 0.02,0.1%: distances above 0, each with or without a percent sign. */
 static int take_errors(const cli_argument *a, const char *text, cli_errors *errors)
 {
     const char *p = text;
@@ -116,7 +110,6 @@ static int take_axis(const char *text, char stop)
     return text[0] >= 'x' && text[0] <= 'z' && text[1] == stop ? text[0] - 'x' : -1;
 }
 
-/* x=0.5,z=1: each axis once. */
 static int take_planes(const char *text, cli_planes *planes)
 {
     const char *p = text;
@@ -155,7 +148,6 @@ static int take_bytes(const cli_argument *a, const char *text, uint64_t *bytes)
         shift = 10 * ((int)(s - suffix) + 1);
         if (p[1] != 0) return 0;
     }
-    /* Past the largest number of bytes. */
     if ((uint64_t)v > UINT64_MAX >> shift) return 0;
     *bytes = (uint64_t)v << shift;
     return 1;
@@ -171,7 +163,6 @@ static int take_choice(const cli_argument *a, const char *text, int32_t *v)
     return 0;
 }
 
-/* surface,inside: each name once. */
 static int take_set(const cli_argument *a, const char *text, int32_t *set)
 {
     const char *p = text;
@@ -181,7 +172,6 @@ static int take_set(const cli_argument *a, const char *text, int32_t *set)
         size_t const n = strcspn(p, ",");
         int i = 0;
         while (a->choice[i] != NULL && (strlen(a->choice[i]) != n || strncmp(a->choice[i], p, n) != 0)) i++;
-        /* Unknown, or there already. */
         if (a->choice[i] == NULL || (*set & a->base << i) != 0) return 0;
         *set |= a->base << i;
         if (p[n] == 0) return 1;
@@ -209,7 +199,6 @@ int cli_take_value(cli_run *run, const cli_argument *a, const char *text)
         *(int32_t *)field = (int32_t)whole;
         return 1;
     case CLI_LONG: return take_whole(text, "", a->low, a->high, field, &rest);
-    /* Two kinds of limits: those that belong to the range, and those that only bound it. */
     case CLI_REAL:
         good = take_real(text, "", field, &rest);
         if (a->least == 1) return good && *(double *)field >= a->low && *(double *)field <= a->high;
@@ -251,7 +240,6 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         else if (a->most == 3)
             snprintf(text, room, "one whole number or three like 64,32,16, from %.0f to %.0f", a->low,
                      a->high);
-        /* The form of the example says how many there must be. */
         else if (a->least == a->most) snprintf(text, room, "%d whole numbers like 0,0,0,64,64,64", a->most);
         else if (a->least == 3)
             snprintf(
@@ -270,7 +258,6 @@ void cli_describe_value(const cli_argument *a, char *text, size_t room)
         snprintf(text, room, "an axis and a count from %.0f to %.0f, like z:16", a->low, a->high);
         break;
     case CLI_BYTES: snprintf(text, room, "a count of bytes like 500M or 2G, above 0"); break;
-    /* Names that cannot be requested are empty, and left out. */
     case CLI_CHOICE:
         snprintf(text, room, "one of:");
         for (int i = 0; a->choice[i] != NULL; i++)

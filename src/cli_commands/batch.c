@@ -30,8 +30,6 @@ typedef struct batch {
     int status; /* of the first failure */
 } batch;
 
-/* ---- names ---- */
-
 static const char *last_part(const char *path)
 {
     const char *part = path;
@@ -124,7 +122,6 @@ static int name_outputs(cli_run *run, batch *b)
         b->path[i] = path_in_folder(o->output_dir, o->input[i], number_of_outputs(run, o),
                                     ending_of_outputs(run, o->input[i]));
         if (b->path[i] == NULL) return cli_fail(run, "no memory for a file's name");
-        /* a/x.stl and b/x.stl would meet in one folder. */
         for (int k = 0; k < i; k++)
             if (cli_same_name(b->path[i], b->path[k]))
                 return cli_usage(run, "%s and %s would both become %s; nothing was done", o->input[k],
@@ -153,9 +150,6 @@ static int make_folder(cli_run *run, const char *folder)
 #endif
 }
 
-/* ---- running ---- */
-
-/* As it was before the first input. */
 static void begin_file(cli_run *run, const batch *b, int i)
 {
     cli_lock();
@@ -185,7 +179,6 @@ static void keep_report(cli_run *run, batch *b, int status)
     cli_text *const t = &b->reports;
 
     if (!run->general->json) return;
-    /* Each file has the whole report of a run of its own, with its names before it. */
     cli_report_text(run, status, 0, &text);
     cli_text_add(t, "%s{\"input\": ", t->size == 0 ? "" : ", ");
     cli_json_string(t, run->options->input[0]);
@@ -204,7 +197,6 @@ static int run_file(cli_run *run, batch *b, int i)
     int status;
 
     begin_file(run, b, i);
-    /* What holds for one input may not hold for the next: options are checked for each. */
     status = cli_check_options(run);
     if (status == CLI_DONE) status = cli_perform(run);
     cli_progress_end(run, status);
@@ -228,13 +220,11 @@ int cli_run_batch(cli_run *run)
     int status;
 
     b.asked = *run->options;
-    /* All that can be refused is refused before the first file is touched. */
     status = name_outputs(run, &b);
     if (status == CLI_DONE && b.asked.output_dir != NULL) status = make_folder(run, b.asked.output_dir);
     if (status != CLI_DONE) return cli_end_of_run(run, status);
 
     for (int i = 0; i < b.asked.inputs && b.status != CLI_INTERRUPTED; i++) {
-        /* info: an empty line between two files. */
         if (i != 0 && b.asked.output_dir == NULL) cli_say(run, "\n");
         run_file(run, &b, i);
     }

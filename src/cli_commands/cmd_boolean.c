@@ -11,19 +11,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct boolean_options {
     bvx_boolean_options meshes;
     int32_t resample; /* grids of other lattices are sampled */
 } boolean_options;
-
-static void start_boolean(void *options)
-{
-    boolean_options *const o = options;
-
-    o->meshes = (bvx_boolean_options){.struct_size = sizeof o->meshes};
-}
 
 #define OWN(name) CLI_OWN(boolean_options, name)
 
@@ -72,9 +63,6 @@ typedef struct boolean_run {
 
 static const char *const operation_names[] = {BVX_BOOLEAN_LIST(CLI_NAME_OF) NULL};
 
-/* ---- Options ---- */
-
-/* Facts of the line. */
 enum {
     HAS_GRID = 1 << CLI_FIRST_FACT, /* among the inputs */
     HAS_GRIDS = 2 << CLI_FIRST_FACT /* both inputs */
@@ -116,13 +104,11 @@ static int check_boolean_options(cli_run *run, boolean_run *b)
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_input_kind(run, run->options->input[1 + i], &kind[i]);
     if (status != CLI_DONE) return status;
-    /* Kept: the operands become grids below. */
     for (int i = 0; i < 2; i++) b->is_mesh[i] = kind[i] == CLI_MESH;
     grids = (kind[0] == CLI_GRID) + (kind[1] == CLI_GRID);
     b->kind = cli_kind_of_format(bvx_format_of_name(run->options->output));
     status = cli_check_rules(run, boolean_rules, (grids != 0 ? HAS_GRID : 0u) | (grids == 2 ? HAS_GRIDS : 0u),
                              NULL);
-    /* Only surfaces of two meshes can be kept; with a grid everything is voxels. */
     b->by_mesh = grids == 0 && b->kind == CLI_MESH;
     return status;
 }
@@ -140,7 +126,6 @@ static int fail_boolean(cli_run *run, const boolean_run *b, bvx_status status)
 /* What can be left lies in the first box of a difference, in both of an intersection. */
 static void choose_boolean_box(const boolean_run *b, const cli_box box[2], cli_box *fit)
 {
-    /* A lattice around less is finer for the same number of voxels. */
     *fit = box[0];
     if (b->operation == BVX_BOOLEAN_UNION || b->operation == BVX_BOOLEAN_XOR) cli_join_boxes(fit, &box[1]);
     if (b->operation != BVX_BOOLEAN_INTERSECTION) return;
@@ -189,6 +174,7 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     bvx_lattice lattice;
     bvx_status status;
 
+    o.struct_size = sizeof o;
     o.fit.lattice = &lattice;
     o.fill = run->options->fill;
     o.placing.interpolation = run->options->interpolation;
@@ -203,7 +189,6 @@ static int combine_meshes(cli_run *run, boolean_run *b)
     if (status != BVX_OK) return fail_boolean(run, b, status);
     cli_take_warnings(
         run, (const char *const[]){NULL, cli_input_name(b->in[0].path), cli_input_name(b->in[1].path)});
-    /* What is told of a result has one form, whichever way it was made. */
     b->solid[0] = b->report.solid_a;
     b->solid[1] = b->report.solid_b;
     b->voxels[0] = b->report.voxels_a;
@@ -278,7 +263,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     uint64_t set = 0;
 
     cli_stage_begin(run, "boolean");
-    /* Progress is shared by the calls that this combination really makes. */
     cli_stage_calls(run,
                     1 + (b->in[0].kind == CLI_MESH) + (b->in[1].kind == CLI_MESH) + (b->kind == CLI_MESH));
     status = fill_operands(run, b);
@@ -288,7 +272,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     if (status == BVX_OK)
         status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
-    /* A mesh out of voxels: its surface is half way between set and empty ones. */
     if (status == BVX_OK && b->kind == CLI_MESH)
         status = bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh);
     cli_stage_end(run);
@@ -296,8 +279,6 @@ static int combine_grids(cli_run *run, boolean_run *b)
     cli_note_voxels(run, &b->grid.lattice, set);
     return CLI_DONE;
 }
-
-/* ---- What goes out ---- */
 
 static int write_boolean(cli_run *run, void *work)
 {
@@ -330,7 +311,6 @@ static void report_operand(const cli_run *run, const boolean_run *b, int i, cli_
     cli_text *const t = &made->members;
     const bvx_solid_report *const r = &b->solid[i];
 
-    /* A grid was not filled by anything here. */
     if (!b->is_mesh[i]) return;
     cli_text_add(t, ", \"%s\": {\"fill\": \"%s\", \"reason\": \"%s\"", i == 0 ? "a" : "b",
                  cli_fill_names[r->fill], cli_fill_reasons[r->fill_reason]);
@@ -359,13 +339,11 @@ static void tell_boolean(const cli_run *run, const void *work, cli_made *made)
         cli_json_count(t, "parts_dropped", b->report.parts_dropped);
     }
     cli_text_add(t, "}");
-    /* The line that other commands get from deliver.c names one input; here there are two. */
     cli_tell(made, "%s of %s and %s -> %s\n", operation_names[b->operation], cli_input_name(b->in[0].path),
              cli_input_name(b->in[1].path), run->options->output);
     cli_tell(made, "  lattice     %d x %d x %d\n", (int)n[0], (int)n[1], (int)n[2]);
     cli_tell(made, "  voxels      %" PRIu64 " and %" PRIu64 " give %" PRIu64 "\n", b->voxels[0], b->voxels[1],
              run->report.set);
-    /* Rows for what was left out stand only where something was. */
     if (b->report.crumbs != 0)
         cli_tell(made, "  crumbs      %" PRIu64 " small parts and pockets that are not in the meshes\n",
                  b->report.crumbs);
@@ -388,7 +366,6 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
     const char *const output = run->options->output;
     int status = check_boolean_options(run, b);
 
-    /* Before the inputs are read: a folder that cannot be written costs no time. */
     if (status == CLI_DONE)
         status = b->kind == CLI_GRID ? cli_open_grid_output(run, output) : cli_open_output(run, output);
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
@@ -399,14 +376,10 @@ static int make_boolean(cli_run *run, void *work, cli_made *made)
     return status;
 }
 
-static void free_boolean(cli_run *run, void *work)
-{
-    boolean_run *const b = work;
-
-    bvx_mesh_free(run->context, &b->mesh);
-    bvx_grid_free(run->context, &b->grid);
-    for (int i = 0; i < 2; i++) cli_free_input(run, &b->in[i]);
-}
+static const cli_owned boolean_owns[] = {CLI_OWNS(MESH, boolean_run, mesh),
+                                         CLI_OWNS(GRID, boolean_run, grid),
+                                         CLI_OWNS_ALL(INPUT, boolean_run, in),
+                                         {0}};
 
 const cli_command cli_boolean = {
     .name = "boolean",
@@ -431,6 +404,5 @@ const cli_command cli_boolean = {
     .most = "--resolution --spacing --fill --resample --triangles --error --sharp --thin "
             "--keep-largest --threads --memory-limit --json",
     .rows = boolean_rows,
-    .start = start_boolean,
     .own = sizeof(boolean_options),
-    .job = {.size = sizeof(boolean_run), .make = make_boolean, .tell = tell_boolean, .free = free_boolean}};
+    .job = {.size = sizeof(boolean_run), .make = make_boolean, .tell = tell_boolean, .owns = boolean_owns}};

@@ -8,9 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct compare_options {
     int64_t seed; /* of the random points; 0: not given */
 } compare_options;
@@ -24,8 +21,6 @@ static const cli_argument compare_rows[] = {
     {0}};
 
 enum { COMPARE_SAMPLES = 20000, COMPARE_SEED = 1 };
-
-/* ---- grids ---- */
 
 static const char *pieces_text(uint64_t count, uint64_t largest, char *text, size_t room)
 {
@@ -60,12 +55,10 @@ static void tell_grid_difference(const cli_run *run, const bvx_grid *g, const bv
     cli_tell(made, "\n");
     tell_only(made, "A", d->only_a, d->components_only_a, d->largest_only_a);
     tell_only(made, "B", d->only_b, d->components_only_b, d->largest_only_b);
-    /* Where nothing differs there is no box of it. */
     if (d->only_a + d->only_b == 0) {
         cli_tell(made, "  the same\n");
         return;
     }
-    /* The same box in the lattice's unit, to be found in other programs. */
     for (int a = 0; a < 3; a++) {
         low[a] = g->lattice.origin[a] + ((double)g->low[a] + d->low[a]) * g->lattice.spacing[a];
         high[a] = low[a] + d->size[a] * g->lattice.spacing[a];
@@ -88,7 +81,6 @@ static void report_grid_difference(const cli_run *run, const bvx_grid_difference
     cli_text_add(t, ", ");
     cli_json_string(t, run->options->input[1]);
     cli_text_add(t, "]");
-    /* Counts of both, of what they share, and of what only one of them has. */
     cli_json_count(t, "set_a", d->set_a);
     cli_json_count(t, "set_b", d->set_b);
     cli_json_count(t, "both", d->both);
@@ -109,7 +101,6 @@ int cli_compare_grids(cli_run *run, const cli_input *a, const cli_input *b, bvx_
     bvx_status const status = bvx_grid_compare(run->context, &a->grid, &b->grid, d);
 
     if (status == BVX_OK) return CLI_DONE;
-    /* What does not fit is a matter of both. */
     snprintf(about, sizeof about, "%s and %s", cli_input_name(a->path), cli_input_name(b->path));
     /* Lattices that differ because a side-car is missing are the usual mistake. */
     if (status != BVX_ERR_LATTICE || a->placed == b->placed) return cli_fail_status(run, status, about);
@@ -124,7 +115,6 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
     int status;
 
     cli_stage_begin(run, "compare");
-    /* The function says by itself which of the two does not fit. */
     status = cli_compare_grids(run, &in[0], &in[1], &d);
     cli_stage_end(run);
     if (status != CLI_DONE) return status;
@@ -134,8 +124,6 @@ static int compare_grids(cli_run *run, const cli_input in[2], cli_made *made)
     tell_grid_difference(run, &in[0].grid, &d, made);
     return CLI_DONE;
 }
-
-/* ---- meshes ---- */
 
 static int check_mesh(cli_run *run, const cli_input *in)
 {
@@ -193,7 +181,6 @@ static void report_distance(cli_made *made, const bvx_distance_report *d, double
 
     cli_text_add(t, ", \"distance\": {\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);
-    /* Both ways together, then each of them. */
     cli_json_value(t, "mean", d->mean);
     cli_json_value(t, "max", d->max);
     cli_json_value(t, "mean_a_to_b", d->mean_a_to_b);
@@ -218,7 +205,6 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     int status = check_mesh(run, &in[0]);
 
     if (status == CLI_DONE) status = check_mesh(run, &in[1]);
-    /* --samples 0 leaves the certificates alone to compare. */
     if (status == CLI_DONE && samples != 0) {
         bvx_mesh_view_of(&in[0].mesh, &a);
         bvx_mesh_view_of(&in[1].mesh, &b);
@@ -229,17 +215,13 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     }
     if (status != CLI_DONE) return status;
     diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
-    /* Each for itself first: a volume that differs says more than a distance. */
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
-    /* Nothing was measured. */
     if (samples == 0) return CLI_DONE;
     tell_distance_of(made, &d, diagonal);
     report_distance(made, &d, diagonal);
     return CLI_DONE;
 }
-
-/* ---- either ---- */
 
 static int check_compare_options(cli_run *run)
 {
@@ -254,7 +236,6 @@ static int check_compare_options(cli_run *run)
         return cli_usage(
             run, "a mesh and a grid have nothing to compare: voxelize the mesh on the grid's lattice, "
                  "or make a mesh of the grid with 'bitvox lod'");
-    /* The seed places samples; 0 of them have no place. */
     if (kind[0] == CLI_MESH && o->samples == 0 && cli_given(run, "--seed"))
         return cli_usage(run, "--seed has no use with --samples 0");
     if (kind[0] == CLI_MESH) return CLI_DONE;
@@ -264,13 +245,11 @@ static int check_compare_options(cli_run *run)
     return CLI_DONE;
 }
 
-/* Two inputs. */
 static int make_compare(cli_run *run, void *work, cli_made *made)
 {
     cli_input *const in = work;
     int status = check_compare_options(run);
 
-    /* Both are held: distances and differences go both ways. */
     for (int i = 0; i < 2 && status == CLI_DONE; i++)
         status = cli_read_input(run, run->options->input[i], &in[i]);
     made->untitled = 1;
@@ -278,10 +257,7 @@ static int make_compare(cli_run *run, void *work, cli_made *made)
     return in[0].kind == CLI_MESH ? compare_meshes(run, in, made) : compare_grids(run, in, made);
 }
 
-static void free_compare(cli_run *run, void *work)
-{
-    for (int i = 0; i < 2; i++) cli_free_input(run, (cli_input *)work + i);
-}
+static const cli_owned compare_owns[] = {{CLI_OWNS_INPUT, 2, 0, sizeof(cli_input)}, {0}};
 
 const cli_command cli_compare = {
     .name = "compare",
@@ -299,4 +275,4 @@ const cli_command cli_compare = {
                "bitvox compare fixtures/knot.ply knot.stl",
     .rows = compare_rows,
     .own = sizeof(compare_options),
-    .job = {.size = sizeof(cli_input[2]), .make = make_compare, .free = free_compare}};
+    .job = {.size = sizeof(cli_input[2]), .make = make_compare, .owns = compare_owns}};

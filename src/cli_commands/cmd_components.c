@@ -8,9 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct components_options {
     cli_list seeds;       /* three numbers each */
     int64_t keep_largest; /* so many parts */
@@ -69,10 +66,8 @@ static int check_components_options(cli_run *run)
         return cli_usage(run,
                          "%s is a mesh; 'bitvox info' counts its parts, 'bitvox voxelize' makes a grid of it",
                          cli_input_name(o->input[0]));
-    /* A seed is three numbers; a list that ends within one is a mistake. */
     if (own->seeds.count % 3 != 0)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
-    /* A number for each voxel: of the formats only .npy holds them. */
     if (labels_of(run) != NULL && bvx_format_of_name(labels_of(run)) != BVX_FORMAT_NPY)
         return cli_usage(run, "%s: --labels writes .npy", labels_of(run));
     return o->output != NULL ? cli_check_voxel_name(run) : CLI_DONE;
@@ -94,7 +89,6 @@ static int keep_components(cli_run *run, components_job *job)
     bvx_keep_options k = {.struct_size = sizeof k};
     bvx_status status;
 
-    /* All conditions hold together: a part stays when it meets each of them. */
     k.connectivity = job->connectivity;
     k.largest = (uint64_t)own->keep_largest;
     k.at_least = (uint64_t)own->at_least;
@@ -102,7 +96,6 @@ static int keep_components(cli_run *run, components_job *job)
     job->seeds = calloc((size_t)list->count + 1, sizeof *job->seeds);
     if (job->seeds == NULL) return cli_fail(run, "no memory for seeds");
     for (int i = 0; i < list->count; i++) job->seeds[i] = (int32_t)list->value[i];
-    /* No seeds mean that every part may stay. */
     if (list->count != 0) k.seeds = job->seeds;
     k.seed_count = (uint64_t)list->count / 3;
     cli_stage_begin(run, "keep");
@@ -164,11 +157,9 @@ static void tell_parts(const cli_run *run, const components_job *job, cli_made *
                  job->kept.kept, job->kept.kept + job->kept.dropped, job->kept.voxels_dropped);
     if (own->fill_cavities) cli_tell(made, "  filled      %" PRIu64 " voxels of cavities\n", job->filled);
     cli_tell(made, "  parts       %" PRIu64 ", connectivity %" PRId32 "\n", job->count, job->connectivity);
-    /* The library counts these for 6 and 26 only. */
     if (job->connectivity != 18)
         cli_tell(made, "  topology    %" PRIu64 " cavities, %" PRId64 " tunnels, Euler number %" PRId64 "\n",
                  job->topology.cavities, job->topology.tunnels, job->topology.euler);
-    /* A table without rows needs no head. */
     if (job->count != 0)
         cli_tell(made, "  %8s %14s %9s   %-18s %s\n", "part", "voxels", "share", "first voxel", "box");
     for (uint64_t i = 0; i < job->count && i < PARTS_SAID; i++) {
@@ -254,7 +245,6 @@ static int write_labels(cli_run *run, components_job *job, int number)
 
     memset(&file, 0, sizeof file);
     memset(&side_car, 0, sizeof side_car);
-    /* The labels as the library counts them, and as the file has them. */
     if (voxels < (SIZE_MAX - LABELS_HEAD) / 4) {
         job->labels = malloc((size_t)voxels * 4);
         file.bytes = malloc((size_t)voxels * 4 + LABELS_HEAD);
@@ -263,7 +253,6 @@ static int write_labels(cli_run *run, components_job *job, int number)
         free(file.bytes);
         return cli_fail(run, "no memory for the labels of %" PRIu64 " voxels", voxels);
     }
-    /* Both arrays are there at once. */
     cli_note_peak(run, voxels * 8);
     cli_stage_begin(run, "labels");
     status = bvx_grid_label(run->context, g, job->connectivity, job->labels, voxels, NULL);
@@ -308,7 +297,6 @@ static int make_components(cli_run *run, void *work, cli_made *made)
     CLI_TRY(keep_components(run, job));
     CLI_TRY(list_components(run, job));
 
-    /* Without -o nothing is written; the parts are told all the same. */
     job->voxels.name = run->options->input[0];
     job->voxels.grid = made->shown = &job->in.grid;
     if (output != NULL) made->voxels = &job->voxels;
@@ -324,16 +312,10 @@ static void tell_components(const cli_run *run, const void *work, cli_made *made
     report_parts(work, made);
 }
 
-static void free_components(cli_run *run, void *work)
-{
-    components_job *const job = work;
-
-    cli_free_voxels(run, &job->voxels);
-    free(job->labels);
-    free(job->parts);
-    free(job->seeds);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned components_owns[] = {
+    CLI_OWNS(VOXELS, components_job, voxels), CLI_OWNS(BYTES, components_job, labels),
+    CLI_OWNS(BYTES, components_job, parts),   CLI_OWNS(BYTES, components_job, seeds),
+    CLI_OWNS(INPUT, components_job, in),      {0}};
 
 const cli_command cli_components = {
     .name = "components",
@@ -358,4 +340,4 @@ const cli_command cli_components = {
     .job = {.size = sizeof(components_job),
             .make = make_components,
             .tell = tell_components,
-            .free = free_components}};
+            .owns = components_owns}};

@@ -5,8 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static const cli_argument convert_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},
@@ -35,7 +33,6 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
     int32_t const format = bvx_format_of_name(o->output);
     int const to = format == BVX_FORMAT_VTU ? CLI_TREE : cli_kind_of_format(format);
 
-    /* Names that mean another command are told which one. */
     CLI_TRY(cli_input_kind(run, o->input[0], kind));
     if (format == BVX_FORMAT_PNG)
         return cli_usage(run, "%s would be a picture: 'bitvox render' makes them", o->output);
@@ -54,8 +51,8 @@ static int check_convert_options(cli_run *run, int *kind, cli_tree *t)
 }
 
 typedef struct convert_job {
+    cli_tree tree; /* the first, as cli_write_tree needs it */
     cli_input in;
-    cli_tree tree;
     cli_voxels voxels;
 } convert_job;
 
@@ -65,13 +62,6 @@ static int convert_mesh(cli_run *run, convert_job *job, cli_made *made)
 
     made->mesh = &job->in.mesh;
     return status == CLI_DONE ? cli_read_mesh(run, run->options->input[0], &job->in.mesh) : status;
-}
-
-static int write_tree(cli_run *run, void *work)
-{
-    convert_job *const job = work;
-
-    return cli_write_tree(run, &job->tree);
 }
 
 static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
@@ -85,7 +75,7 @@ static int convert_tree(cli_run *run, convert_job *job, cli_made *made)
     if (status == CLI_DONE && t->kind == 0 && run->options->window.count != 0)
         status = cli_usage(run, "--window of an octree is only for grids; %s is not a grid",
                            run->options->output);
-    made->write = write_tree;
+    made->write = cli_write_tree;
     return status;
 }
 
@@ -132,14 +122,10 @@ static void tell_convert(const cli_run *run, const void *work, cli_made *made)
              mesh->vertex_count);
 }
 
-static void free_convert(cli_run *run, void *work)
-{
-    convert_job *const job = work;
-
-    cli_free_voxels(run, &job->voxels);
-    cli_free_tree(run, &job->tree);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned convert_owns[] = {CLI_OWNS(VOXELS, convert_job, voxels),
+                                         CLI_OWNS(TREE, convert_job, tree),
+                                         CLI_OWNS(INPUT, convert_job, in),
+                                         {0}};
 
 const cli_command cli_convert = {
     .name = "convert",
@@ -161,4 +147,4 @@ const cli_command cli_convert = {
     .most = "--output-dir --window --level --range --label --shape --sample-type --voxel-size "
             "--normals --up --format --json",
     .rows = convert_rows,
-    .job = {.size = sizeof(convert_job), .make = make_convert, .tell = tell_convert, .free = free_convert}};
+    .job = {.size = sizeof(convert_job), .make = make_convert, .tell = tell_convert, .owns = convert_owns}};

@@ -5,13 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-static void start_faces(void *options)
-{
-    ((bvx_faces_options *)options)->struct_size = sizeof(bvx_faces_options);
-}
-
 #define OWN(name) CLI_OWN(bvx_faces_options, name)
 
 static const cli_argument faces_rows[] = {
@@ -41,22 +34,19 @@ static int check_faces_options(cli_run *run)
     return cli_check_rules(run, rules, kind == CLI_GRID ? CLI_OF_GRID : 0, cli_input_name(path));
 }
 
-static bvx_status extract(cli_run *run, const bvx_grid *grid, bvx_mesh *mesh)
-{
-    return bvx_extract_faces(run->context, grid, run->own, mesh);
-}
-
 static int extract_mesh(cli_run *run, const cli_input *in, bvx_mesh *mesh)
 {
     cli_mesh_entry *const entry = &run->report.mesh[0];
+    bvx_faces_options *const own = run->own;
     uint64_t set = 0;
     bvx_status status;
 
     bvx_grid_count(run->context, &in->grid, &set);
     cli_note_voxels(run, &in->grid.lattice, set);
     if (set == 0) return cli_fail(run, "%s: the grid is empty and has no faces", cli_input_name(in->path));
+    own->struct_size = sizeof *own;
     cli_stage_begin(run, "faces");
-    status = extract(run, &in->grid, mesh);
+    status = bvx_extract_faces(run->context, &in->grid, own, mesh);
     entry->milliseconds = cli_stage_end(run) * 1e3;
     CLI_TRY(cli_check_call(run, status, cli_input_name(in->path)));
     return cli_check_mesh(run, mesh, 0, run->options->output, "check");
@@ -72,7 +62,6 @@ static int make_faces(cli_run *run, void *work, cli_made *made)
     faces_job *const job = work;
     int status = check_faces_options(run);
 
-    /* Opened before the input is read: a folder that cannot be written costs no time. */
     if (status == CLI_DONE) status = cli_open_output(run, run->options->output);
     if (status == CLI_DONE) status = cli_read_input(run, run->options->input[0], &job->in);
     if (status == CLI_DONE && job->in.kind == CLI_MESH) status = cli_fill_input(run, &job->in);
@@ -94,13 +83,7 @@ static void tell_faces(const cli_run *run, const void *work, cli_made *made)
              c->vertices, c->volume);
 }
 
-static void free_faces(cli_run *run, void *work)
-{
-    faces_job *const job = work;
-
-    bvx_mesh_free(run->context, &job->mesh);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned faces_owns[] = {CLI_OWNS(MESH, faces_job, mesh), CLI_OWNS(INPUT, faces_job, in), {0}};
 
 const cli_command cli_faces = {
     .name = "faces",
@@ -120,6 +103,5 @@ const cli_command cli_faces = {
     .most = "--resolution --spacing --fill --level --range --label --merge --keep-largest "
             "--format --threads --memory-limit --json",
     .rows = faces_rows,
-    .start = start_faces,
     .own = sizeof(bvx_faces_options),
-    .job = {.size = sizeof(faces_job), .make = make_faces, .tell = tell_faces, .free = free_faces}};
+    .job = {.size = sizeof(faces_job), .make = make_faces, .tell = tell_faces, .owns = faces_owns}};

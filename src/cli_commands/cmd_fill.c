@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct fill_options {
     cli_list seeds;   /* three numbers each */
     const char *mesh; /* the file that the surface came from */
@@ -63,7 +60,6 @@ static int check_fill_options(cli_run *run, int *kind)
         return cli_usage(run, "--seed takes three numbers a seed, like 8,8,8 or 8,8,8,40,40,40");
     if (own->mesh != NULL && own->seeds.count != 0)
         return cli_usage(run, "--mesh says which pockets lie inside; it has no use with --seed");
-    /* The mesh is a second input: its kind is refused before anything is read. */
     if (own->mesh != NULL) {
         status = cli_input_kind(run, own->mesh, &mesh);
         if (status == CLI_DONE && mesh != CLI_MESH)
@@ -83,8 +79,6 @@ static int read_fill_inputs(cli_run *run, fill_job *job)
     return status;
 }
 
-/* ---- seeds ---- */
-
 static int make_room_for_seeds(cli_run *run, fill_job *job, uint64_t count)
 {
     free(job->seeds);
@@ -97,7 +91,6 @@ static int take_given_seeds(cli_run *run, fill_job *job)
     const fill_options *const own = run->own;
     const cli_list *const list = &own->seeds;
     int const status = make_room_for_seeds(run, job, (uint64_t)list->count / 3);
-    /* Said to be given, not found, where seeds are told. */
     job->given = 1;
     if (status != CLI_DONE) return status;
     job->count = (uint64_t)list->count / 3;
@@ -118,7 +111,6 @@ static int find_seeds(cli_run *run, fill_job *job)
     status = bvx_find_seed(run->context, &job->in.grid, mesh, 0, &job->search);
     if (status == BVX_OK)
         status = bvx_find_pockets(run->context, &job->in.grid, mesh, job->seeds, room, &job->count);
-    /* The call counted them all, so the second one has room for exactly as many. */
     if (status == BVX_ERR_CAPACITY) {
         room = job->count;
         CLI_TRY(make_room_for_seeds(run, job, room));
@@ -133,8 +125,6 @@ static int find_seeds(cli_run *run, fill_job *job)
         "meshes have none); --seed fills from where it says",
         path);
 }
-
-/* ---- filling ---- */
 
 static int fill_from_seeds(cli_run *run, fill_job *job)
 {
@@ -153,13 +143,10 @@ static int fill_from_seeds(cli_run *run, fill_job *job)
     return CLI_DONE;
 }
 
-/* ---- what is reported ---- */
-
 static void tell_seeds(const fill_job *job, cli_made *made)
 {
     const bvx_seed *const s = &job->search;
 
-    /* Seeds that were given, or one for each pocket that was found. */
     if (job->given) cli_tell(made, "  seeds       %" PRIu64 "\n", job->count);
     else cli_tell(made, "  pockets     %" PRIu64 "\n", job->count);
     for (uint64_t i = 0; i < job->count && i < FILL_SEEDS_SAID; i++)
@@ -170,7 +157,6 @@ static void tell_seeds(const fill_job *job, cli_made *made)
     if (job->given) return;
     cli_tell(made, "  search      %s", s->found ? "" : "no seed");
     if (s->found) cli_tell(made, "%" PRId32 ",%" PRId32 ",%" PRId32, s->voxel[0], s->voxel[1], s->voxel[2]);
-    /* By axis, in the order in which lines were cast. */
     cli_tell(made, " after %" PRIu64 ", %" PRIu64 ", %" PRIu64 " lines along x, y, z%s\n", s->scans[0],
              s->scans[1], s->scans[2], s->verified ? ", inside the mesh" : "");
 }
@@ -194,7 +180,6 @@ static void report_fill(const fill_job *job, cli_made *made)
         add_voxel(t, job->seeds + 3 * i);
     }
     cli_text_add(t, "]");
-    /* The search for one seed, reported beside the pockets that were filled. */
     if (!job->given) {
         cli_text_add(t, ", \"search\": {\"voxel\": ");
         if (s->found) add_voxel(t, s->voxel);
@@ -217,7 +202,6 @@ static void tell_fill(const cli_run *run, const void *work, cli_made *made)
     (void)run;
     tell_seeds(job, made);
     report_fill(job, made);
-    /* Filled to the side of the window, the fill has run out of the shape. */
     if (job->reaches_side)
         cli_advise(made, BVX_WARN_ENDS,
                    "%s: the fill reaches the window's sides: these voxels do not hold it",
@@ -233,11 +217,9 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
     CLI_TRY(check_fill_options(run, &kind));
     CLI_TRY(cli_open_voxels(run));
     CLI_TRY(read_fill_inputs(run, job));
-    /* Seeds of the user are taken as they are; whether they are empty voxels shows when they are filled. */
     CLI_TRY(own->seeds.count != 0 ? take_given_seeds(run, job) : find_seeds(run, job));
     CLI_TRY(fill_from_seeds(run, job));
 
-    /* No source: the surface of voxels that were filled is half way between them. */
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
     made->voxels = &job->voxels;
@@ -246,16 +228,9 @@ static int make_fill(cli_run *run, void *work, cli_made *made)
     return CLI_DONE;
 }
 
-static void free_fill(cli_run *run, void *work)
-{
-    fill_job *const job = work;
-
-    cli_free_voxels(run, &job->voxels);
-    free(job->seeds);
-    bvx_grid_free(run->context, &job->out);
-    bvx_mesh_free(run->context, &job->mesh);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned fill_owns[] = {CLI_OWNS(VOXELS, fill_job, voxels), CLI_OWNS(BYTES, fill_job, seeds),
+                                      CLI_OWNS(GRID, fill_job, out),      CLI_OWNS(MESH, fill_job, mesh),
+                                      CLI_OWNS(INPUT, fill_job, in),      {0}};
 
 const cli_command cli_fill = {
     .name = "fill",
@@ -277,4 +252,4 @@ const cli_command cli_fill = {
             "--memory-limit --json --quiet",
     .rows = fill_rows,
     .own = sizeof(fill_options),
-    .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .free = free_fill}};
+    .job = {.size = sizeof(fill_job), .make = make_fill, .tell = tell_fill, .owns = fill_owns}};

@@ -7,9 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct info_options {
     int32_t count_crossings; /* of meshes */
 } info_options;
@@ -41,7 +38,6 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
     cli_tell(made, "  triangles   %" PRIu64 " of %" PRIu64 " vertices and %" PRIu64 " edges\n", c->triangles,
              c->vertices, c->edges);
     if (c->unused_vertices != 0) cli_tell(made, "  unused      %" PRIu64 " vertices\n", c->unused_vertices);
-    /* Rows for what is wrong stand only where something is. */
     if (c->collapsed + c->degenerate + c->duplicates != 0)
         cli_tell(made,
                  "  beside      %" PRIu64 " collapsed, %" PRIu64 " without area, %" PRIu64
@@ -50,7 +46,6 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
     for (int a = 0; a < 3; a++)
         cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
                  c->high[a] - c->low[a]);
-    /* The three that other commands ask of a mesh, each with how far it is from them. */
     cli_tell(made, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
@@ -137,7 +132,6 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
     cli_mesh_entry *const entry = &run->report.mesh[0];
     int differs;
 
-    /* As its indices say, and where they leave it open also as its positions do. */
     CLI_TRY(check_both(run, mesh, &job->certificate, &job->welded, &differs));
     CLI_TRY(count_crossings(run, mesh, entry));
     entry->path = run->options->input[0];
@@ -156,7 +150,6 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
         cli_tell(made, "the same with vertices at equal positions joined\n");
         tell_certificate(made, &job->welded);
     }
-    /* Counted on request only, since it takes longer than all the rest. */
     if (entry->has_crossings)
         cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
     return CLI_DONE;
@@ -214,7 +207,6 @@ static void tell_facts_of_grid(const cli_run *run, const cli_input *in, const gr
 {
     double centre[3];
 
-    /* Where other programs put their origin: the centre of the first voxel. */
     cli_grid_corner(&in->grid, 0.5, centre);
     cli_text_add(&made->head, "  format      %s\n", cli_format_name(cli_input_format(run, in->path)));
     cli_tell(made, "  center0     %.9g, %.9g, %.9g\n", centre[0], centre[1], centre[2]);
@@ -233,7 +225,6 @@ static void report_facts(const cli_run *run, const cli_input *in, const grid_fac
     cli_text *const t = &made->members;
     double corner[3], centre[3];
 
-    /* Both places, since formats differ in which of them they call the origin. */
     cli_grid_corner(g, 0.0, corner);
     cli_grid_corner(g, 0.5, centre);
     cli_text_add(t, ", \"grid\": {\"path\": ");
@@ -261,7 +252,6 @@ static int info_of_grid(cli_run *run, const cli_input *in, cli_made *made)
     bvx_status status;
 
     cli_stage_begin(run, "check");
-    /* The hash is of lattice and voxels, so it is the same in whatever format a grid is stored. */
     status = bvx_grid_count(run->context, g, &made->set);
     if (status == BVX_OK) status = bvx_grid_hash(run->context, g, &f.hash);
     if (status == BVX_OK) find_box(g, &f);
@@ -294,7 +284,6 @@ static int info_of_tree(cli_run *run, cli_input *in, cli_made *made)
         cli_tell(made, "  origin      %.9g, %.9g, %.9g\n\n", l->origin[0], l->origin[1], l->origin[2]);
         cli_tell_levels(run, &t, made);
     }
-    /* Its levels are told; nothing of the tree is needed after that. */
     cli_free_tree(run, &t);
     return status;
 }
@@ -307,7 +296,6 @@ static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *mad
     cli_text *const t = &made->members;
     double low[3], high[3];
 
-    /* A cloud has no triangles, so every point counts. */
     for (int a = 0; a < 3; a++) {
         low[a] = HUGE_VAL;
         high[a] = -HUGE_VAL;
@@ -320,7 +308,6 @@ static int info_of_cloud(const bvx_mesh *points, const char *path, cli_made *mad
         }
     }
 
-    /* A cloud has no entry among the meshes: it has nothing that a certificate says. */
     cli_text_add(t, ", \"cloud\": {\"path\": ");
     cli_json_string(t, path);
     cli_json_count(t, "points", points->vertex_count);
@@ -350,7 +337,6 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
-    /* Refused before a large file is read for nothing. */
     if (own->count_crossings && kind != CLI_MESH)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
     /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */
@@ -377,12 +363,9 @@ static int make_info(cli_run *run, void *work, cli_made *made)
                                   : info_of_grid(run, in, made);
 }
 
-static void free_info(cli_run *run, void *work)
-{
-    cli_free_input(run, &((info_job *)work)->in);
-}
+static const cli_owned info_owns[] = {CLI_OWNS(INPUT, info_job, in), {0}};
 
-static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, .free = free_info};
+static const cli_job info_files = {.size = sizeof(info_job), .make = make_info, .owns = info_owns};
 
 /* ---- contours and bare samples ---- */
 
@@ -412,7 +395,6 @@ static int choose_info(cli_run *run, const cli_job **job)
     const char *const path = run->options->input[0];
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
 
-    /* Chosen by the name: each is read by another reader. */
     *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
     if (own->count_crossings && *job != &info_files)
         return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));

@@ -12,16 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-static void start_lod(void *options)
-{
-    cli_lod_options *const o = options;
-
-    o->samples = (bvx_lod_options){.struct_size = sizeof o->samples};
-    o->levels = (bvx_levels_options){.struct_size = sizeof o->levels};
-}
-
 #define OWN(name) CLI_OWN(cli_lod_options, name)
 
 enum { METHOD_OF = 1 }; /* 0: not given */
@@ -88,7 +78,6 @@ enum { DEFAULT_SAMPLES = 20000, DISTANCE_SEED = 1 };
     "--error --error-kind --count --strict --even --attributes --lock-border --keep-vertices " \
     "--topology --solid --sharp --no-sharp --outer-hull --least-cavity --shell --sign"
 
-/* Facts of the line: the method. */
 enum {
     COLLAPSES = 1 << CLI_FIRST_FACT,
     COVERS = 2 << CLI_FIRST_FACT /* --method coverage */
@@ -144,7 +133,6 @@ static int check_lod_options(cli_run *run, cli_chain *c)
     c->asked = c->by_triangles               ? o->triangles.count
                : own->resolutions.count != 0 ? own->resolutions.count
                                              : 3;
-    /* How many levels there are is known now, and so how many names. */
     CLI_TRY(cli_check_level_names(run, c->asked));
     /* A level has no more samples than the solid has voxels to sample. */
     for (int i = 0; i < own->resolutions.count && o->resolution.count != 0; i++)
@@ -166,12 +154,10 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
     int const number = run->report.mesh[i].number;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
-    /* No saving: the level costs more than what it stands for. */
     if (c->lod[i].exceeds_source)
         cli_advise(made, BVX_WARN_UNMET,
                    "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
                    c->mesh[i].triangle_count, c->input_triangles);
-    /* A grid has no parts or volume of its own besides its voxels. */
     if (c->kind != CLI_MESH) return;
     if (level->components > c->certificate.components)
         cli_advise(made, BVX_WARN_PARTS,
@@ -202,12 +188,10 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
     char *const path = c->path[i];
     int const own_file = cli_has_number(run->options->output);
 
-    /* The last one, and none before it: nothing would be written. */
     if (i == 0 && others == 0)
         return cli_fail_advised(
             run, status, NULL,
             status == BVX_ERR_EMPTY && number != 0 ? "; no level before it keeps anything either" : advice);
-    /* Where all levels share a file, that of the others is this one's too. */
     cli_advise(made, BVX_WARN_UNMET, "%s%s; %s%s", bvx_last_error(run->context)->text, advice, path,
                own_file ? " is not written" : " is written without it");
     if (own_file) {
@@ -218,7 +202,6 @@ static int leave_out(cli_run *run, cli_chain *c, bvx_status status, int number, 
     return CLI_DONE;
 }
 
-/* The call of the library, with the options of this level alone. */
 static bvx_status build_level(cli_run *run, cli_chain *c, int number)
 {
     const cli_lod_options *const own = run->own;
@@ -226,8 +209,8 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     uint64_t const target = c->by_triangles ? (uint64_t)run->options->triangles.value[number] : 0;
     bvx_lod_options l = own->samples;
 
+    l.struct_size = sizeof l;
     if (own->method != 0) l.method = own->method - METHOD_OF;
-    /* One of the two says how fine the level is. */
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
     l.source_triangles = c->input_triangles;
@@ -251,14 +234,12 @@ static int make_level(cli_run *run, cli_chain *c, int number, cli_made *made)
     if (status != BVX_OK) {
         char about[32];
         snprintf(about, sizeof about, "level %d", number);
-        /* the message names it */
         return cli_fail_status(run, status, bvx_last_error(run->context)->index == number ? NULL : about);
     }
     if (run->options->carry) {
         cli_stage_begin(run, "carry %d", number);
         CLI_TRY(cli_stage_check(run, bvx_mesh_carry(run->context, &c->input, &c->mesh[i]), c->path[i]));
     }
-    /* What the file of this level can show, beside its shape. */
     entry->number = number;
     entry->colours = c->mesh[i].colours != NULL;
     entry->uvs = c->mesh[i].uvs != NULL;
@@ -292,7 +273,6 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
 {
     const bvx_lattice *const l = &run->report.lattice;
 
-    /* A grid is the solid already: there is no mesh to describe and no rule that filled it. */
     if (c->kind == CLI_GRID) {
         const int32_t *const n = c->solid.size;
         cli_tell(made,
@@ -302,7 +282,6 @@ static void tell_chain_head(const cli_run *run, const cli_chain *c, cli_made *ma
                  c->input_triangles, c->diagonal);
         return;
     }
-    /* Of a mesh both are told, since the levels are those of its solid. */
     cli_tell_input(run, c->input.triangle_count, &c->certificate, c->diagonal, made);
     cli_tell(made,
              "solid: %" PRId32 " x %" PRId32 " x %" PRId32 " voxels (resolution %" PRId32 ", %s), %" PRIu64
@@ -321,7 +300,6 @@ static void tell_chain_levels(const cli_run *run, const cli_chain *c, cli_made *
         const bvx_lod_report *const l = &c->lod[i];
         const cli_mesh_entry *const m = &run->report.mesh[i];
         char size[48];
-        /* In one word, so that the column has one width. */
         snprintf(size, sizeof size, "%" PRId32 "x%" PRId32 "x%" PRId32, l->resolution[0], l->resolution[1],
                  l->resolution[2]);
         cli_tell(made, "%5d  %-14s %6.2f %10" PRIu64 " %19.2f%% %9.2f  %s\n", m->number, size, l->ratio[0],
@@ -350,7 +328,6 @@ static int make_chain(cli_run *run, void *work, cli_made *made)
     if (status == CLI_DONE) status = cli_open_levels(run, c->asked, c->path);
     if (status == CLI_DONE) status = cli_open_chain(run, c);
     for (int i = 0; i < c->asked && status == CLI_DONE; i++) status = make_level(run, c, i, made);
-    /* Only what is there is measured and written. */
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     made->write = write_chain;
     return status;
@@ -361,9 +338,7 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     const cli_chain *const c = work;
     int const grid = c->kind == CLI_GRID;
 
-    /* Warnings are collected here and said after all lines. */
     for (int i = 0; i < c->count; i++) warn_of_broken_level(run, c, i, made);
-    /* All levels have one format, so one warning is enough. */
     tell_chain_head(run, c, made);
     tell_chain_levels(run, c, made);
     cli_tell_distances(run, c->count, c->diagonal, 3, grid ? "to the voxels' surface, " : "",
@@ -371,20 +346,14 @@ static void tell_chain(const cli_run *run, const void *work, cli_made *made)
     cli_tell_written(run, c->count, made);
 }
 
-static void free_chain(cli_run *run, void *work)
-{
-    cli_chain *const c = work;
-
-    /* One more than were made may hold a mesh: a level that failed after it was built. */
-    for (int i = 0; i < c->asked; i++) bvx_mesh_free(run->context, &c->mesh[i]);
-    bvx_grid_free(run->context, &c->solid);
-    bvx_mesh_free(run->context, &c->input);
-}
+static const cli_owned chain_owns[] = {CLI_OWNS_ALL(MESH, cli_chain, mesh),
+                                       CLI_OWNS(GRID, cli_chain, solid),
+                                       CLI_OWNS(MESH, cli_chain, input),
+                                       {0}};
 
 static const cli_job chain_job = {
-    .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .free = free_chain};
+    .size = sizeof(cli_chain), .make = make_chain, .tell = tell_chain, .owns = chain_owns};
 
-/* By --method, or by what the input and the other options mean. */
 static int choose_lod(cli_run *run, const cli_job **job)
 {
     const cli_lod_options *const own = run->own;
@@ -428,6 +397,5 @@ const cli_command cli_lod = {
     .most = "--output-dir --resolution --triangles --error --count --strict --solid --method "
             "--level --threads --memory-limit --json",
     .rows = lod_rows,
-    .start = start_lod,
     .own = sizeof(cli_lod_options),
     .choose = choose_lod};

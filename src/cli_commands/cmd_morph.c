@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct morph_options {
     bvx_morph_options change;
     bvx_hollow_options hollow;
@@ -103,7 +101,6 @@ static int take_action(cli_run *run, int32_t *action)
             *action = i;
             return CLI_DONE;
         }
-    /* A misspelt action, or an input that stands in its place. */
     near = cli_nearest(word, action_at, NULL);
     if (near != NULL) return cli_usage(run, "unknown action '%s'; did you mean '%s'?", word, near);
     return cli_usage(
@@ -112,7 +109,6 @@ static int take_action(cli_run *run, int32_t *action)
         word);
 }
 
-/* Facts of the line: the action, and values that an option needs. */
 enum {
     GROWS = 1 << CLI_FIRST_FACT,
     HOLLOWS = 2 << CLI_FIRST_FACT,
@@ -170,7 +166,6 @@ static int check_morph_options(cli_run *run, morph_job *job)
 
     job->action = (morph_action)own->action;
     CLI_TRY(cli_check_rules(run, action_rules, facts_of_action(own, job->action), action_names[job->action]));
-    /* What the action refuses comes first: it holds for any input. */
     CLI_TRY(cli_input_kind(run, path, &kind));
     if (kind != CLI_GRID && CLI_HOLDS(run, CLI_TO_MESH) && !cli_given(run, "--padding") &&
         !run->options->origin.given)
@@ -180,7 +175,6 @@ static int check_morph_options(cli_run *run, morph_job *job)
 
 /* ---- the voxels ---- */
 
-/* A mesh's lattice gets room for what dilation adds. */
 static int make_room(cli_run *run, morph_job *job)
 {
     const morph_options *const own = run->own;
@@ -189,9 +183,7 @@ static int make_room(cli_run *run, morph_job *job)
     bvx_lattice l;
     double voxels;
 
-    /* Only dilation leaves the mesh's box, and a lattice that was requested stays. */
     if (job->action != DILATE || cli_given(run, "--padding") || o->origin.given) return CLI_DONE;
-    /* The lattice without padding says how large a voxel will be. */
     bvx_mesh_view_of(&job->in.mesh, &view);
     CLI_TRY(cli_check_call(run, cli_make_lattice(run, &view, &l), cli_input_name(job->in.path)));
     double const least = l.spacing[0] < l.spacing[1] ? l.spacing[0] : l.spacing[1];
@@ -205,7 +197,6 @@ static int make_room(cli_run *run, morph_job *job)
     return CLI_DONE;
 }
 
-/* Its voxels, whatever the input is. */
 static int open_morph(cli_run *run, morph_job *job, cli_made *made)
 {
     CLI_TRY(check_morph_options(run, job));
@@ -216,7 +207,6 @@ static int open_morph(cli_run *run, morph_job *job, cli_made *made)
         CLI_TRY(cli_fill_input(run, &job->in));
     }
 
-    /* A mesh always says where it lies. */
     made->placed = job->in.kind == CLI_MESH || job->in.placed;
     bvx_grid_count(run->context, &job->in.grid, &job->before);
     return CLI_DONE;
@@ -237,7 +227,6 @@ static bvx_status hollow_voxels(cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     bvx_hollow_options h = own->hollow;
 
-    /* The library takes a set of sides; the program one of them. */
     h.drain_side = 1 << own->drain_side;
     h.beyond = own->distance.beyond == BVX_BEYOND_SET;
     h.report = &job->hollow;
@@ -315,7 +304,6 @@ static void take_drill(const cli_run *run, morph_job *job)
     const morph_options *const own = run->own;
     cli_drill *const drill = &job->voxels.drill;
 
-    /* Nothing was drilled: the surface has no round part. */
     if (job->hole.words == NULL || job->hollow.drained == 0) return;
     drill->hole = &job->hole;
     drill->axis = own->drain_side / 2;
@@ -337,7 +325,6 @@ static bvx_status move_walls(cli_run *run, morph_job *job)
     double const far = job->action == HOLLOW ? own->hollow.thickness : own->change.radius;
     bvx_status status;
 
-    /* The surface is later put at this distance from the mesh, not between voxels. */
     job->voxels.offset = job->action == DILATE ? far : -far;
     status = cli_measure_source(run, &job->in.mesh, &job->in.grid, far, &job->field);
     if (status == BVX_OK && job->action == HOLLOW && own->hollow.drain_radius > 0.0)
@@ -356,7 +343,6 @@ static void tell_changed(const cli_run *run, const void *work, cli_made *made)
     const morph_options *const own = run->own;
     cli_text *const t = &made->members;
 
-    /* Before and after, so that the change can be seen without a second command. */
     cli_tell(made, "  %-10s  from %" PRIu64 " voxels\n", action_names[job->action], job->before);
     cli_text_add(t, ", \"morph\": {\"action\": \"%s\"", action_names[job->action]);
     cli_json_count(t, "before", job->before);
@@ -390,14 +376,12 @@ static int make_changed(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(open_morph(run, job, made));
     cli_stage_begin(run, action_names[job->action]);
-    /* A mesh that stays a mesh moves its own walls; voxels move by voxels. */
     status = moves_walls(run, job)   ? move_walls(run, job)
              : job->action == HOLLOW ? hollow_voxels(run, job)
                                      : change_voxels(run, job);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &job->out, &made->set);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(job->in.path)));
 
-    /* The surface is the mesh's own where the voxels still end where it does. */
     job->voxels.name = job->in.path;
     job->voxels.grid = &job->out;
     job->voxels.source = job->in.kind == CLI_MESH ? &job->in.mesh : NULL;
@@ -459,7 +443,6 @@ static void tell_distances(const cli_run *run, const void *work, cli_made *made)
     cli_text *const t = &made->members;
     double least = value_at(f, 0), greatest = least;
 
-    /* The range says what levels a viewer can be set to. */
     for (uint64_t i = 1; i < f->value_count; i++) {
         double const v = value_at(f, i);
         if (v < least) least = v;
@@ -485,7 +468,6 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
 
     CLI_TRY(open_morph(run, job, made));
     field->value_type = own->value_type;
-    /* Every voxel has a distance: a field without a band. */
     field->half_width = (double)INFINITY;
     field->sign = BVX_SIGN_NONE;
     cli_stage_begin(run, "distance");
@@ -501,25 +483,20 @@ static int make_distances(cli_run *run, void *work, cli_made *made)
     return CLI_DONE;
 }
 
-static void free_morph(cli_run *run, void *work)
-{
-    morph_job *const job = work;
-
-    /* The arrays of malloc first; the rest was made by the context. */
-    free(job->apart.distances);
-    free(job->apart.row_values);
-    bvx_grid_free(run->context, &job->apart.band);
-    cli_free_voxels(run, &job->voxels);
-    bvx_grid_free(run->context, &job->hole);
-    bvx_field_free(run->context, &job->field);
-    bvx_grid_free(run->context, &job->out);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned morph_owns[] = {CLI_OWNS(BYTES, morph_job, apart.distances),
+                                       CLI_OWNS(BYTES, morph_job, apart.row_values),
+                                       CLI_OWNS(GRID, morph_job, apart.band),
+                                       CLI_OWNS(VOXELS, morph_job, voxels),
+                                       CLI_OWNS(GRID, morph_job, hole),
+                                       CLI_OWNS(FIELD, morph_job, field),
+                                       CLI_OWNS(GRID, morph_job, out),
+                                       CLI_OWNS(INPUT, morph_job, in),
+                                       {0}};
 
 static const cli_job changed_voxels = {
-    .size = sizeof(morph_job), .make = make_changed, .tell = tell_changed, .free = free_morph};
+    .size = sizeof(morph_job), .make = make_changed, .tell = tell_changed, .owns = morph_owns};
 static const cli_job voxel_distances = {
-    .size = sizeof(morph_job), .make = make_distances, .tell = tell_distances, .free = free_morph};
+    .size = sizeof(morph_job), .make = make_distances, .tell = tell_distances, .owns = morph_owns};
 
 static int choose_morph(cli_run *run, const cli_job **job)
 {

@@ -5,20 +5,11 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 typedef struct refine_options {
     bvx_refine_options tree;
     int32_t base_voxels; /* --base; 0: not given */
     int32_t depth;       /* --halvings */
 } refine_options;
-
-static void start_refine(void *options)
-{
-    refine_options *const o = options;
-
-    o->tree = (bvx_refine_options){.struct_size = sizeof o->tree};
-}
 
 #define OWN(name) CLI_OWN(refine_options, name)
 
@@ -51,8 +42,6 @@ static const cli_argument refine_rows[] = {
 
 enum { REFINE_BASE = 8, REFINE_LEVELS = 6, REFINE_AUTO = -1 };
 
-/* ---- what is requested ---- */
-
 enum { CHOOSES_LEVELS = 1 << CLI_FIRST_FACT }; /* --halvings auto */
 
 /* An octree has been refined: what the options for that would ask is decided. */
@@ -81,7 +70,6 @@ static int check_levels(cli_run *run)
 
     CLI_TRY(cli_check_rules(run, mesh_rules, levels == REFINE_AUTO ? CHOOSES_LEVELS : 0, NULL));
     if (levels == REFINE_AUTO) return CLI_DONE;
-    /* Beyond the window voxels are at most as fine as inside it. */
     if (own->tree.outer_levels > levels)
         return cli_usage(run, "--outer-levels %" PRId32 " is beyond the last level, %" PRId32,
                          own->tree.outer_levels, levels);
@@ -94,7 +82,6 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
 
     CLI_TRY(cli_check_tree_output(run, t));
     CLI_TRY(cli_input_kind(run, path, kind));
-    /* Only .bvx may hold a tree; which it is shows when it is read. */
     if (*kind == CLI_GRID && cli_input_format(run, path) != BVX_FORMAT_BVX)
         return cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (*kind == CLI_GRID && run->options->window.count != 0 && t->kind != CLI_GRID)
@@ -103,8 +90,6 @@ static int check_refine_options(cli_run *run, cli_tree *t, int *kind)
     CLI_TRY(*kind == CLI_MESH ? check_levels(run) : cli_check_rules(run, tree_rules, 0, NULL));
     return cli_window_option(run, &t->window);
 }
-
-/* ---- the tree ---- */
 
 /* The base, and the levels where they follow from a resolution. */
 static bvx_status make_base(cli_run *run, const bvx_mesh_view *view, bvx_refine_options *r, bvx_lattice *base)
@@ -133,6 +118,7 @@ static int refine_mesh(cli_run *run, const bvx_mesh *mesh, cli_tree *t)
     bvx_status status;
 
     bvx_mesh_view_of(mesh, &view);
+    r.struct_size = sizeof r;
     r.window = t->window;
     cli_stage_begin(run, "refine");
     status = make_base(run, &view, &r, &t->base);
@@ -149,7 +135,6 @@ static int read_tree(cli_run *run, cli_tree *t)
     cli_input in;
     int status = cli_read_grid_or_tree(run, path, NULL, &in);
 
-    /* Now the bytes have said which of the two it is. */
     if (status == CLI_DONE && in.kind != CLI_TREE)
         status = cli_usage(run, "%s is a grid; refine takes a mesh or an octree", cli_input_name(path));
     if (status == CLI_DONE) {
@@ -171,18 +156,12 @@ static int make_tree(cli_run *run, int kind, cli_tree *t)
     return status;
 }
 
-static int write_refined(cli_run *run, void *work)
-{
-    return cli_write_tree(run, work);
-}
-
 static int make_refine(cli_run *run, void *work, cli_made *made)
 {
     cli_tree *const t = work;
     int kind;
 
-    /* The first line is the tree's own: it says how long refining took. */
-    made->write = write_refined;
+    made->write = cli_write_tree;
     made->untitled = 1;
     CLI_TRY(check_refine_options(run, t, &kind));
     CLI_TRY(cli_open_tree_output(run, t));
@@ -194,7 +173,6 @@ static void tell_refine(const cli_run *run, const void *work, cli_made *made)
     const cli_tree *const t = work;
     const char *const path = cli_input_name(run->options->input[0]);
 
-    /* A tree that was read has no time to tell. */
     if (t->triangles == 0) cli_tell(made, "%s\n\n", path);
     else
         cli_tell(made, "%s: %" PRIu64 " triangles, refined in %.1f ms\n\n", path, t->triangles,
@@ -203,10 +181,7 @@ static void tell_refine(const cli_run *run, const void *work, cli_made *made)
     cli_tell_tree_output(run, t, made);
 }
 
-static void free_refine(cli_run *run, void *work)
-{
-    cli_free_tree(run, work);
-}
+static const cli_owned refine_owns[] = {{CLI_OWNS_TREE, 1, 0, 0}, {0}};
 
 const cli_command cli_refine = {
     .name = "refine",
@@ -232,6 +207,5 @@ const cli_command cli_refine = {
     .most = "--resolution --base --halvings --outer-levels --adaptive --states --leaves --expand "
             "--window --threads --memory-limit --json",
     .rows = refine_rows,
-    .start = start_refine,
     .own = sizeof(refine_options),
-    .job = {.size = sizeof(cli_tree), .make = make_refine, .tell = tell_refine, .free = free_refine}};
+    .job = {.size = sizeof(cli_tree), .make = make_refine, .tell = tell_refine, .owns = refine_owns}};

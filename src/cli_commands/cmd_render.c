@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static void start_render(void *options)
 {
     cli_render_options *const o = options;
@@ -65,7 +63,6 @@ static void choose_size(const cli_run *run, int pictures, sheet *s)
     const cli_render_options *const own = run->own;
     s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
     s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
-    /* Four a row, then spread evenly over the rows that need. */
     s->rows = (pictures + 3) / 4;
     s->columns = (pictures + s->rows - 1) / s->rows;
 }
@@ -77,13 +74,11 @@ static int open_sheet(cli_run *run, sheet *s)
 
     s->image.width = s->width * s->columns;
     s->image.height = s->height * s->rows;
-    /* Three bytes a pixel, held as a whole until the file is written. */
     bytes = (uint64_t)s->image.width * (uint64_t)s->image.height * 3;
     if (o->general.memory_limit != 0 && bytes > o->general.memory_limit)
         return cli_fail(run, "a picture of %" PRIu64 " bytes is more than --memory-limit allows", bytes);
     s->image.pixels = bytes <= SIZE_MAX ? malloc((size_t)bytes) : NULL;
     if (s->image.pixels == NULL) return cli_fail(run, "no memory for a picture of %" PRIu64 " bytes", bytes);
-    /* White where the last row has no picture. */
     memset(s->image.pixels, 255, (size_t)bytes);
     return CLI_DONE;
 }
@@ -121,7 +116,6 @@ static void tell_compared(const cli_scene *s, cli_made *made)
     const bvx_grid_difference *const d = &s->difference;
     cli_text *const t = &made->members;
 
-    /* Colours need a word of what they mean. */
     if (!s->compared) return;
     cli_tell(
         made, "%s -> %s: %" PRIu64 " voxels of both, %" PRIu64 " added (green), %" PRIu64 " removed (red)\n",
@@ -154,7 +148,6 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     double direction[3], up[3];
     int status = cli_open_output(run, o->output);
 
-    /* The size follows from how many pictures share the sheet. */
     cli_scene_view(run, direction, up);
     choose_size(run, pictures, s);
     if (status == CLI_DONE) status = open_sheet(run, s);
@@ -190,7 +183,6 @@ static int open_frame(cli_run *run, int32_t i, int32_t count)
     return status;
 }
 
-/* Frame after frame, each in its output. */
 static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 {
     const cli_render_options *const own = run->own;
@@ -200,7 +192,6 @@ static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
 
     cli_scene_view(run, direction, up);
     choose_size(run, 1, s);
-    /* All outputs before the first picture: a folder that cannot be written costs no time. */
     for (int32_t i = 0; i < count && status == CLI_DONE; i++) status = open_frame(run, i, count);
     if (status == CLI_DONE) status = cli_open_scene(run, 0, scene);
     if (status == CLI_DONE) cli_turntable_room(run, scene, show);
@@ -239,7 +230,6 @@ static void tell_render(const cli_run *run, const void *work, cli_made *made)
     int32_t const count = own->turntable;
 
     tell_compared(&job->scene, made);
-    /* Frames have names of their own; the first and the last are told. */
     if (count != 0) {
         report_pictures(run, s->width, s->height, count, made);
         cli_tell(made, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
@@ -258,7 +248,6 @@ static int points_nowhere(const cli_triple *t)
     return t->given && t->value[0] == 0.0 && t->value[1] == 0.0 && t->value[2] == 0.0;
 }
 
-/* Facts of the line. */
 enum {
     HAS_MESH = 1 << CLI_FIRST_FACT, /* among the inputs */
     HAS_TWO = 2 << CLI_FIRST_FACT,  /* inputs */
@@ -296,7 +285,6 @@ static int check_turntable(cli_run *run)
     double direction[3], up[3], turned[3];
 
     if (own->turntable == 0) return CLI_DONE;
-    /* Frames of several models would need a number more in their names. */
     if (o->inputs > 1 && !own->difference)
         return cli_usage(run, "--turntable takes one input, or two with --compare");
     if (!cli_has_number(o->output))
@@ -304,7 +292,6 @@ static int check_turntable(cli_run *run)
                          o->output, own->turntable);
     if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
     cli_scene_view(run, direction, up);
-    /* Found before anything is drawn, not by frames that look alike. */
     if (!cli_turn(direction, up, 0, 1, turned))
         return cli_usage(
             run, "--turntable turns around the axis of --up; seen along it, all frames would be one picture: "
@@ -312,7 +299,6 @@ static int check_turntable(cli_run *run)
     return CLI_DONE;
 }
 
-/* Which inputs are meshes decides what has a use. */
 static int check_kinds(cli_run *run)
 {
     const cli_options *const o = run->options;
@@ -361,13 +347,8 @@ static int make_render(cli_run *run, void *work, cli_made *made)
                                : render_sheet(run, &job->scene, &job->sheet);
 }
 
-static void free_render(cli_run *run, void *work)
-{
-    render_job *const job = work;
-
-    free(job->sheet.image.pixels);
-    cli_free_scene(run, &job->scene);
-}
+static const cli_owned render_owns[] = {
+    CLI_OWNS(BYTES, render_job, sheet.image.pixels), CLI_OWNS_ALL(INPUT, render_job, scene.input), {0}};
 
 const cli_command cli_render = {
     .name = "render",
@@ -388,4 +369,4 @@ const cli_command cli_render = {
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),
-    .job = {.size = sizeof(render_job), .make = make_render, .tell = tell_render, .free = free_render}};
+    .job = {.size = sizeof(render_job), .make = make_render, .tell = tell_render, .owns = render_owns}};

@@ -7,13 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-static void start_repair(void *options)
-{
-    ((bvx_repair_options *)options)->struct_size = sizeof(bvx_repair_options);
-}
-
 #define OWN(name) CLI_OWN(bvx_repair_options, name)
 
 static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
@@ -56,7 +49,6 @@ void cli_report_repair(cli_text *t, const bvx_repair_report *r, int measured)
     cli_json_count(t, "turned", r->turned);
     cli_json_count(t, "nonmanifold_edges", r->before.nonmanifold_edges);
     cli_json_count(t, "duplicates", r->before.duplicates);
-    /* Triangles that have lost their area, by whatever they lost it. */
     cli_json_count(t, "degenerate", r->before.degenerate + r->before.collapsed);
     cli_json_count(t, "components_before", r->before.components);
     cli_json_count(t, "parts_dropped", r->parts_dropped);
@@ -92,7 +84,6 @@ static void tell_found(const bvx_repair_report *r, cli_made *made)
     if (r->needs == BVX_NEEDS_NOTHING)
         cli_tell(made, "  needs       nothing: it does not cross itself%s\n",
                  r->copied ? "; copied" : " (--if-needed copies it)");
-    /* Rows for what is wrong stand only where something is. */
     if (r->crossings != 0) cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", r->crossings);
     if (r->holes != 0 && c->boundary_edges == 0)
         cli_tell(made, "  holes       %" PRIu64 " where junctions part\n", r->holes);
@@ -116,7 +107,6 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
     const bvx_repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
-    /* A copy was not measured: no lattice, no rule for inside. */
     if (!r->copied)
         cli_tell(made, "  lattice     %d x %d x %d, inside by %s%s\n", (int)l->dims[0], (int)l->dims[1],
                  (int)l->dims[2], cli_sign_names[r->sign], r->sharp ? ", sharp edges kept" : "");
@@ -144,8 +134,8 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     const bvx_repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
-    /* What several commands share is filled in beside what is repair's own. */
     *o = *own;
+    o->struct_size = sizeof *o;
     if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
     o->placing.interpolation = c->interpolation;
@@ -189,9 +179,7 @@ static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repai
     int const result = cli_reduce(run, repaired, reduction);
 
     if (result != CLI_DONE || !reduction->done) return result;
-    /* The report is of the mesh that is written. */
     report->after = reduction->level.certificate;
-    /* The distances were of the mesh before it collapsed, so they are measured anew. */
     if (!own->measure) return CLI_DONE;
 
     bvx_mesh_view_of(source, &from);
@@ -219,7 +207,6 @@ typedef struct repair_job {
     cli_reduction reduction;
 } repair_job;
 
-/* The input's bytes as they are. */
 static int write_input(cli_run *run)
 {
     cli_bytes b = {NULL, 0, 0, 0};
@@ -274,7 +261,6 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
     CLI_TRY(reduce_repaired(run, &job->source, &job->repaired, r, &job->reduction));
     CLI_TRY(carry_attributes(run, &job->source, &job->repaired));
 
-    /* The report's entry is made of what the library has certified; nothing is checked twice. */
     run->report.lattice = r->lattice;
     run->report.has_lattice = !r->copied;
     entry->path = run->options->output;
@@ -295,13 +281,8 @@ static void tell_repair(const cli_run *run, const void *work, cli_made *made)
     tell_repaired(run, &job->report, &job->reduction, made);
 }
 
-static void free_repair(cli_run *run, void *work)
-{
-    repair_job *const job = work;
-
-    bvx_mesh_free(run->context, &job->repaired);
-    bvx_mesh_free(run->context, &job->source);
-}
+static const cli_owned repair_owns[] = {
+    CLI_OWNS(MESH, repair_job, repaired), CLI_OWNS(MESH, repair_job, source), {0}};
 
 const cli_command cli_repair = {
     .name = "repair",
@@ -322,6 +303,5 @@ const cli_command cli_repair = {
     .most = "--output-dir --resolution --triangles --error --sign --sharp --shell --keep-largest "
             "--if-needed --threads --memory-limit --json",
     .rows = repair_rows,
-    .start = start_repair,
     .own = sizeof(bvx_repair_options),
-    .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .free = free_repair}};
+    .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .owns = repair_owns}};

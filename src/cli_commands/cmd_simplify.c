@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 static const cli_argument simplify_rows[] = {
     {.also = cli_takes_output},
     {.also = cli_takes_output_dir},
@@ -50,7 +48,6 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
 
-    /* Levels are compared with the input: nothing was measured in between. */
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
@@ -69,7 +66,6 @@ static int make_simplify(cli_run *run, void *work, cli_made *made)
     made->write = cli_write_collapse;
     made->untitled = 1;
     CLI_TRY(cli_input_kind(run, run->options->input[0], &kind));
-    /* Which command the input is for is said with the refusal. */
     if (kind != CLI_MESH)
         return cli_usage(run, "simplify is for meshes; %s is a grid: 'bitvox lod' makes meshes of it",
                          cli_input_name(run->options->input[0]));
@@ -86,11 +82,6 @@ static void tell_simplify(const cli_run *run, const void *work, cli_made *made)
 {
     tell_head(run, work, made);
     cli_tell_collapse(run, work, made);
-}
-
-static void free_simplify(cli_run *run, void *work)
-{
-    cli_free_collapse(run, work);
 }
 
 const cli_command cli_simplify = {
@@ -116,4 +107,4 @@ const cli_command cli_simplify = {
     .job = {.size = sizeof(cli_collapse_run),
             .make = make_simplify,
             .tell = tell_simplify,
-            .free = free_simplify}};
+            .owns = cli_collapse_owns}};

@@ -5,9 +5,6 @@
 #include <inttypes.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
-/* Zero stands for "not given". */
 typedef struct slice_options {
     int32_t up_axis; /* 1 to 3; 0: not given */
     double spacing;  /* of planes */
@@ -65,7 +62,6 @@ static int slice_mesh(cli_run *run, const bvx_mesh *mesh, bvx_sections *sections
     bvx_mesh_view view;
     bvx_status status;
 
-    /* Planes across one axis: its unit vector. */
     for (int k = 0; k < 3; k++) s.normal[k] = k == axis;
     s.spacing = own->spacing;
     bvx_mesh_view_of(mesh, &view);
@@ -89,7 +85,6 @@ static int write_contours(cli_run *run, void *work)
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    /* Made in memory as a whole, so that nothing half is ever in the folder. */
     status = bvx_write_sections(run->context, &job->sections, bvx_format_of_name(path), &file);
     result = cli_write_buffer(run, 0, status, &file, path);
     if (result == CLI_DONE) result = cli_keep_outputs(run);
@@ -122,13 +117,8 @@ static void tell_slice(const cli_run *run, const void *work, cli_made *made)
     cli_text_add(&made->members, "}");
 }
 
-static void free_slice(cli_run *run, void *work)
-{
-    slice_job *const job = work;
-
-    bvx_sections_free(run->context, &job->sections);
-    cli_free_input(run, &job->in);
-}
+static const cli_owned slice_owns[] = {
+    CLI_OWNS(SECTIONS, slice_job, sections), CLI_OWNS(INPUT, slice_job, in), {0}};
 
 const cli_command cli_slice = {
     .name = "slice",
@@ -147,4 +137,4 @@ const cli_command cli_slice = {
                "bitvox slice fixtures/knot.ply -o knot.svg --axis x --spacing 0.2",
     .rows = slice_rows,
     .own = sizeof(slice_options),
-    .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .free = free_slice}};
+    .job = {.size = sizeof(slice_job), .make = make_slice, .tell = tell_slice, .owns = slice_owns}};

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- its options ---- */
-
 enum { FIELD_HALF_WIDTH = 3, FIELD_MOST_PADDING = 16 };
 
 static void start_voxelize(void *options)
@@ -77,7 +75,6 @@ static const cli_argument voxelize_rows[] = {
     {.also = cli_takes_all},
     {0}};
 
-/* What the voxels are made from. */
 typedef struct voxel_job {
     bvx_mesh mesh, second; /* second: --second */
     bvx_mesh_view view, second_view;
@@ -92,7 +89,6 @@ typedef struct voxel_job {
 
 /* ---- what is requested ---- */
 
-/* Facts of the line. */
 enum {
     SETS_SOLID = 1 << CLI_FIRST_FACT, /* --mode */
     SETS_FIELD = 2 << CLI_FIRST_FACT,
@@ -165,7 +161,6 @@ static int check_second(cli_run *run)
     /* Standard input can be read once, and IN may be it. */
     if (strcmp(second, "-") == 0)
         return cli_usage(run, "--second takes a file with a name, not standard input");
-    /* Its kind is known by its name, so nothing has to be read to refuse it. */
     status = cli_input_kind(run, second, &kind);
     if (status == CLI_DONE && kind == CLI_GRID)
         return cli_usage(run, "--second takes a mesh; %s is a grid", second);
@@ -208,7 +203,6 @@ static int choose_box(cli_run *run, voxel_job *job)
     bvx_lattice unused;
     bvx_status status = BVX_OK;
 
-    /* Where nothing widens it, the lattice is fitted to the mesh itself. */
     if (own->second == NULL && !based) return CLI_DONE;
     status = bvx_lattice_fit(run->context, &job->view, 1, &unused); /* refuses what has no box */
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
@@ -220,7 +214,6 @@ static int choose_box(cli_run *run, voxel_job *job)
         cli_mesh_box(&job->second, &other);
         cli_join_boxes(&job->box, &other);
     }
-    /* Columns go down to the base, which may lie below the terrain. */
     if (based && own->solid.base < job->box.low[up]) job->box.low[up] = own->solid.base;
     job->boxed = 1;
     return CLI_DONE;
@@ -232,7 +225,6 @@ static bvx_status fit_lattice(cli_run *run, const voxel_job *job, bvx_lattice *l
     return job->boxed ? cli_make_box_lattice(run, &job->box, l) : cli_make_lattice(run, &job->view, l);
 }
 
-/* The lattice, and whether the output can hold it. */
 static int choose_lattice(cli_run *run, voxel_job *job)
 {
     const cli_options *const o = run->options;
@@ -294,7 +286,6 @@ static bvx_status make_solid_voxels(const cli_run *run, voxel_job *job, bvx_soli
     v.report = report;
     v.window = job->window;
     v.has_base = cli_given(run, "--base");
-    /* Two terrains: what lies between them. */
     if (own->second != NULL) v.second = &job->second_view;
     return bvx_voxelize_solid(run->context, &job->view, &run->report.lattice, &v, &job->grid);
 }
@@ -319,7 +310,6 @@ static void tell_surface(const cli_run *run, const bvx_surface_report *r, cli_ma
 
     cli_text_add(&made->text, "  surface     %s\n", mode);
     cli_text_add(t, ", \"surface\": {\"mode\": \"%s\"", mode);
-    /* Only samples have a number that says how dense they were. */
     if (own->mode == CLI_MODE_SAMPLED) {
         cli_text_add(&made->text,
                      "  samples     %" PRIu64 " of %" PRIu64
@@ -349,7 +339,6 @@ static void tell_cloud(const cli_run *run, const bvx_points_report *r, cli_made 
     cli_json_count(t, "pockets", r->pockets);
     cli_text_add(t, "}");
 
-    /* Empty, or hollow where a body was requested: different remedies. */
     if (made->set == 0)
         cli_advise(made, BVX_WARN_EMPTY, "the result is empty: no voxel holds so many points");
     else if (own->cloud.body && r->pockets == 0)
@@ -366,7 +355,6 @@ static void tell_field(const cli_options *o, const bvx_field *f, uint64_t inside
 {
     cli_text *const t = &made->members;
 
-    /* A field without a sign has no inside to count. */
     cli_text_add(&made->text, "  field       %s within %.9g\n  sign        %s",
                  o->vectors ? "vectors" : "distances", f->half_width, cli_sign_names[f->sign]);
     if (f->sign != BVX_SIGN_NONE) cli_text_add(&made->text, ", %" PRIu64 " centres inside", inside);
@@ -390,13 +378,11 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
     bvx_status status;
     uint64_t inside = 0;
 
-    /* --half-width 0: the band has no end. */
     if (o.half_width == 0.0) o.half_width = (double)INFINITY;
     o.sign = run->options->sign;
     o.no_vectors = !run->options->vectors;
     o.window = job->window;
     status = bvx_measure_field(run->context, &job->view, &run->report.lattice, &o, field);
-    /* Without a sign nothing is known to be inside. */
     if (status == BVX_OK && field->inside.words != NULL)
         status = bvx_grid_count(run->context, &field->inside, &inside);
     if (status != BVX_OK) return status;
@@ -409,14 +395,12 @@ static bvx_status make_field(const cli_run *run, voxel_job *job, cli_made *made)
 
 /* ---- the result ---- */
 
-/* What calls of the library tell, each of its own kind of voxels. */
 typedef struct voxel_reports {
     bvx_solid_report solid;
     bvx_surface_report surface;
     bvx_points_report cloud;
 } voxel_reports;
 
-/* Voxels, or the field in their place. */
 static bvx_status make_voxels(cli_run *run, voxel_job *job, voxel_reports *reports, cli_made *made)
 {
     const cli_voxelize_options *const own = run->own;
@@ -468,7 +452,6 @@ static int make_all(cli_run *run, voxel_job *job, cli_made *made)
     status = make_voxels(run, job, &reports, made);
     cli_take_warnings(run, (const char *const[]){NULL, NULL, NULL});
     cli_stage_end(run);
-    /* Parts are of voxels; a field has none. */
     if (status == BVX_OK && made->field == NULL) status = keep_voxels(run, job, made);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
     if (made->field != NULL || result != CLI_DONE) return result;
@@ -503,7 +486,6 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
     voxel_job *const job = work;
 
     CLI_TRY(check_voxelize_options(run, &job->window));
-    /* The lattice is wider than the mesh by what lies around its surface. */
     if (own->mode == CLI_MODE_FIELD) choose_field_padding(run);
     else make_room_for_surface(run);
     CLI_TRY(cli_open_voxels(run));
@@ -511,18 +493,11 @@ static int make_voxelize(cli_run *run, void *work, cli_made *made)
     return make_all(run, job, made);
 }
 
-static void free_voxelize(cli_run *run, void *work)
-{
-    voxel_job *const job = work;
+static const cli_owned voxelize_owns[] = {
+    CLI_OWNS(VOXELS, voxel_job, voxels), CLI_OWNS(FIELD, voxel_job, field), CLI_OWNS(GRID, voxel_job, grid),
+    CLI_OWNS(MESH, voxel_job, second),   CLI_OWNS(MESH, voxel_job, mesh),   {0}};
 
-    cli_free_voxels(run, &job->voxels);
-    bvx_field_free(run->context, &job->field);
-    bvx_grid_free(run->context, &job->grid);
-    bvx_mesh_free(run->context, &job->second);
-    bvx_mesh_free(run->context, &job->mesh);
-}
-
-static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .free = free_voxelize};
+static const cli_job mesh_job = {.size = sizeof(voxel_job), .make = make_voxelize, .owns = voxelize_owns};
 
 /* Of a volume voxels are chosen, of a mesh and a cloud they are made. */
 static int choose_voxelize(cli_run *run, const cli_job **job)

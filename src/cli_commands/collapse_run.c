@@ -18,8 +18,6 @@ enum {
     LEAST_TRIANGLES = 4 /* of any closed mesh */
 };
 
-/* ---- Options ---- */
-
 static const cli_rule collapse_rules[] = {
     {.also = cli_to_mesh_rules},
     {.also = cli_reduction_rules},
@@ -34,20 +32,16 @@ int cli_check_collapse(cli_run *run, cli_collapse_run *c)
 
     CLI_TRY(cli_check_rules(run, collapse_rules, 0, NULL));
 
-    /* One of the three ways gives the count; where none is given it may depend on the mesh. */
     c->by_error = o->errors.count != 0;
     c->count = ways == 0 ? c->usual_count : o->triangles.count + o->errors.count + o->count;
     return cli_check_level_names(run, c->count);
 }
-
-/* ---- The input ---- */
 
 /* 1/2, 1/4 ... as long as that leaves a mesh that is worth a file; one in any case. */
 static int usual_count(uint64_t triangles)
 {
     int count = 1;
 
-    /* Halving stops where a level would be too coarse to be of use. */
     while (count < USUAL_LEVELS && triangles >> (count + 1) >= LEAST_USUAL) count++;
     return count;
 }
@@ -60,7 +54,6 @@ static void choose_targets(const cli_run *run, cli_collapse_run *c)
         /* Shifted by at most 63, which C defines. */
         uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
 
-        /* Counts as they are, distances in the mesh's unit, halves of what the mesh has. */
         if (c->by_error)
             c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
         else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
@@ -92,7 +85,6 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     int const known = c->count != 0;
     cli_box box;
 
-    /* Names are opened before the mesh is read where their number is known. */
     CLI_TRY(known ? cli_open_levels(run, c->count, c->path) : CLI_DONE);
     CLI_TRY(c->kind == CLI_GRID ? read_surface(run, c)
                                 : cli_read_mesh(run, run->options->input[0], &c->input));
@@ -110,8 +102,6 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
     choose_targets(run, c);
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
-
-/* ---- Distances ---- */
 
 static uint64_t wanted_samples(const cli_run *run)
 {
@@ -153,7 +143,6 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     bvx_distance_report d;
     bvx_mesh_view view;
 
-    /* By --error the library has measured already, with the same points. */
     if (c->level[i].measured) {
         turn_distance(&c->level[i].distance, &c->distance[i]);
     } else {
@@ -167,8 +156,6 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     run->report.mesh[i].distance = &c->distance[i];
     return CLI_DONE;
 }
-
-/* ---- Levels ---- */
 
 static int carry_level(cli_run *run, cli_collapse_run *c, int i)
 {
@@ -186,7 +173,6 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
 
     entry->path = c->path[i];
     entry->number = i;
-    /* The library has certified each level as it made it. */
     entry->certificate = c->level[i].certificate;
     entry->level = &c->level[i];
     entry->solid = c->solid;
@@ -196,15 +182,12 @@ static void report_level(cli_run *run, cli_collapse_run *c, int i)
     run->report.meshes = i + 1;
 }
 
-/* ---- The end ---- */
-
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 {
     int status = CLI_DONE;
 
     for (int i = 0; i < c->count && status == CLI_DONE; i++) {
         status = carry_level(run, c, i);
-        /* Only a level that is whole is reported. */
         if (status == CLI_DONE) report_level(run, c, i);
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
@@ -226,8 +209,5 @@ void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *
     cli_tell_written(run, c->count, made);
 }
 
-void cli_free_collapse(cli_run *run, cli_collapse_run *c)
-{
-    for (int i = 0; i < c->count; i++) bvx_mesh_free(run->context, &c->mesh[i]);
-    bvx_mesh_free(run->context, &c->input);
-}
+const cli_owned cli_collapse_owns[] = {
+    CLI_OWNS_ALL(MESH, cli_collapse_run, mesh), CLI_OWNS(MESH, cli_collapse_run, input), {0}};

@@ -37,6 +37,6 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c);
 int cli_write_collapse(cli_run *run, void *job);
 /* All that is to be said but for the first lines. */
 void cli_tell_collapse(const cli_run *run, const cli_collapse_run *c, cli_made *made);
-void cli_free_collapse(cli_run *run, cli_collapse_run *c);
+extern const cli_owned cli_collapse_owns[];
 
 #endif

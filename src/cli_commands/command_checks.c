@@ -32,7 +32,6 @@ static int check_batch(cli_run *run)
     int const kind = cli_kind_of_format(o->format);
 
     if (o->output != NULL) return cli_usage(run, "-o and --output-dir exclude each other");
-    /* Outputs are named after inputs. */
     for (int i = 0; i < o->inputs; i++)
         if (strcmp(o->input[i], "-") == 0)
             return cli_usage(run, "standard input has no name; --output-dir is for files");
@@ -46,7 +45,6 @@ static int check_batch(cli_run *run)
     return CLI_DONE;
 }
 
-/* What holds for all commands once the words are taken. */
 int cli_check_line(cli_run *run)
 {
     const cli_options *const o = run->options;
@@ -55,18 +53,15 @@ int cli_check_line(cli_run *run)
     int const writes = o->output != NULL && strcmp(o->output, "-") == 0;
     int standard = 0;
 
-    /* What is missing is told before what is too much. */
     if (o->inputs == 0) return cli_usage(run, "%s lacks its input file; see 'bitvox %s --help'", name, name);
     if (o->inputs < least)
         return cli_usage(run, "%s lacks an input: bitvox %s %s", name, name, run->command->usage);
     for (int i = 0; i < o->inputs; i++) standard += strcmp(o->input[i], "-") == 0;
-    /* Only names with endings say what they hold. */
     if (standard != 0 && o->format == 0)
         return cli_usage(run, "standard input has no name that gives the format; give it with --format");
     if (standard == 0 && !writes && o->output_dir == NULL && o->format != 0)
         return cli_usage(run, "--format is for standard input and output, '-'; file names give theirs");
     if (o->output_dir != NULL) return check_batch(run);
-    /* components counts without an output; all others that take -o need it. */
     if (o->output == NULL && run->command->bit != CLI_COMPONENTS && cli_takes(run, "-o"))
         return cli_usage(run, "%s lacks -o FILE; see 'bitvox %s --help'", name, name);
     CLI_TRY(cli_check_pattern(run));

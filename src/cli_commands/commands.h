@@ -27,6 +27,7 @@ int cli_fill_input(cli_run *run, cli_input *in);
 void cli_take_fill(const cli_run *run, bvx_voxelize_options *v);
 /* The rule that filled, and why, as a line. */
 void cli_tell_fill(cli_text *text, const bvx_solid_report *report);
+/* Where thin walls lie, in the mesh's unit: low and high corner. */
 void cli_json_losses(cli_text *text, const bvx_lattice *lattice, const bvx_solid_report *report);
 /* The solid as a member of the JSON report; that and lines. */
 void cli_report_solid(const cli_run *run, cli_text *members, const bvx_lattice *lattice,

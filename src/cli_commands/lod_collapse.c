@@ -11,8 +11,6 @@ typedef struct lod_collapse {
     bvx_levels_report report;
 } lod_collapse;
 
-/* ---- Options ---- */
-
 #define OF_SOLID                                                                                       \
     "--solid --resolution --sign --sharp --no-sharp --shell --outer-hull --least-cavity --least-part " \
     "--keep-largest"
@@ -61,6 +59,7 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     const cli_options *const o = run->options;
 
     *b = own->levels;
+    b->struct_size = sizeof *b;
     b->targets = cli_targets(run, &l->run);
     if (cli_given(run, "--attributes")) b->collapse.attribute_weight = cli_or_none(o->attributes);
     b->collapse.lock_border = o->lock_border;
@@ -68,7 +67,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->collapse.vertices = o->keep_vertices ? BVX_VERTICES_KEPT : BVX_VERTICES_PLACED;
     b->report = &l->report;
     b->reports = l->run.level;
-    /* What follows measures a mesh; a grid has chosen its parts before. */
     if (l->run.kind == CLI_GRID) return;
     if (o->resolution.count != 0) b->fit.resolution = (int32_t)o->resolution.value[0];
     b->sign = o->sign;
@@ -77,8 +75,6 @@ static void take_levels_options(const cli_run *run, lod_collapse *l, bvx_levels_
     b->parts = cli_parts(run);
     if (own->outer_hull) b->parts.least_cavity = UINT64_MAX;
 }
-
-/* ---- Levels ---- */
 
 static int is_solid(const lod_collapse *l)
 {
@@ -111,8 +107,6 @@ static int build_levels(cli_run *run, lod_collapse *l)
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
-/* ---- What is reported ---- */
-
 /* What was done to the mesh before edges collapsed, where something was. */
 static void tell_made_ready(const bvx_levels_report *r, cli_made *made)
 {
@@ -142,7 +136,6 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
     const bvx_repair_report *const r = &l->report.repair;
     const bvx_lattice *const b = &r->lattice;
 
-    /* Nothing was measured: one line says what the levels come from. */
     cli_tell_input(run, c->input.triangle_count, &c->before, c->diagonal, made);
     if (!is_solid(l)) {
         cli_tell(made, "levels from %s, %" PRIu64 " piece%s, in %.1f ms\n",
@@ -162,7 +155,6 @@ static void tell_lod_head(const cli_run *run, const lod_collapse *l, cli_made *m
              " triangles, %" PRIu64 " piece%s\n",
              b->dims[0], b->dims[1], b->dims[2], cli_sign_names[r->sign], c->surface.triangles,
              c->surface.components, c->surface.components == 1 ? "" : "s");
-    /* Rows for what measuring changed stand only where it changed something. */
     if (r->holes != 0) cli_tell(made, "holes closed: %" PRIu64 "\n", r->holes);
     if (r->shelled_triangles != 0)
         cli_tell(made, "made into shells: %" PRIu64 " triangles that enclose nothing\n",
@@ -185,7 +177,6 @@ static void report_levels(const lod_collapse *l, cli_made *made)
     cli_text *const t = &made->members;
 
     cli_text_add(t, ", \"levels\": {\"method\": \"collapse\", \"solid\": %s", is_solid(l) ? "true" : "false");
-    /* The input, what was found wrong with it, and what the levels were made from. */
     cli_json_count(t, "input_triangles", l->run.input.triangle_count);
     cli_json_count(t, "input_components", l->report.before.components);
     cli_json_value(t, "input_volume", l->report.before.volume);
@@ -212,7 +203,6 @@ static int make_collapse(cli_run *run, void *work, cli_made *made)
     lod_collapse *const l = work;
     int status = cli_input_kind(run, run->options->input[0], &l->run.kind);
 
-    /* The first line describes the input; the file's name is in it. */
     made->untitled = 1;
     if (status == CLI_DONE) status = check_solid_options(run, l->run.kind);
     if (status == CLI_DONE) status = cli_check_collapse(run, &l->run);
@@ -232,10 +222,5 @@ static void tell_collapse(const cli_run *run, const void *work, cli_made *made)
     report_levels(l, made);
 }
 
-static void free_collapse(cli_run *run, void *work)
-{
-    cli_free_collapse(run, &((lod_collapse *)work)->run);
-}
-
 const cli_job cli_lod_collapse = {
-    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .free = free_collapse};
+    .size = sizeof(lod_collapse), .make = make_collapse, .tell = tell_collapse, .owns = cli_collapse_owns};

@@ -15,8 +15,6 @@ int32_t cli_level_resolution(const cli_run *run, const cli_chain *c, int level)
     return own->resolutions.count != 0 ? (int32_t)own->resolutions.value[level] : usual > 0 ? usual : 1;
 }
 
-/* ---- the solid ---- */
-
 static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_lattice *lattice)
 {
     bvx_lattice_options const o = {
@@ -25,7 +23,6 @@ static bvx_status fit(cli_run *run, const cli_chain *c, int32_t resolution, bvx_
     return bvx_lattice_fit_with(run->context, &c->view, &o, lattice);
 }
 
-/* The resolution of the solid: given, or what suits the levels. */
 static int choose_resolution(cli_run *run, cli_chain *c)
 {
     const cli_options *const options = run->options;
@@ -34,13 +31,13 @@ static int choose_resolution(cli_run *run, cli_chain *c)
     uint64_t targets[CLI_MAX_LEVELS];
     bvx_lod_options o = own->samples;
 
+    o.struct_size = sizeof o;
     if (options->resolution.count != 0) {
         c->resolution = (int32_t)options->resolution.value[0];
         c->chosen = "given";
         return CLI_DONE;
     }
 
-    /* The library plans by what the levels shall be: the finest one decides. */
     if (c->by_triangles) o.target_triangles = targets;
     else o.resolutions = resolutions;
     for (int i = 0; i < c->asked; i++) {
@@ -52,7 +49,6 @@ static int choose_resolution(cli_run *run, cli_chain *c)
                            bvx_plan_lods(run->context, &c->view, &o, (uint64_t)c->asked, options->padding,
                                          &c->resolution, &limited),
                            cli_input_name(options->input[0])));
-    /* What is told of the resolution is why it is this one. */
     c->chosen = limited ? "what memory allows" : "8 x the finest level";
     return CLI_DONE;
 }
@@ -78,9 +74,7 @@ static int make_solid(cli_run *run, cli_chain *c)
     int result;
 
     cli_stage_begin(run, "check input");
-    /* the solid asks for places, not for numbers */
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
-    /* From here on all distances are told in percent of it too. */
     c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
     CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
@@ -98,7 +92,6 @@ static int make_solid(cli_run *run, cli_chain *c)
 static int open_mesh(cli_run *run, cli_chain *c)
 {
     CLI_TRY(cli_read_mesh(run, run->options->input[0], &c->input));
-    /* Nothing to carry is found before the solid is made. */
     CLI_TRY(cli_check_carry(run, &c->input));
     c->input_triangles = c->input.triangle_count;
     bvx_mesh_view_of(&c->input, &c->view);
@@ -111,7 +104,6 @@ static bvx_status surface_of_solid(cli_run *run, cli_chain *c)
     uint64_t vertices;
     bvx_status status;
 
-    /* Nothing is measured from the surface then, so it need not exist. */
     if (run->options->samples == 0)
         return bvx_extract_count(run->context, &c->solid, NULL, &vertices, &c->input_triangles);
     status = bvx_extract_surface(run->context, &c->solid, NULL, &c->input);

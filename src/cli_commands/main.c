@@ -29,8 +29,6 @@ static const cli_command *find_command(const char *name)
     return NULL;
 }
 
-/* ---- help ---- */
-
 static void print_overview(FILE *to)
 {
     fprintf(to, "bitvox - shapes to bit-packed voxels and back\n\n"
@@ -43,7 +41,6 @@ static void print_overview(FILE *to)
                 "Exit status: 0 done, 1 bad input or failure, 2 wrong usage, 130 interrupted.\n");
 }
 
-/* Two examples are enough where not all is requested. */
 static void print_help(const cli_command *c, int all)
 {
     int left = all ? CLI_MAX_OPTIONS : 2;
@@ -51,7 +48,6 @@ static void print_help(const cli_command *c, int all)
     printf("usage: bitvox %s %s\n\n%s\n%s", c->name, c->usage, c->details, all ? "" : "\noptions:\n");
     cli_print_options(c, all);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
-    /* One command line a line, moved in so that it can be copied. */
     for (const char *p = c->example; *p != 0 && left-- > 0;) {
         size_t const n = strcspn(p, "\n");
         printf("  %.*s\n", (int)n, p);
@@ -84,8 +80,6 @@ static int print_version(cli_run *run)
     return cli_end_of_output(run);
 }
 
-/* ---- running ---- */
-
 static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
@@ -93,7 +87,6 @@ static int run_command(cli_run *run, int count, char **word)
 
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
-    /* The library's defaults, before any row changes one of them. */
     if (run->command->start != NULL) run->command->start(run->own);
     status = cli_parse(run, count, word);
 
@@ -105,7 +98,6 @@ static int run_command(cli_run *run, int count, char **word)
     if (status == CLI_DONE) status = cli_check_line(run);
     if (status == CLI_DONE) {
         run->start = cli_seconds();
-        /* From here on there is something to measure, to interrupt and to tidy up. */
         cli_watch_run(run, &leaving);
         if (run->options->output_dir != NULL || (run->command->bit == CLI_INFO && run->options->inputs > 1))
             return cli_run_batch(run);
@@ -151,7 +143,6 @@ static int run_words(cli_run *run, int count, char **word)
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);
-    /* The error of an unknown command is reported in the form that was requested. */
     run->options->general.json = is_asked_for("--json", count, word);
     return cli_end_of_run(run, refuse_command(run, word[0]));
 }

@@ -5,9 +5,6 @@
 
 enum { COMPARED_RESOLUTION = 256 };
 
-/* ---- voxels of meshes ---- */
-
-/* One lattice around one mesh or two. */
 static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int32_t resolution,
                               bvx_lattice *lattice)
 {
@@ -15,7 +12,6 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     bvx_lattice_options fit = {.struct_size = sizeof fit};
 
     cli_mesh_box(&in[0].mesh, &box);
-    /* Of one mesh the second box is the first again. */
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     fit.resolution = resolution;
@@ -33,7 +29,6 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     bvx_status const fitted = fit_lattice(run, s->input, count, resolution, &lattice);
     if (fitted != BVX_OK) return cli_fail_status(run, fitted, cli_input_name(s->input[0].path));
     for (int i = 0; i < count && status == CLI_DONE; i++) {
-        /* On one lattice, so that two inputs can be compared bit by bit. */
         status = cli_fill_on(run, &lattice, &s->input[i]);
         s->input[i].kind = CLI_GRID;
         s->input[i].placed = 1;
@@ -41,8 +36,6 @@ static int voxelize_scene(cli_run *run, cli_scene *s, int count)
     cli_stage_end(run);
     return status;
 }
-
-/* ---- opening ---- */
 
 int cli_open_scene(cli_run *run, int first, cli_scene *s)
 {
@@ -57,7 +50,6 @@ int cli_open_scene(cli_run *run, int first, cli_scene *s)
         status = cli_read_input(run, o->input[first + i], &s->input[i]);
     if (status == CLI_DONE && s->input[0].kind == CLI_MESH && (own->voxels != 0 || own->difference))
         status = voxelize_scene(run, s, count);
-    /* Two grids, whichever way they came: read, or made above. */
     if (status != CLI_DONE || !own->difference) return status;
     cli_stage_begin(run, "compare");
     status = cli_compare_grids(run, &s->input[0], &s->input[1], &s->difference);
@@ -69,8 +61,6 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 {
     for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
 }
-
-/* ---- drawing ---- */
 
 void cli_scene_view(const cli_run *run, double direction[3], double up[3])
 {
@@ -152,7 +142,6 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
     memcpy(r.direction, direction, sizeof r.direction);
     memcpy(r.show, show, sizeof r.show);
     take_cut(run, &r);
-    /* Three kinds of pictures, by what there is to see. */
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);
     } else if (s->input[0].kind == CLI_GRID) {

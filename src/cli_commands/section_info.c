@@ -21,11 +21,8 @@ typedef struct section_facts {
     uint64_t labels;
 } section_facts;
 
-/* ---- counting ---- */
-
 static void find_section_box(const bvx_sections *s, section_facts *f)
 {
-    /* Of the points: planes without a loop have no extent. */
     for (int a = 0; a < 3; a++) {
         f->low[a] = HUGE_VAL;
         f->high[a] = -HUGE_VAL;
@@ -62,7 +59,6 @@ static int measure_positions(cli_run *run, const bvx_sections *s, section_facts 
         qsort(sorted, (size_t)n, sizeof *sorted, compare_doubles);
         f->first = n != 0 ? sorted[0] : 0.0;
         f->last = n != 0 ? sorted[n - 1] : 0.0;
-        /* The mean distance, and how far the sections are from keeping it. */
         f->step = n > 1 ? (f->last - f->first) / (double)(n - 1) : 0.0;
         for (uint64_t i = 1; i < n; i++) f->even = fmax(f->even, fabs(sorted[i] - sorted[i - 1] - f->step));
         for (uint64_t i = 0; i < s->loop_count; i++) seen[s->loops[i].section] = 1;
@@ -99,8 +95,6 @@ static int count_labels(cli_run *run, const bvx_sections *s, section_facts *f)
     return CLI_DONE;
 }
 
-/* ---- saying ---- */
-
 static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f, cli_made *made)
 {
     static const char axis[] = "xyz";
@@ -117,7 +111,6 @@ static void tell_facts_of_sections(const bvx_sections *s, const section_facts *f
     /* Adding 0 turns -0 into 0, which reads better. */
     cli_tell(made, "  planes      across %.9g, %.9g, %.9g, from %.9g to %.9g\n", n[0] + 0.0, n[1] + 0.0,
              n[2] + 0.0, f->first, f->last);
-    /* One section has no distance to another. */
     if (s->section_count > 1)
         cli_tell(made, "  distance    %.9g from plane to plane%s\n", f->step,
                  f->even > 1e-6 * f->step ? " in the mean" : "");
@@ -132,7 +125,6 @@ static void report_sections(const char *path, const bvx_sections *s, const secti
 
     cli_text_add(t, ", \"contours\": {\"path\": ");
     cli_json_string(t, path);
-    /* The report has all labels, the text the first of them. */
     cli_json_count(t, "sections", s->section_count);
     cli_json_count(t, "empty_sections", f->empty);
     cli_json_count(t, "loops", s->loop_count);
@@ -156,7 +148,6 @@ int cli_tell_sections(cli_run *run, const char *path, cli_made *made)
     section_facts f;
     int status = cli_read_sections(run, path, &sections);
 
-    /* Sections that were not read have no facts, and nothing to free. */
     memset(&f, 0, sizeof f);
     if (status == CLI_DONE) status = measure_positions(run, &sections, &f);
     if (status == CLI_DONE) status = count_labels(run, &sections, &f);

@@ -37,9 +37,7 @@ void cli_json_losses(cli_text *t, const bvx_lattice *lattice, const bvx_solid_re
     cli_json_truth(t, "thin_checked", r->thin_checked);
     cli_json_count(t, "thin_voxels", r->thin_voxels);
     cli_json_count(t, "thin_resolution", (uint64_t)r->thin_resolution);
-    if (r->thin_voxels != 0)
-        cli_text_add(t, ", \"thin_box\": [[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", box[0], box[1], box[2],
-                     box[3], box[4], box[5]);
+    if (r->thin_voxels != 0) cli_json_box(t, "thin_box", box, box + 3);
 }
 
 int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
@@ -50,7 +48,6 @@ int cli_fill_on(cli_run *run, const bvx_lattice *lattice, cli_input *in)
     bvx_status status;
 
     memset(&report, 0, sizeof report);
-    /* The report is for warnings here; only voxelize tells all of it. */
     cli_take_fill(run, &v);
     v.report = &report;
     bvx_mesh_view_of(&in->mesh, &view);
@@ -73,7 +70,6 @@ int cli_fill_input(cli_run *run, cli_input *in)
     status = cli_make_lattice(run, &view, &lattice);
     result = status != BVX_OK ? cli_fail_status(run, status, cli_input_name(in->path))
                               : cli_check_far(run, in->path, &view, 0, &lattice);
-    /* The check of far points comes before the memory is taken. */
     if (result == CLI_DONE) result = cli_fill_on(run, &lattice, in);
     cli_stage_end(run);
     return result;
@@ -91,7 +87,6 @@ void cli_tell_fill(cli_text *t, const bvx_solid_report *r)
                                       ": open edges",
                                       ": triangles that cannot be oriented"};
     cli_text_add(t, "  fill        %s%s", cli_fill_names[r->fill], why[r->fill_reason]);
-    /* What was changed about the mesh to fill it is told with the rule. */
     if (r->turned != 0)
         cli_text_add(t, "; %" PRIu64 " triangle%s reversed", r->turned, r->turned == 1 ? "" : "s");
     cli_text_add(t, "\n");
@@ -109,7 +104,6 @@ static void tell_lines(const cli_run *run, cli_text *t, const bvx_lattice *latti
 
     cli_tell_fill(t, r);
     if (o->fill == BVX_FILL_REGIONS) cli_text_add(t, "  regions     %" PRIu64 "\n", r->regions);
-    /* Between two terrains what was dug away and what was heaped up are two numbers. */
     if (cli_given(run, "--second"))
         cli_text_add(
             t,

@@ -45,7 +45,6 @@ static int32_t usual_format(const cli_run *run)
     const cli_voxelize_options *const own = run->own;
     const cli_options *const o = run->options;
 
-    /* What the command makes, in the format that keeps most of it. */
     switch (run->command->bit) {
     case CLI_RENDER: return BVX_FORMAT_PNG;
     case CLI_SLICE: return BVX_FORMAT_CSV;

@@ -74,7 +74,6 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
 {
     int64_t stride[3];
 
-    /* Samples may lie apart: a window of a file, or the axes of NumPy. */
     cli_volume_strides(v, stride);
     for (int64_t z = 0; z < v->size[2]; z++)
         for (int64_t y = 0; y < v->size[1]; y++) {
@@ -99,7 +98,6 @@ static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volum
 {
     cli_text *const t = &made->members, *const lines = &made->head;
 
-    /* The same numbers for programs and, below, as a picture of bars. */
     cli_text_add(t, ", \"samples\": {\"type\": \"%s\"", cli_sample_names[v->sample_type - BVX_SAMPLE_U8]);
     cli_json_value(t, "least", f->least);
     cli_json_value(t, "greatest", f->greatest);
@@ -116,13 +114,11 @@ static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volum
     if (f->nan + f->infinite != 0)
         cli_text_add(lines, ", %" PRIu64 " NaN, %" PRIu64 " infinite", f->nan, f->infinite);
     cli_text_add(lines, "\n");
-    /* The fullest bin has the whole width. */
     for (int i = 0; i < f->bins; i++) {
         int const bar = f->fullest == 0 ? 0 : (int)(f->bin[i] * INFO_BAR / f->fullest);
         cli_text_add(lines, "  %12.6g  %-*.*s %" PRIu64 "\n", f->least + f->width * i, INFO_BAR, bar,
                      "########################################", f->bin[i]);
     }
-    /* A .raw file is not read as voxels after this. */
     if (cli_input_format(run, run->options->input[0]) != BVX_FORMAT_RAW)
         cli_text_add(lines, "\nvoxels whose sample is not 0\n");
 }

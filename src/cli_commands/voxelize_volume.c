@@ -25,7 +25,6 @@ static const cli_rule volume_rules[] = {
     {.given = "--minimum --body", .message = "%o is for clouds of points; %i is a volume"},
     {0}};
 
-/* Facts of the output's name. */
 enum {
     HAS_NUMBER = 1 << CLI_FIRST_FACT, /* %d */
     HAS_NUMBERS = 2 << CLI_FIRST_FACT /* two */
@@ -52,7 +51,6 @@ static int check_volume(cli_run *run, bvx_window *window)
     uint32_t const facts = (cli_has_number(out) ? HAS_NUMBER : 0u) |
                            (cli_has_two_numbers(out) ? HAS_NUMBERS : 0u);
 
-    /* What a volume has no use for, then what its output has no use for. */
     CLI_TRY(cli_check_rules(run, volume_rules, CLI_OF_VOLUME, NULL));
     CLI_TRY(cli_window_option(run, window));
     CLI_TRY(cli_check_rules(run, output_rules, facts, NULL));
@@ -132,7 +130,6 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 
     made->grid = &j->grid;
     made->set = j->report.inside;
-    /* An .npy file without a side-car says nothing of where it lies. */
     made->placed = j->volume.placed;
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -143,7 +140,6 @@ static int make_volume_grid(cli_run *run, volume_job *j, cli_made *made)
 
 /* ---- meshes ---- */
 
-/* The surface of the level, by its values. */
 static bvx_status make_level_mesh(cli_run *run, volume_job *j, const bvx_volume_view *view, bvx_mesh *mesh)
 {
     bvx_scalar_options const o = {.struct_size = sizeof o,
@@ -173,7 +169,6 @@ static void tell_mesh_of(const cli_run *run, int n, cli_made *made)
              c->components == 1 ? "" : "s");
 }
 
-/* The level's surface around the parts that are kept. */
 static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status, bvx_mesh *mesh)
 {
     bvx_grid all = {0}, kept = {0};
@@ -183,7 +178,6 @@ static int make_kept_level_mesh(cli_run *run, volume_job *j, bvx_status *status,
 
     *status = cli_select_voxels(run, &j->volume, &j->report, &all);
     if (*status == BVX_OK) *status = keep_chosen(run, j, &all, &kept);
-    /* The copy is made only where something is to be left out of it. */
     if (*status == BVX_OK && run->report.parts.dropped != 0)
         result = copy_without(run, &j->volume.view, &all, &kept, &view, &samples);
     if (*status == BVX_OK && result == CLI_DONE &&
@@ -205,7 +199,6 @@ static int make_surface_of_volume(cli_run *run, volume_job *j, bvx_mesh *mesh)
     int result = CLI_DONE;
 
     cli_stage_begin(run, "surface");
-    /* By the values of the samples where a level is given, else half way between set and empty voxels. */
     if (cli_given(run, "--level") && CLI_HOLDS(run, CLI_KEEPS_PARTS)) {
         result = make_kept_level_mesh(run, j, &status, mesh);
     } else if (cli_given(run, "--level")) {
@@ -229,7 +222,6 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     int result = make_surface_of_volume(run, j, &mesh);
 
     if (result != CLI_DONE) return result;
-    /* Two reasons for an empty mesh, with different remedies. */
     if (mesh.triangle_count == 0 && run->report.parts.dropped != 0)
         return cli_fail(run, "%s: each of the %" PRIu64 " parts has fewer voxels than --least-part", in,
                         run->report.parts.dropped);
@@ -242,7 +234,6 @@ static int make_volume_mesh(cli_run *run, volume_job *j, cli_made *made)
     bvx_mesh_free(run->context, &mesh);
     if (result != CLI_DONE) return result;
 
-    /* No grid is written, yet the report says which voxels the surface is around. */
     cli_note_voxels(run, &j->volume.view.lattice, j->report.inside);
     cli_tell_volume(&j->volume, &j->report, &made->members, &made->warnings);
     tell_samples(&made->head, &j->report);
@@ -263,7 +254,6 @@ static int list_labels(cli_run *run, volume_job *j)
     cli_stage_begin(run, "labels");
     /* Counted first: a volume of other samples has millions of values. */
     status = bvx_list_labels(run->context, &j->volume.view, NULL, 0, &count);
-    /* More than can be written is refused below without listing them. */
     if (status == BVX_OK && count != 0 && count <= CLI_MAX_OUTPUTS) {
         j->labels = calloc((size_t)count, sizeof *j->labels);
         if (j->labels == NULL) return cli_fail(run, "no memory for %" PRIu64 " labels", count);
@@ -314,7 +304,6 @@ static void tell_labels(const volume_job *j, cli_made *made)
 {
     cli_text *const t = &made->members;
 
-    /* In the order of the files, each with how much of it there is. */
     cli_text_add(t, ", \"labels\": [");
     for (uint64_t i = 0; i < j->label_count; i++) {
         cli_text_add(t, "%s{\"value\": %" PRId64, i == 0 ? "" : ", ", j->labels[i].value);
@@ -331,7 +320,6 @@ static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
     for (uint64_t i = 0; i < j->label_count && status == CLI_DONE; i++) {
         status = make_label_mesh(run, j, (int)i);
         if (status == CLI_DONE && cli_interrupted()) status = cli_fail_interrupted(run);
-        /* Together the labels are what is set. */
         j->report.inside += j->labels[i].voxels;
     }
     if (status != CLI_DONE) return status;
@@ -345,7 +333,6 @@ static int make_label_meshes(cli_run *run, volume_job *j, cli_made *made)
     return CLI_DONE;
 }
 
-/* Meshes are in their files already. */
 static int keep_meshes(cli_run *run, void *work)
 {
     (void)work;
@@ -361,7 +348,6 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     bvx_window window;
 
     CLI_TRY(check_volume(run, &window));
-    /* Files of labels are opened one by one, when their names are known. */
     if (kind == CLI_GRID) CLI_TRY(cli_open_grid_output(run, output));
     if (kind == CLI_MESH && !all) CLI_TRY(cli_open_output(run, output));
     CLI_TRY(cli_read_volume(run, run->options->input[0], &window, &j->volume));
@@ -371,14 +357,9 @@ static int make_volume(cli_run *run, void *work, cli_made *made)
     return all ? make_label_meshes(run, j, made) : make_volume_mesh(run, j, made);
 }
 
-static void free_volume(cli_run *run, void *work)
-{
-    volume_job *const j = work;
+static const cli_owned volume_owns[] = {CLI_OWNS(GRID, volume_job, grid),
+                                        CLI_OWNS(BYTES, volume_job, labels),
+                                        CLI_OWNS(VOLUME, volume_job, volume),
+                                        {0}};
 
-    bvx_grid_free(run->context, &j->grid);
-    free(j->labels);
-    /* Nothing was read where there is no context. */
-    if (run->context != NULL) cli_free_volume(run, &j->volume);
-}
-
-const cli_job cli_voxelize_volume = {.size = sizeof(volume_job), .make = make_volume, .free = free_volume};
+const cli_job cli_voxelize_volume = {.size = sizeof(volume_job), .make = make_volume, .owns = volume_owns};

@@ -63,12 +63,10 @@ static int take_room(cli_run *run, const char *path, size_t room, cli_bytes *b)
     return CLI_DONE;
 }
 
-/* Room for more bytes: as much again, within the limit. */
 static int grow_bytes(cli_run *run, const char *path, cli_bytes *b)
 {
     size_t room = b->room < SIZE_MAX / 2 ? b->room * 2 : SIZE_MAX;
 
-    /* The last step may be a small one: up to the limit exactly. */
     if (room > b->limit) room = (size_t)b->limit;
     if (room <= b->room) return fail_ceiling(run, path, "holds more than", b->limit);
     return take_room(run, path, room, b);
@@ -102,7 +100,6 @@ static int64_t size_of_file(FILE *file)
     /* The size that the system tells of a pipe or a device says nothing. */
     if (!S_ISREG(s.st_mode)) return 0;
 #endif
-    /* Where it cannot seek it is read like a pipe. */
     if (fseek(file, 0, SEEK_END) == 0) size = ftell(file);
     rewind(file);
     return size < 0 || size == LONG_MAX ? 0 : size;
@@ -143,7 +140,6 @@ static int read_bytes(cli_run *run, const char *path, FILE *file, uint64_t held,
         unsigned char next; /* exactly full: is there more? */
         int error;
         size_t const got = read_part(file, room != 0 ? b->bytes + b->size : &next, want, &error);
-        /* Only a file that goes on needs more room; one that ends here fits as it is. */
         if (room == 0 && got != 0) {
             status = grow_bytes(run, path, b);
             if (status != CLI_DONE) break;
@@ -180,7 +176,6 @@ static int inflate_all(cli_run *run, const char *path, const cli_bytes *packed, 
         b->size = (size_t)(z->next_out - b->bytes);
         if (cli_progress(run, "unpack", (double)taken / ((double)packed->size + 1.0)))
             return cli_fail_interrupted(run);
-        /* After a member may follow padding, another member, or something that is neither. */
         if (result == Z_STREAM_END) {
             while (taken < packed->size && packed->bytes[taken] == 0) taken++;
             if (taken == packed->size) return CLI_DONE;
@@ -227,7 +222,6 @@ static int unpack(cli_run *run, const char *path, cli_bytes *b)
         free(plain.bytes);
         return cli_fail(run, "%s: gzip: no memory to unpack it", cli_input_name(path));
     }
-    /* Both texts are in memory now, which is the peak of reading. */
     status = inflate_all(run, path, b, &plain, &z);
     inflateEnd(&z);
     cli_note_peak(run, (uint64_t)b->size + plain.size);
@@ -278,7 +272,6 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
     cli_stage_begin(run, "read");
     cli_stage_calls(run, 2); /* it may be packed */
     status = cli_read_bytes(run, path, 0, b);
-    /* A stage that failed is not reported as one that was done. */
     if (status == CLI_DONE) cli_stage_end(run);
     return status;
 }
@@ -286,20 +279,6 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *b)
 int cli_open_input(cli_run *run, const char *path, cli_bytes *b)
 {
     CLI_TRY(cli_read_file(run, path, b));
-    return cli_make_context(run, b->size);
-}
-
-int cli_open_samples(cli_run *run, const char *path, cli_bytes *b)
-{
-    if (cli_input_format(run, path) != BVX_FORMAT_VTI) return cli_open_input(run, path, b);
-
-    /* One stage: to unpack the blocks is a part of reading. */
-    cli_stage_begin(run, "read");
-    cli_stage_calls(run, 2);
-    CLI_TRY(cli_read_bytes(run, path, 0, b));
-    CLI_TRY(cli_unpack_vti(run, path, b));
-    cli_note_peak(run, b->size);
-    cli_stage_end(run);
     return cli_make_context(run, b->size);
 }
 
@@ -393,7 +372,6 @@ static bvx_status read_triangles(files_beside *beside, const cli_bytes *b, int32
     options.drop_nonfinite = !options.keep_file && (run->command->bit & (CLI_REPAIR | CLI_LOD | CLI_VOXELIZE |
                                                                          CLI_BOOLEAN | CLI_INFO)) != 0;
     options.report = &beside->report;
-    /* Nothing lies beside standard input. */
     if (strcmp(beside->path, "-") != 0) {
         options.open_file = open_beside;
         options.close_file = close_beside;
@@ -407,16 +385,13 @@ static bvx_status parse_mesh(files_beside *beside, const cli_bytes *b, int32_t f
                              int *cloud)
 {
     bvx_status read = BVX_ERR_EMPTY;
-    /* A .xyz file has no triangles to look for. */
     if (format != BVX_FORMAT_XYZ) read = read_triangles(beside, b, format, mesh);
-    /* A .ply without faces is read once more, as points. */
     if (read != BVX_ERR_EMPTY || cloud == NULL || (format != BVX_FORMAT_XYZ && format != BVX_FORMAT_PLY))
         return read;
     *cloud = 1;
     return bvx_read_points(beside->run->context, b->bytes, b->size, format, mesh);
 }
 
-/* What is left out is told by how many triangles of this file went. */
 static void warn_of_nonfinite(cli_run *run, const char *path, uint64_t dropped)
 {
     if (dropped != 0)
@@ -510,7 +485,6 @@ int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *
 {
     int32_t const format = cli_input_format(run, path);
     *cloud = 0;
-    /* which refuses it */
     if (format != BVX_FORMAT_XYZ && !is_mesh_format(format)) return cli_read_mesh(run, path, mesh);
     return read_mesh_file(run, path, format, mesh, cloud);
 }

@@ -28,7 +28,6 @@ static int unpack_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli
     cli_volume v = {0};
     int status;
 
-    /* The bytes change hands: they are freed with the volume. */
     v.file = *b;
     memset(b, 0, sizeof *b);
     status = cli_take_volume(run, in->path, window, &v);
@@ -59,14 +58,13 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     int32_t const format = cli_input_format(run, in->path);
     bvx_status read;
 
-    /* .bvx holds either, and only the bytes tell which. */
     in->kind = holds_tree(format, b) ? CLI_TREE : CLI_GRID;
     in->placed = 1;
     cli_stage_begin(run, "parse");
     if (in->kind == CLI_TREE) read = bvx_read_octree(run->context, b->bytes, b->size, &in->tree);
     else read = bvx_read_grid(run->context, b->bytes, b->size, format, window, &in->grid);
     cli_end_parse(run, b->size);
-    if (read == BVX_ERR_UNSUPPORTED && format == BVX_FORMAT_NRRD &&
+    if (read == BVX_ERR_UNSUPPORTED && (format == BVX_FORMAT_NRRD || format == BVX_FORMAT_VTI) &&
         bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
         return unpack_grid(run, b, window, in);
     if (read == BVX_OK && format == BVX_FORMAT_VOX && run->options->output != NULL && has_vox_colours(b))
@@ -74,7 +72,6 @@ static int parse_grid(cli_run *run, cli_bytes *b, const bvx_window *window, cli_
     return cli_check_call(run, read, cli_input_name(in->path));
 }
 
-/* The chosen voxels of a volume. */
 static int read_selected(cli_run *run, const char *path, const bvx_window *window, cli_input *in)
 {
     cli_text warnings = {0};
@@ -89,7 +86,6 @@ static int read_selected(cli_run *run, const char *path, const bvx_window *windo
         cli_stage_begin(run, "threshold");
         selected = cli_select_voxels(run, &v, &report, &in->grid);
         cli_stage_end(run);
-        /* Parts are counted among what was chosen, not among all samples. */
         if (selected == BVX_OK && CLI_HOLDS(run, CLI_KEEPS_PARTS))
             selected = cli_keep_parts(run, &in->grid, &in->grid);
         if (selected != BVX_OK) status = cli_fail_status(run, selected, cli_input_name(path));
@@ -118,13 +114,11 @@ int cli_read_grid_or_tree(cli_run *run, const char *path, const bvx_window *wind
 
     memset(in, 0, sizeof *in);
     in->path = path;
-    /* What was chosen by its samples is a grid from here on. */
     if (cli_is_volume(run, path)) return read_selected(run, path, window, in);
-    status = cli_open_samples(run, path, &b);
+    status = cli_open_input(run, path, &b);
     if (status == CLI_DONE) status = parse_grid(run, &b, window, in);
     if (status == CLI_DONE && (run->command->bit & READS_PARTS) != 0 && CLI_HOLDS(run, CLI_KEEPS_PARTS))
         status = keep_read_parts(run, in);
-    /* The side-car is read after the grid, whose shape it must fit. */
     free(b.bytes);
     if (status == CLI_DONE && cli_needs_sidecar(cli_input_format(run, path)))
         status = cli_read_sidecar(run, path, &in->grid, &in->placed);
@@ -173,7 +167,6 @@ int cli_expand_tree(cli_run *run, const bvx_octree *tree, const bvx_window *fine
                         " MiB: take a lower --expand or a --window, or allow it by "
                         "--memory-limit",
                         path, level, words >> 17);
-    /* Refused before the time that it takes, not after. */
     if (o->output != NULL && cli_kind_of_format(bvx_format_of_name(o->output)) == CLI_GRID) {
         CLI_TRY(cli_check_grid_format(run, o->output, &lattice,
                                       window.size[0] != 0 ? window.size : lattice.dims));
@@ -199,14 +192,11 @@ int cli_read_grid(cli_run *run, const char *path, const bvx_window *window, bvx_
         status = cli_expand_tree(run, in.tree, window != NULL ? window : &all, cli_input_name(path),
                                  &in.grid);
     else if (status == CLI_DONE) status = cli_check_rules(run, tree_rules, CLI_OF_GRID, cli_input_name(path));
-    /* The tree was a step on the way, also where it failed. */
     bvx_octree_free(run->context, in.tree);
     *grid = in.grid;
     *placed = in.placed;
     return status;
 }
-
-/* ---- either ---- */
 
 int cli_read_input(cli_run *run, const char *path, cli_input *input)
 {
@@ -248,7 +238,6 @@ int cli_read_sections(cli_run *run, const char *path, bvx_sections *sections)
                      "%s: D has the other sign on all planes, A x + B y + C z = D; the points were taken",
                      cli_input_name(path));
     }
-    /* Contours are copied out of the text. */
     free(b.bytes);
     return status;
 }

@@ -56,8 +56,6 @@ int cli_read_file(cli_run *run, const char *path, cli_bytes *bytes);
 int cli_read_bytes(cli_run *run, const char *path, uint64_t held, cli_bytes *bytes);
 /* Read a file that is to be parsed; creates run->context when there is none. */
 int cli_open_input(cli_run *run, const char *path, cli_bytes *bytes);
-/* The same of a grid or a volume: blocks of zlib within it are unpacked too. */
-int cli_open_samples(cli_run *run, const char *path, cli_bytes *bytes);
 /* The stage of parsing so many bytes of files ends. */
 void cli_end_parse(cli_run *run, uint64_t bytes);
 /* CLI_HAS_... of a mesh. */
@@ -66,11 +64,6 @@ uint32_t cli_attributes_of(const bvx_mesh *mesh);
 int cli_read_mesh(cli_run *run, const char *path, bvx_mesh *mesh);
 /* The same, or a cloud of points: .xyz, or .ply without faces. */
 int cli_read_mesh_or_cloud(cli_run *run, const char *path, bvx_mesh *mesh, int *cloud);
-
-/* ---- vti_blocks.c: VTK's XML images with packed arrays ---- */
-
-/* A .vti file with blocks of zlib becomes the same without; others stay. */
-int cli_unpack_vti(cli_run *run, const char *path, cli_bytes *bytes);
 
 /* ---- sidecars.c: FILE.npy.json ---- */
 

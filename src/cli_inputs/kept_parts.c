@@ -54,7 +54,6 @@ bvx_status cli_keep_parts(cli_run *run, const bvx_grid *grid, bvx_grid *kept)
     if (own) cli_stage_end(run);
     if (status != BVX_OK) return status;
 
-    /* Summed: some commands keep parts of several grids. */
     run->report.parts.kept += report.kept;
     run->report.parts.dropped += report.dropped;
     run->report.parts.voxels_kept += report.voxels_kept;

@@ -96,7 +96,6 @@ static bvx_status make_lattice(cli_run *run, const fit_target *target, bvx_latti
 
     if (o->origin.given) return lattice_from_origin(run, target, lattice);
     fit.padding = o->padding;
-    /* Rows exclude each other already: the first that is given decides. */
     if (o->spacing != 0.0)
         for (int a = 0; a < 3; a++) fit.spacing[a] = o->spacing;
     else if (o->resolution.count == 3)
@@ -132,7 +131,6 @@ int cli_window_option(cli_run *run, bvx_window *window)
 
     memset(window, 0, sizeof *window);
     for (int a = 0; a < 3 && l->count != 0; a++) {
-        /* Ends are excluded, as in slices of arrays. */
         if (l->value[a] >= l->value[a + 3])
             return cli_usage(run, "--window is empty: it ends at %" PRId64 ", not after %" PRId64,
                              l->value[a + 3], l->value[a]);
@@ -240,13 +238,11 @@ static void count_far(far_points *f)
         f->near_low[a] = HUGE_VAL;
         f->near_high[a] = -HUGE_VAL;
     }
-    /* Far is what lies beyond along any axis; the box of the others grows by all that is not. */
     for (uint64_t i = 0; i < f->count; i++) {
         uint64_t const vertex = vertex_of(f, i);
         int beyond;
         position_of(f->view->positions, f->view->position_type, vertex, p);
         beyond = is_beyond(f, p);
-        /* The first one is named in messages: one can look it up in the file. */
         if (beyond && f->far++ == 0) {
             f->first = vertex;
             memcpy(f->at, p, sizeof f->at);
@@ -276,7 +272,6 @@ static void warn_of_far(cli_run *run, const char *path, const bvx_mesh_view *vie
         most = fmax(most, (f.near_high[a] - f.near_low[a]) / lattice->spacing[a]);
         longest = lattice->dims[a] > longest ? lattice->dims[a] : longest;
     }
-    /* A lattice that is small anyway loses nothing worth a warning. */
     if (most >= NEAR_VOXELS || longest < 4 * NEAR_VOXELS) return;
 
     cli_warn(run, BVX_WARN_FAR,
@@ -296,7 +291,6 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
     f.count = cloud ? view->vertex_count : view->triangle_count * 3;
     for (int a = 0; a < 3; a++) bytes *= a == 0 ? ceil(lattice->dims[a] / 64.0) : (double)lattice->dims[a];
     warn_of_far(run, path, view, cloud, lattice);
-    /* What fits is made without a question. */
     if (bytes < FAR_BYTES || f.count == 0 || bytes <= limit || !find_near_box(&f)) return CLI_DONE;
 
     count_far(&f);
@@ -305,7 +299,6 @@ int cli_check_far(cli_run *run, const char *path, const bvx_mesh_view *view, int
         double const n = floor((f.near_high[a] - f.near_low[a]) / lattice->spacing[a]) + 1.0;
         near *= a == 0 ? ceil(n / 64.0) : n;
     }
-    /* Taking the point out would not help much. */
     if (near * FAR_SAVED > bytes) return CLI_DONE;
 
     return cli_fail(

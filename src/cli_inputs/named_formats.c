@@ -12,7 +12,6 @@ enum { VOX_SIDE = 256 };
 
 int cli_kind_of_format(int32_t format)
 {
-    /* The sets of formats are bits. */
     if (format < 0 || format > 30) return 0;
     return (BVX_MESHES_WRITTEN >> format & 1) != 0 ? CLI_MESH
            : (BVX_GRIDS_READ >> format & 1) != 0   ? CLI_GRID
@@ -76,7 +75,6 @@ int32_t cli_input_up(const cli_run *run)
     const cli_options *const o = run->options;
     int32_t up = o->input_up;
 
-    /* Inputs that do not agree are taken as they come. */
     for (int i = 0; i < o->inputs && o->input_up == CLI_UP_NONE; i++) {
         int32_t const one = cli_up_of_format(cli_input_format(run, o->input[i]));
         if (i > 0 && one != up) return CLI_UP_NONE;
@@ -155,7 +153,6 @@ static int is_detached_head(const char *path)
 int cli_is_volume(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-    /* A grid in these formats is a volume only where something asks for its samples. */
     return cli_may_be_volume(format) &&
            (cli_selects(run) != 0 || format == BVX_FORMAT_RAW || is_detached_head(path));
 }

@@ -75,8 +75,6 @@ const cli_rule cli_grid_rules[] = {
      .message = "%o is for meshes; %w is a grid"},
     {0}};
 
-/* ---- facts ---- */
-
 static uint32_t fact_if(int holds, uint32_t fact)
 {
     return holds ? fact : 0;
@@ -105,8 +103,6 @@ static uint32_t facts_of_output(const char *path)
            fact_if((bit & NORMAL_FORMATS) != 0, CLI_TO_NORMALS) |
            fact_if((bit & VOLUME_FORMATS) != 0, CLI_TO_DISTANCES);
 }
-
-/* ---- rows ---- */
 
 const char *cli_given_of(const cli_run *run, const char *names)
 {
@@ -151,9 +147,7 @@ static int check_rows(cli_run *run, const cli_rule *rules, uint32_t facts, const
     for (const cli_rule *r = rules; r->message != NULL || r->also != NULL; r++) {
         const char *option = NULL, *beside = NULL;
 
-        /* The cheap conditions first; options are looked up by their names. */
         if ((facts & r->when) != r->when || (facts & r->unless) != 0) continue;
-        /* A table in place of a row holds under the conditions of that row. */
         if (r->also != NULL) {
             CLI_TRY(check_rows(run, r->also, facts, word));
             continue;

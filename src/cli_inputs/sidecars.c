@@ -43,7 +43,6 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
     FILE *file;
     int status = CLI_DONE;
 
-    /* Without a side-car the lattice is assumed, and told to be. */
     *placed = 0;
     if (name == NULL) return strcmp(path, "-") == 0 ? CLI_DONE : cli_fail(run, "no memory for a file's name");
     file = cli_open_file(name, "rb");
@@ -56,7 +55,6 @@ int cli_read_sidecar(cli_run *run, const char *path, bvx_grid *grid, int *placed
             else *placed = 1;
         }
         free(b.bytes);
-        /* That there is none is usual; one that cannot be read is an error. */
     } else if (errno != ENOENT) {
         status = cli_fail(run, "%s: %s", name, strerror(errno));
     }

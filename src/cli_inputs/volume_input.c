@@ -85,15 +85,16 @@ int cli_check_selection(cli_run *run, const char *path)
 
 /* ---- packed samples ---- */
 
-/* A bvx_inflate_fn. Data files that end in .gz are unpacked when they are read. */
+/* A bvx_inflate_fn; user is set where the bytes may be plain. Data files that end in .gz are unpacked when
+ * they are read. */
 static int32_t inflate_samples(void *user, const void *packed, uint64_t packed_size, void *plain,
                                uint64_t plain_size)
 {
     const unsigned char *const bytes = packed;
 
-    (void)user;
     /* Some files say gzip and hold plain bytes. */
-    if (packed_size == plain_size && (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
+    if (user != NULL && packed_size == plain_size &&
+        (packed_size < 2 || bytes[0] != 0x1f || bytes[1] != 0x8b)) {
         memcpy(plain, packed, (size_t)plain_size);
         return 0;
     }
@@ -136,7 +137,6 @@ static int stays_below(const char *name)
 #if defined(_WIN32)
     if (strpbrk(name, "\\:") != NULL) return 0;
 #endif
-    /* Absolute names lead anywhere. */
     if (name[0] == '/') return 0;
     for (const char *part = name;;) {
         size_t const n = strcspn(part, "/");
@@ -147,7 +147,6 @@ static int stays_below(const char *name)
     }
 }
 
-/* A name of the head, beside it; to be freed. */
 static char *data_path(const char *head, const char *name)
 {
     const char *const slash = strrchr(head, '/');
@@ -166,7 +165,6 @@ static int add_data_file(cli_run *run, const char *path, uint64_t head_size, cli
     cli_bytes one = {NULL, 0, 0, 0};
     int status = cli_read_bytes(run, path, head_size + all->size, &one);
 
-    /* The usual case is one file, which is not copied. */
     if (status == CLI_DONE && all->bytes == NULL) {
         *all = one;
         return CLI_DONE;
@@ -201,7 +199,6 @@ static int read_data_files(cli_run *run, const char *head, cli_volume *v)
         char *path;
         found = bvx_volume_data_name(run->context, v->file.bytes, v->file.size, i, name, sizeof name, &count);
         if (found != BVX_OK) return cli_fail_status(run, found, cli_input_name(head));
-        /* Before the name is used for anything. */
         if (!stays_below(name))
             return cli_fail(
                 run,
@@ -226,7 +223,6 @@ static void take_raw_options(const cli_run *run, bvx_read_volume_options *o)
     o->sample_type = given->sample_type;
     o->big_endian = given->big_endian;
     o->offset = (uint64_t)given->skip;
-    /* Without --shape the file says its size, or is refused. */
     for (int a = 0; a < 3; a++) {
         o->size[a] = given->shape.count == 3 ? (int32_t)given->shape.value[a] : 0;
         if (given->voxel_size.given) o->spacing[a] = given->voxel_size.value[a];
@@ -316,7 +312,7 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
 #else
     if (v->data.bytes != NULL) o.inflate = inflate_samples; /* plain bytes, as it turns out, or a refusal */
 #endif
-    /* NULL where the samples follow the head in the same file. */
+    o.inflate_user = format == BVX_FORMAT_NRRD ? v : NULL;
     o.data = v->data.bytes;
     o.data_size = v->data.size;
     take_raw_options(run, &o);
@@ -325,7 +321,7 @@ int cli_take_volume(cli_run *run, const char *path, const bvx_window *window, cl
     cli_end_parse(run, (uint64_t)v->file.size + v->data.size);
 #ifndef BVX_HAVE_ZLIB
     if (read == BVX_ERR_UNSUPPORTED && bvx_last_error(run->context)->reason == BVX_REASON_COMPRESSED)
-        return cli_fail(run, "%s: gzip samples, which this build cannot unpack: it was made without zlib",
+        return cli_fail(run, "%s: packed samples, which this build cannot unpack: it was made without zlib",
                         cli_input_name(path));
 #endif
     CLI_TRY(cli_check_call(run, read, cli_input_name(path)));
@@ -337,7 +333,7 @@ int cli_read_volume(cli_run *run, const char *path, const bvx_window *window, cl
 {
     memset(v, 0, sizeof *v);
     CLI_TRY(cli_check_selection(run, path));
-    CLI_TRY(cli_open_samples(run, path, &v->file));
+    CLI_TRY(cli_open_input(run, path, &v->file));
     return cli_take_volume(run, path, window, v);
 }
 
@@ -376,7 +372,6 @@ bvx_status cli_select_voxels(cli_run *run, const cli_volume *v, bvx_volume_repor
     int64_t const label = o->value_label;
     if (o->range.given)
         return bvx_threshold(run->context, &v->view, o->range.value[0], o->range.value[1], report, grid);
-    /* Nothing chosen: what is not 0, as in a grid of bits. */
     if (!cli_selects(run)) return select_other_than_zero(run, v, report, grid);
     if (cli_given(run, "--label") && v->view.sample_type < BVX_SAMPLE_F32)
         return bvx_threshold_whole(run->context, &v->view, label, label, report, grid);
@@ -395,7 +390,6 @@ void cli_tell_volume(const cli_volume *v, const bvx_volume_report *r, cli_text *
     cli_json_count(t, "nan", r->nan);
     cli_json_count(t, "infinite", r->infinite);
     cli_text_add(t, "}");
-    /* Both are on no side of a level; that they count as outside is a choice, so it is told. */
     if (r->nan + r->infinite != 0)
         cli_add_warning(warnings, BVX_WARN_READ,
                         "%" PRIu64 " samples are NaN and %" PRIu64 " infinite: they count as outside", r->nan,

@@ -3,7 +3,6 @@
 
 #include <stdlib.h>
 
-/* The grid whose lattice is told. */
 static const bvx_grid *grid_of(const cli_made *made)
 {
     return made->grid != NULL     ? made->grid
@@ -29,14 +28,12 @@ void cli_note_voxels(cli_run *run, const bvx_lattice *lattice, uint64_t set)
     run->report.has_lattice = run->report.has_set = 1;
 }
 
-/* A success: where it went, what it is, what is to be said of it. */
 static void tell_made(cli_run *run, cli_made *made)
 {
     const bvx_grid *const grid = grid_of(made);
     const char *const out = run->options->output;
 
     if (grid != NULL) cli_note_voxels(run, &grid->lattice, made->set);
-    /* The command speaks first: what several commands tell alike follows its lines. */
     if (run->job->tell != NULL) run->job->tell(run, run->work, made);
     if (made->voxels != NULL) cli_tell_voxels(run, made->voxels, made);
     cli_tell_turn(run, made);
@@ -68,7 +65,6 @@ int cli_perform(cli_run *run)
     if (result == CLI_DONE) result = write_made(run, &made);
     if (result == CLI_DONE) tell_made(run, &made);
 
-    /* A failure leaves lines that nobody said. */
     cli_text_free(&made.head);
     cli_text_free(&made.text);
     cli_text_free(&made.members);
@@ -76,8 +72,26 @@ int cli_perform(cli_run *run)
     return result;
 }
 
+static void free_owned(cli_run *run, int32_t kind, void *it)
+{
+    switch (kind) {
+    case CLI_OWNS_MESH: bvx_mesh_free(run->context, it); break;
+    case CLI_OWNS_GRID: bvx_grid_free(run->context, it); break;
+    case CLI_OWNS_FIELD: bvx_field_free(run->context, it); break;
+    case CLI_OWNS_SECTIONS: bvx_sections_free(run->context, it); break;
+    case CLI_OWNS_INPUT: cli_free_input(run, it); break;
+    case CLI_OWNS_VOLUME: cli_free_volume(run, it); break;
+    case CLI_OWNS_TREE: cli_free_tree(run, it); break;
+    case CLI_OWNS_VOXELS: cli_free_voxels(run, it); break;
+    default: free(*(void **)it); break;
+    }
+}
+
 void cli_release(cli_run *run)
 {
+    for (const cli_owned *o = run->work != NULL ? run->job->owns : NULL; o != NULL && o->kind != 0; o++)
+        for (int32_t i = 0; i < o->count; i++)
+            free_owned(run, o->kind, (char *)run->work + o->at + (size_t)i * o->size);
     if (run->work != NULL && run->job->free != NULL) run->job->free(run, run->work);
     free(run->work);
     run->work = NULL;

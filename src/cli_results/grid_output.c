@@ -29,7 +29,6 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 {
     int32_t const format = bvx_format_of_name(path);
     const int32_t *const d = grid->lattice.dims;
-    /* These keep the lattice and where in it the window lies. */
     if (cli_needs_sidecar(format) || format == BVX_FORMAT_BVX) return;
     if (memcmp(grid->size, d, sizeof grid->size) == 0) return;
     cli_warn(run, BVX_WARN_LOST,
@@ -52,14 +51,12 @@ int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const b
     const char *const path = run->options->output;
     int result = cli_write_buffer(run, 0, status, file, path);
 
-    /* The side-car is the second output, opened with the first. */
     if (result == CLI_DONE && cli_needs_sidecar(bvx_format_of_name(path))) {
         status = bvx_write_lattice(run->context, grid, file);
         result = cli_write_buffer(run, 1, status, file, path);
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    /* Only of files that are there. */
     if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
     return result;
 }
@@ -95,7 +92,6 @@ void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *g, uint64
     cli_grid_corner(g, 0.0, corner);
     cli_text_add(text, "  dims        %" PRId32 " x %" PRId32 " x %" PRId32 "\n", g->size[0], g->size[1],
                  g->size[2]);
-    /* A whole lattice needs no word of its window. */
     if (memcmp(g->size, l->dims, sizeof g->size) != 0)
         cli_text_add(text,
                      "  window      from %" PRId32 ",%" PRId32 ",%" PRId32 " of a lattice of %" PRId32

@@ -46,7 +46,6 @@ static void add_box(bvx_mesh *mesh, const double low[3], const double edge[3], c
         for (int a = 0; a < 3; a++) positions[3 * i + a] = low[a] + ((i >> a & 1) != 0 ? edge[a] : 0.0);
         memcpy(mesh->colours + (mesh->vertex_count + (uint64_t)i) * 4, colour, 4);
     }
-    /* Boxes share no vertices: each has the colour of its own leaf. */
     for (int i = 0; i < LEAF_TRIANGLES; i++)
         for (int k = 0; k < 3; k++) triangles[3 * i + k] = first + sides[i][k];
     mesh->vertex_count += LEAF_VERTICES;
@@ -83,7 +82,6 @@ static int make_room(cli_run *run, uint64_t count, bvx_octree_leaf **leaves, bvx
                         " MiB: take .vtu, fewer --halvings or --states, or a larger "
                         "--memory-limit",
                         run->options->output, count, bytes >> 20);
-    /* As many as there may be: --cut takes away some of them later. */
     *leaves = malloc((size_t)count * sizeof **leaves);
     mesh->positions = malloc((size_t)count * LEAF_VERTICES * 3 * sizeof(double));
     mesh->triangles = malloc((size_t)count * LEAF_TRIANGLES * 3 * sizeof(uint32_t));

@@ -117,10 +117,8 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
              "\ndistances %sin the %s's unit and in %% of its diagonal, from %" PRIu64
              " random points on each mesh, seed %d\n",
              to, unit_of, run->report.mesh[0].distance->samples, DISTANCE_SEED);
-    /* Widths follow from the digits of a percentage, so that both heads stand over their columns. */
     cli_tell(made, "%*s%*s\n", 5 + 2 * one, "level to input", 2 * one, "input to level");
     cli_tell(made, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
-    /* Four numbers a level: either way, mean and largest. */
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
 

@@ -79,9 +79,7 @@ int cli_check_level_names(cli_run *run, int count)
 {
     const char *const out = run->options->output;
 
-    /* Which of the two would be the number of the level is a guess. */
     if (cli_has_two_numbers(out)) return cli_usage(run, "%s: the name has two %%d", out);
-    /* .glb holds all levels as meshes of one file. */
     if (cli_has_number(out) || count == 1 || bvx_format_of_name(out) == BVX_FORMAT_GLB) return CLI_DONE;
     if (count != 0)
         return cli_usage(
@@ -192,13 +190,11 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     bvx_mesh_view view;
     cli_box box;
 
-    /* --error is in percent of the diagonal of the mesh that collapses. */
     r->before = mesh->triangle_count;
     if (!cli_reduces(run) || mesh->triangle_count == 0) return CLI_DONE;
     cli_mesh_box(mesh, &box);
     if (o->errors.percent[0]) error *= cli_diagonal(box.low, box.high) / 100.0;
 
-    /* One target, a count or a distance: rules have refused both. */
     if (target != 0) s.targets.triangles = &target;
     else s.targets.errors = &error;
     s.targets.error_kind = o->error_kind;
@@ -208,7 +204,6 @@ int cli_reduce(cli_run *run, bvx_mesh *mesh, cli_reduction *r)
     cli_stage_begin(run, "simplify");
     CLI_TRY(cli_stage_check(run, bvx_mesh_simplify(run->context, &view, &s, 1, &less), run->options->output));
 
-    /* The report keeps the size of the mesh that it was. */
     bvx_mesh_free(run->context, mesh);
     *mesh = less;
     r->done = 1;
@@ -356,7 +351,6 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
     bvx_status status;
     int result = CLI_DONE;
 
-    /* One a mesh: a file may hold several. */
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
     status = bvx_check_written(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), report);
@@ -364,7 +358,6 @@ static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int num
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 
     for (int i = 0; i < count && result == CLI_DONE; i++) {
-        /* The first level that the format would spoil ends it; nothing is written yet. */
         if (!report[i].fits) {
             result = refuse_rounding(run, &placed[i], path, &report[i]);
             continue;
@@ -406,7 +399,6 @@ static void note_kept(cli_run *run, const bvx_mesh *mesh, const char *path)
     run->report.kept |= cli_attributes_of(mesh) & attributes_of_format(bvx_format_of_name(path));
 }
 
-/* The mesh is judged. */
 static int put_mesh(cli_run *run, const bvx_mesh *mesh, int number, const char *path)
 {
     bvx_mesh const placed = placed_mesh(run, mesh);
@@ -423,7 +415,6 @@ static int write_judged(cli_run *run, const bvx_mesh *mesh, int number, const ch
 {
     int result;
 
-    /* Judged before the file is begun: a refusal leaves nothing behind. */
     CLI_TRY(judge_mesh(run, mesh, number, path));
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -449,7 +440,6 @@ int cli_open_levels(cli_run *run, int count, char **path)
     int status = CLI_DONE;
 
     for (int i = 0; i < count && status == CLI_DONE; i++) {
-        /* One file has one name, which all levels share. */
         path[i] = in_one && i > 0 ? path[0] : cli_numbered_path(run->options->output, i);
         if (path[i] == NULL) return cli_fail(run, "no memory for a file's name");
         if (!in_one || i == 0) status = cli_open_output(run, path[i]);
@@ -457,7 +447,6 @@ int cli_open_levels(cli_run *run, int count, char **path)
     return status;
 }
 
-/* All levels in one file. */
 static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, const char *path)
 {
     bvx_mesh *const placed = malloc((size_t)count * sizeof *placed);
@@ -471,7 +460,6 @@ static int write_levels_file(cli_run *run, const bvx_mesh *levels, int count, co
         note_kept(run, &levels[i], path);
     }
 
-    /* All levels at once, since a reader gets all of them or none. */
     result = certify_file(run, placed, count, 0, path);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -492,7 +480,6 @@ int cli_write_levels(cli_run *run, const bvx_mesh *levels, int count, char *cons
 
     if (count > 1 && path[1] == path[0]) return write_levels_file(run, levels, count, path[0]);
 
-    /* All are judged before the first is written. */
     for (int i = 0; i < count && result == CLI_DONE; i++) result = judge_mesh(run, &levels[i], i, path[i]);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2 * count);

@@ -59,7 +59,7 @@ int cli_open_tree_output(cli_run *run, const cli_tree *t);
 /* Take over an octree, also on failure: its levels are counted, its lattice is reported. */
 int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t);
 /* Write run->options.output and keep it. */
-int cli_write_tree(cli_run *run, cli_tree *t);
+int cli_write_tree(cli_run *run, void *tree);
 void cli_free_tree(cli_run *run, cli_tree *t);
 void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made);
 void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made);

@@ -3,16 +3,12 @@
 
 #include <string.h>
 
-/* ---- what is requested ---- */
-
-/* A .bvx file is a tree, or with --expand the grid of a level. */
 int cli_check_tree_output(cli_run *run, cli_tree *t)
 {
     const char *const path = run->options->output;
     int32_t const format = bvx_format_of_name(path);
     int const expand = cli_given(run, "--expand");
 
-    /* .bvx holds grids and trees, and --expand says which is wanted. */
     t->kind = format == BVX_FORMAT_BVX && !expand ? 0 : cli_kind_of_format(format);
     if (t->kind == 0 && format != BVX_FORMAT_VTU && format != BVX_FORMAT_BVX)
         return cli_usage(
@@ -38,8 +34,6 @@ int cli_open_tree_output(cli_run *run, const cli_tree *t)
                                : cli_open_output(run, run->options->output);
 }
 
-/* ---- in ---- */
-
 int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
 {
     bvx_status status;
@@ -55,8 +49,6 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     return CLI_DONE;
 }
 
-/* ---- one level as a grid ---- */
-
 static int write_expanded(cli_run *run, cli_tree *t)
 {
     CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
@@ -65,29 +57,23 @@ static int write_expanded(cli_run *run, cli_tree *t)
     return cli_write_grid(run, &t->grid);
 }
 
-/* ---- the last level as a mesh, the tree as a file ---- */
-
-/* The closed surface of the last level. */
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     cli_stage_begin(run, "surface");
     CLI_TRY(cli_stage_check(
         run, bvx_extract_octree(run->context, t->tree, run->options->states, NULL, &t->surface),
         run->options->output));
-    /* An empty mesh is a file that few readers take. */
     return t->surface.triangle_count != 0
                ? CLI_DONE
                : cli_fail(run, "%s: no voxel has these states", run->options->output);
 }
 
-/* The tree itself, or the mesh that was made of it. */
 static int write_tree_file(cli_run *run, const cli_tree *t)
 {
     const char *const path = run->options->output;
     bvx_buffer file = {0};
     int result;
 
-    /* The same way as any mesh, with its check of what the file holds. */
     if (t->kind == CLI_MESH) return cli_write_mesh(run, &t->surface);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
@@ -100,10 +86,11 @@ static int write_tree_file(cli_run *run, const cli_tree *t)
     return result;
 }
 
-int cli_write_tree(cli_run *run, cli_tree *t)
+int cli_write_tree(cli_run *run, void *tree)
 {
+    cli_tree *const t = tree;
     int status = CLI_DONE;
-    /* A grid is a level of the tree, a mesh its boxes or its surface, all else the tree itself. */
+
     if (t->kind == CLI_GRID) return write_expanded(run, t);
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)

@@ -55,7 +55,6 @@ static void report_tree(const cli_run *run, const cli_tree *tree, cli_made *made
     cli_json_count(t, "leaves", sum.voxels - sum.split);
     cli_json_value(t, "uniform_voxels", uniform_voxels(&run->report.lattice));
     report_level(t, &sum);
-    /* A tree that was read took no time to refine. */
     if (tree->triangles != 0) cli_json_value(t, "milliseconds", tree->seconds * 1e3);
     cli_text_add(t, ", \"level\": [");
     for (int32_t i = 0; i <= tree->levels; i++) {
@@ -79,7 +78,6 @@ void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
              "surface", "inside", "outside", "bytes");
     for (int32_t i = 0; i <= t->levels; i++) {
         char name[16], dims[48];
-        /* The lattice of the report is that of the last level; each one above it has half as many a side. */
         int32_t const shift = t->levels - i;
         snprintf(name, sizeof name, "%" PRId32, i);
         snprintf(dims, sizeof dims, "%" PRId32 "x%" PRId32 "x%" PRId32, last->dims[0] >> shift,
@@ -94,7 +92,6 @@ void cli_tell_levels(const cli_run *run, const cli_tree *t, cli_made *made)
 
 void cli_tell_tree_output(const cli_run *run, const cli_tree *t, cli_made *made)
 {
-    /* What of the tree went out: all of it, a level, or a mesh. */
     cli_tell(made, "written: %s", cli_output_name(run, run->options->output));
     if (t->kind == CLI_GRID) {
         const int32_t *const n = t->grid.size;

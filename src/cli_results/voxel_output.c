@@ -20,8 +20,6 @@ int cli_open_voxels(cli_run *run)
     return CLI_HOLDS(run, CLI_TO_MESH) ? cli_open_output(run, out) : cli_open_grid_output(run, out);
 }
 
-/* ---- The surface of a mesh's voxels ---- */
-
 bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_grid *solid, double far,
                               bvx_field *field)
 {
@@ -31,7 +29,6 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     bvx_mesh_view view;
     bvx_status status;
 
-    /* The voxels say what is inside, so no sign is worked out. */
     o.sign = BVX_SIGN_NONE;
     o.features = 1;
     o.half_width = 2.0 + far / spacing; /* both ends of an edge that the wall passes */
@@ -41,7 +38,6 @@ bvx_status cli_measure_source(cli_run *run, const bvx_mesh *source, const bvx_gr
     status = bvx_measure_field(run->context, &view, l, &o, field);
     if (status != BVX_OK) return status;
 
-    /* What is inside is known already, by the rule that was requested. */
     field->inside = *solid;
     field->inside.owned = 0;
     field->sign = BVX_SIGN_EXACT;
@@ -146,8 +142,6 @@ static void round_hole(cli_voxels *v)
     }
 }
 
-/* ---- What goes out ---- */
-
 static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
 {
     bvx_status status;
@@ -158,7 +152,6 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
         return status;
     }
     status = bvx_extract_surface(run->context, v->grid, NULL, &v->mesh);
-    /* Voxels without a mesh: every vertex lies half way. */
     v->surface.edges = v->surface.own = v->surface.middle = v->mesh.vertex_count;
     return status;
 }
@@ -170,12 +163,10 @@ static int write_surface(cli_run *run, cli_voxels *v)
     cli_stage_begin(run, "surface");
     status = make_surface_mesh(run, v);
     CLI_TRY(cli_stage_check(run, status, cli_input_name(v->name)));
-    /* An empty grid is a result; a mesh without triangles is a file that few readers take. */
     if (v->mesh.triangle_count == 0)
         return cli_fail(run, "%s: the result is empty, so there is no surface to write",
                         cli_input_name(v->name));
 
-    /* Fewer triangles first, so that the certificate is of what is written. */
     CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
     CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
     return cli_write_mesh(run, &v->mesh);
@@ -195,7 +186,6 @@ void cli_tell_voxels(const cli_run *run, const cli_voxels *v, cli_made *made)
     cli_text *const t = &made->members;
 
     if (!CLI_HOLDS(run, CLI_TO_MESH)) return;
-    /* Where vertices lie says how far the mesh can be trusted. */
     if (v->source != NULL) {
         cli_tell(made, "  surface     %" PRIu64 " vertices on the mesh", s->edges - s->own);
         if (moved != 0) cli_tell(made, ", %" PRIu64 " at its distance %.9g", moved, fabs(v->offset));

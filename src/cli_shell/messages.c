@@ -38,7 +38,6 @@ static int tell_error(cli_run *run, int status, const char *code, const char *me
     tame(r->error_message);
     cli_watch_decide(status);
     cli_unlock();
-    /* Without a bar on its line, and after what standard output still holds. */
     cli_clear_bar(run);
     fflush(stdout);
     fprintf(stderr, "bitvox: %s%s\n", prefix, r->error_message);
@@ -109,7 +108,6 @@ int cli_fail_advised(cli_run *run, bvx_status status, const char *about, const c
 {
     char text[sizeof run->report.error_message], held[96] = "";
     const char *const message = run->context != NULL ? bvx_last_error(run->context)->text : "";
-    /* The library stops because the user asked for it: that is no error of the file. */
     if (status == BVX_CANCELLED) return cli_fail_interrupted(run);
     /* A call that failed without a context has no message of its own. */
     /* What the library was given is less than what the option says. */

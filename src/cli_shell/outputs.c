@@ -268,7 +268,6 @@ int cli_open_output(cli_run *run, const char *path)
     unsigned mode = 0;
     int good, error;
 
-    /* What can be refused without touching the folder is refused first. */
     if (run->outputs == CLI_MAX_OUTPUTS)
         return cli_fail(run, "%s: more than %d outputs", path, CLI_MAX_OUTPUTS);
     if (cli_is_packed(path) && !cli_can_pack())
@@ -288,7 +287,6 @@ int cli_open_output(cli_run *run, const char *path)
     cli_unlock();
     if (same != NULL) return cli_fail(run, "%s and %s are one file", same, path);
     if (!good) return cli_fail(run, "%s: cannot be written: %s", path, strerror(error));
-    /* One stream cannot hold two files. */
     if (run->standard_name[0] != 0 && run->outputs > 1)
         return cli_usage(run, "-o - is for one output; %s would be another",
                          strcmp(path, run->standard_name) != 0 ? path : run->output[0].path);
@@ -362,7 +360,6 @@ int cli_write_output(cli_run *run, int number, const bvx_buffer *buffer)
     bvx_buffer packed = {0};
     int status;
 
-    /* Packed in memory first, so that the file is written in one go as any other. */
     if (!cli_is_packed(o->path)) return write_bytes(run, o, buffer);
 
     status = cli_pack(run, o->path, buffer, &packed);
@@ -472,7 +469,6 @@ int cli_keep_outputs(cli_run *run)
 
     if (cli_interrupted()) return cli_fail_interrupted(run);
     cli_lock();
-    /* First everything that can be undone, then the names, then what cannot. */
     ready = set_all_aside(run);
     if (ready == run->outputs)
         while (named < run->outputs && give_name(&run->output[named])) named++;
@@ -483,7 +479,6 @@ int cli_keep_outputs(cli_run *run)
     if (good) cli_watch_kept();
     cli_unlock();
     if (!good) fail_to_keep(run, &run->output[ready < run->outputs ? ready : named], error, lost);
-    /* An older file that could not be removed is worth a warning, not a failure. */
     for (int i = 0; i < run->outputs; i++) {
         cli_output *const o = &run->output[i];
         if (good && o->older != NULL)
@@ -497,7 +492,6 @@ int cli_keep_outputs(cli_run *run)
 void cli_remove_temporaries(cli_run *run)
 {
     for (int i = 0; i < run->outputs; i++) {
-        /* What was kept has its own name by now. */
         const char *const name = run->output[i].temporary;
         if (name == NULL) continue;
 #if OUTPUTS_POSIX

@@ -15,7 +15,6 @@ static void report_certificate(cli_text *t, const bvx_certificate *c)
     cli_json_count(t, "components", c->components);
     cli_json_value(t, "volume", c->volume);
     cli_json_value(t, "area", c->area);
-    /* The only count that may be negative. */
     cli_json_key(t, "euler", 0);
     cli_text_add(t, "%" PRId64, c->euler);
     cli_json_triple(t, "low", c->low);
@@ -35,7 +34,6 @@ static void report_distance(cli_text *t, const bvx_distance_report *d)
 {
     cli_json_value(t, "mean_distance", d->mean);
     cli_json_value(t, "max_distance", d->max);
-    /* The two numbers above are what most readers want; all of them follow. */
     cli_json_key(t, "distance", 0);
     cli_text_add(t, "{\"samples\": %" PRIu64, d->samples);
     cli_json_count(t, "seed", d->seed);
@@ -76,7 +74,6 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
     cli_json_truth(t, "colours", m->colours);
     cli_json_truth(t, "texture_coordinates", m->uvs);
     if (m->has_crossings) cli_json_count(t, "crossings", m->crossings);
-    /* What only some commands know of a mesh follows. */
     if (m->lod != NULL) {
         cli_json_ints(t, "resolution", m->lod->resolution);
         cli_json_triple(t, "ratio", m->lod->ratio);
@@ -123,11 +120,9 @@ static void report_warning(cli_text *t, const cli_warning *w)
     cli_json_string(t, w->text);
     cli_text_add(t, ", \"values\": [");
     for (int i = 0; i < w->values; i++) cli_text_add(t, "%s%.9g", i == 0 ? "" : ", ", w->value[i]);
-    cli_text_add(t, "], \"place\": ");
-    if (w->placed)
-        cli_text_add(t, "[[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", w->low[0], w->low[1], w->low[2],
-                     w->high[0], w->high[1], w->high[2]);
-    else cli_text_add(t, "null");
+    cli_text_add(t, "]");
+    if (w->placed) cli_json_box(t, "place", w->low, w->high);
+    else cli_text_add(t, ", \"place\": null");
     cli_text_add(t, "}");
 }
 
@@ -184,7 +179,6 @@ int cli_report_print(cli_run *run, int status)
     cli_text text = {NULL, 0, 0, 0};
     int good;
 
-    /* The reports of several inputs are one text already. */
     if (run->report.batch.size != 0) text = run->report.batch;
     else cli_report_text(run, status, 0, &text);
     /* From here on an interrupt leaves the report to this thread. */

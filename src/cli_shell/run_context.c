@@ -28,8 +28,6 @@
 #include <windows.h>
 #endif
 
-/* ---- memory ---- */
-
 uint64_t cli_memory_there(void)
 {
     uint64_t memory = UINT64_MAX;
@@ -60,8 +58,6 @@ uint64_t cli_memory_there(void)
 #endif
     return memory != UINT64_MAX ? memory : 0;
 }
-
-/* ---- blocks ---- */
 
 enum { BLOCK_LARGE = 4 << 20 };
 
@@ -116,8 +112,6 @@ static void offer_blocks(bvx_context_options *options)
 
 #endif
 
-/* ---- the context ---- */
-
 int cli_make_context(cli_run *run, uint64_t file_bytes)
 {
     uint64_t const memory = run->general->memory_limit != 0 ? run->general->memory_limit : cli_memory_there();
@@ -125,7 +119,6 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     const char *fault;
     bvx_status status;
 
-    /* Made for the first input; the others share it. */
     if (run->context != NULL) return CLI_DONE;
     o.threads = run->general->threads;
     offer_blocks(&o);

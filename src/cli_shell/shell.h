@@ -60,6 +60,7 @@ void cli_json_value(cli_text *text, const char *key, double value);
 void cli_json_truth(cli_text *text, const char *key, int value);
 void cli_json_triple(cli_text *text, const char *key, const double value[3]);
 void cli_json_ints(cli_text *text, const char *key, const int32_t value[3]);
+void cli_json_box(cli_text *text, const char *key, const double low[3], const double high[3]);
 
 /* ---- report.c: the report of --json ---- */
 

@@ -120,7 +120,6 @@ static void tell_progress(cli_run *run, int last)
     double const now = p->ended != 0.0 ? p->ended : cli_seconds();
     int const way = progress_way(run);
 
-    /* Ten times a second is enough to see, and costs nothing. */
     if (!last && now - p->told < TOLD_EVERY) return;
     if (way == CLI_BAR_JSON) print_line(run, now);
     else if (way == CLI_BAR_DRAW && now - run->start > BAR_AFTER) draw_bar(run, now);
@@ -175,7 +174,6 @@ void cli_stage_begin(cli_run *run, const char *format, ...)
     va_end(args);
     open_stage(run, name);
     run->progress.named = 1;
-    /* An interrupted run says no more of what it would do next. */
     if (!cli_interrupted()) tell_progress(run, 0);
 }
 

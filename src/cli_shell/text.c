@@ -141,3 +141,10 @@ void cli_json_ints(cli_text *t, const char *key, const int32_t v[3])
     cli_json_key(t, key, 0);
     cli_text_add(t, "[%" PRId32 ", %" PRId32 ", %" PRId32 "]", v[0], v[1], v[2]);
 }
+
+void cli_json_box(cli_text *t, const char *key, const double low[3], const double high[3])
+{
+    cli_json_key(t, key, 0);
+    cli_text_add(t, "[[%.9g, %.9g, %.9g], [%.9g, %.9g, %.9g]]", low[0], low[1], low[2], high[0], high[1],
+                 high[2]);
+}

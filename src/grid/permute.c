@@ -162,10 +162,13 @@ static void load_permute_square(const permute_job *job, const uint64_t *from, in
 {
     int32_t const first = k * BVXI_WORD_BITS, left = job->result->size[0] - first;
     int32_t const n = left < BVXI_WORD_BITS ? left : BVXI_WORD_BITS;
-    for (int32_t i = 0; i < n; i++) square[i] = from[(size_t)flipped(job, 0, first + i) * job->step[0]];
+    uint64_t any = 0;
+
+    for (int32_t i = 0; i < n; i++)
+        any |= square[i] = from[(size_t)flipped(job, 0, first + i) * job->step[0]];
     /* Rows past the result's end are empty, so their bits stay 0. */
     for (int32_t i = n; i < BVXI_WORD_BITS; i++) square[i] = 0;
-    bvxi_transpose_64(square);
+    if (any != 0) bvxi_transpose_64(square);
 }
 
 /* One word of the grid's rows and one of the result's, in a slice across the third axis. */

@@ -56,6 +56,12 @@ static inline void bvxi_store_u32(uint8_t *p, uint32_t v)
     p[3] = (uint8_t)(v >> 24);
 }
 
+static inline void bvxi_store_u64(uint8_t *p, uint64_t v)
+{
+    bvxi_store_u32(p, (uint32_t)(v & 0xffffffffu));
+    bvxi_store_u32(p + 4, (uint32_t)(v >> 32));
+}
+
 static inline void bvxi_store_u32_big(uint8_t *p, uint32_t v)
 {
     p[0] = (uint8_t)(v >> 24);
@@ -75,8 +81,7 @@ static inline void bvxi_store_f64(uint8_t *p, double v)
 {
     uint64_t bits;
     memcpy(&bits, &v, sizeof bits);
-    bvxi_store_u32(p, (uint32_t)(bits & 0xffffffffu));
-    bvxi_store_u32(p + 4, (uint32_t)(bits >> 32));
+    bvxi_store_u64(p, bits);
 }
 
 /* ---- output: the same code runs twice, to count (bytes NULL) and to write ---- */
@@ -95,6 +100,12 @@ static inline void bvxi_output_add(bvxi_output *o, const void *bytes, size_t n)
 static inline void bvxi_output_text(bvxi_output *o, const char *text)
 {
     bvxi_output_add(o, text, bvxi_text_length(text));
+}
+
+static inline void bvxi_output_double(bvxi_output *o, double v)
+{
+    char text[32];
+    bvxi_output_add(o, text, (size_t)bvxi_print_double(v, text));
 }
 
 static inline void bvxi_output_number(bvxi_output *o, uint64_t v)

@@ -16,8 +16,6 @@ enum {
     ADLER_RUN = 5552 /* bytes that cannot overflow 32 bits before the modulus */
 };
 
-/* ---- checksums ---- */
-
 typedef struct png_crc {
     uint32_t table[256];
 } png_crc;
@@ -58,8 +56,6 @@ static void png_adler_add(png_adler *s, const uint8_t *p, size_t n)
         n -= run;
     }
 }
-
-/* ---- chunks ---- */
 
 /* Begin a chunk of n bytes at p; returns where its data goes. */
 static uint8_t *png_open(uint8_t *p, uint64_t n, const char *type)

@@ -149,7 +149,6 @@ static bvx_status xml_take_close(bvxi_xml *x)
     const char *const start = x->p;
     bvxi_xml_text const name = xml_take_name(x);
 
-    /* The name must be that of the innermost open element, or the tags cross each other. */
     if (x->depth == 0 || !xml_equal(name, x->open[x->depth - 1])) {
         x->p = start;
         return xml_expected(x, "the closing tag of the element that was opened last");

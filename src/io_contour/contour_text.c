@@ -57,7 +57,6 @@ bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t
     bvx_section_loop *l;
 
     BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
-    /* The points follow as they are read; a loop owns those from here on. */
     l = &s->loops[s->loop_count++];
     memset(l, 0, sizeof *l);
     l->first_point = s->point_count;

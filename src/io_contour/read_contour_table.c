@@ -230,7 +230,6 @@ static bvx_status compare_plane(table_reader *r, uint32_t section, double positi
     return BVX_OK;
 }
 
-/* The section of the line's word. */
 static bvx_status find_table_section(table_reader *r, double position, const double normal[3],
                                      uint32_t *section)
 {
@@ -250,7 +249,6 @@ static bvx_status find_table_section(table_reader *r, double position, const dou
                      : bvxi_contour_add_section(r->f, position);
 }
 
-/* What a line says of its section's plane. */
 static bvx_status read_normal(table_reader *r, double normal[3])
 {
     double length;
@@ -284,7 +282,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
 
     BVXI_TRY(split_table_line(r, p, end));
     BVXI_TRY(table_number(r, TABLE_POSITION, "expected a number as the position", &position));
-    /* Found as that of a point is, and no more: the loop that is being read goes on after it. */
     if (states_section(r)) {
         uint32_t section;
 
@@ -305,7 +302,6 @@ static bvx_status read_table_line(table_reader *r, const char *p, const char *en
         BVXI_TRY(read_normal(r, normal));
     }
 
-    /* A new loop begins where the name of the loop or of its section changes. */
     if (s->loop_count == 0 || !same_word(r->loop, r->word[TABLE_LOOP]) ||
         !same_word(r->section, r->word[TABLE_SECTION])) {
         uint32_t section = 0;
@@ -360,7 +356,6 @@ static bvx_status read_table_lines(table_reader *r)
         const char *const end = table_line_end(f, f->p);
         table_word const all = trim_word(f->p, end);
         r->line = f->p;
-        /* Empty lines and comments may stand anywhere, before the head line too. */
         if (all.size != 0 && *all.at != '#') {
             BVXI_TRY(headed ? read_table_line(r, f->p, end) : read_table_head(r, f->p, end));
             headed = 1;

@@ -16,7 +16,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     bvxi_contour_file f;
     bvx_status status;
 
-    /* All arguments are checked before a byte is read. */
     if (bytes == NULL && size != 0) return bvxi_fail_null(context, function, "bytes");
     BVXI_TRY(bvxi_sections_check_result(context, function, sections));
     BVXI_TRY(bvxi_take_options(context, function, options, &o, sizeof o));
@@ -28,7 +27,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u bytes are more than this machine addresses", function, size);
 
-    /* Results grow inside f, so that the caller's stack stays as it was after a failure. */
     memset(&f, 0, sizeof f);
     f.ctx = context;
     f.format = format == BVX_FORMAT_CSL ? "CSL" : "CSV";
@@ -40,7 +38,6 @@ static bvx_status run_read_sections(bvx_context *context, const void *bytes, uin
     if (status == BVX_OK) status = bvxi_contour_finish(&f, sections);
     if (status == BVX_OK && o.flipped != NULL) *o.flipped = f.flipped;
 
-    /* What finish did not move out is freed: after success that is nothing. */
     bvxi_free(context, f.sections.normals, f.sections.normals == NULL ? 0 : f.normal_room * 24);
     f.sections.normals = NULL;
     bvx_sections_free(context, &f.sections);

@@ -215,7 +215,6 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
 {
     uint64_t const first = f->sections.loop_count;
     uint32_t *around = NULL;
-    /* Made per plane and freed with it: around has one entry for each of its loops. */
     bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
 
     for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
@@ -231,7 +230,6 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     double equation[4], normal[3], position = 0.0, *at = NULL;
     const char *start;
 
-    /* start is kept for messages about the plane as a whole. */
     csl_skip(f);
     start = f->p;
     BVXI_TRY(csl_whole(f, "expected a plane's number", UINT32_MAX, &number));
@@ -240,7 +238,6 @@ static bvx_status csl_plane(bvxi_contour_file *f, uint32_t section)
     BVXI_TRY(csl_whole(f, "expected a plane's number of loops", (uint64_t)(f->end - f->p), &loops));
     for (int i = 0; i < 4; i++) BVXI_TRY(csl_real(f, "expected the plane's equation", &equation[i]));
 
-    /* The equation is checked against the points while both are at hand. */
     BVXI_TRY(csl_plane_normal(f, start, equation, normal, &position));
     BVXI_TRY(bvxi_alloc(f->ctx, BVXI_SCRATCH, points * 24, "the points of a plane", &at));
     BVXI_TRY(csl_points(f, start, normal, at, points, position));
@@ -257,7 +254,6 @@ static void csl_settle_planes(bvxi_contour_file *f)
     bvx_sections *const s = &f->sections;
     uint64_t loop = 0, point = 0;
 
-    /* Loops and points are walked together once, as both stand in the order of the planes. */
     for (uint64_t i = 0; i < s->section_count; i++) {
         uint64_t const first = point;
         if (f->flipped != 0) s->positions[i] = -s->positions[i];

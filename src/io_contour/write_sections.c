@@ -8,12 +8,6 @@
 
 #include <math.h>
 
-static void put_real(bvxi_output *o, double v)
-{
-    char text[32];
-    bvxi_output_add(o, text, (size_t)bvxi_print_double(v, text));
-}
-
 static void put_signed(bvxi_output *o, int32_t v)
 {
     if (v < 0) bvxi_output_text(o, "-");
@@ -24,7 +18,7 @@ static void put_triple(bvxi_output *o, const double *p)
 {
     for (int k = 0; k < 3; k++) {
         if (k > 0) bvxi_output_text(o, " ");
-        put_real(o, p[k]);
+        bvxi_output_double(o, p[k]);
     }
 }
 
@@ -38,7 +32,6 @@ static section_counts count_section(const bvx_sections *s, uint64_t section)
 {
     section_counts c = {0, 0};
 
-    /* The loops of a section need not stand together, so all of them are looked at. */
     for (uint64_t i = 0; i < s->loop_count; i++)
         if (s->loops[i].section == section) {
             c.points += s->loops[i].point_count;
@@ -80,7 +73,7 @@ static void put_csl_head(const bvx_sections *s, uint64_t section, const double n
     else put_unit(o, s->normals + 3 * section);
     bvxi_output_text(o, " ");
     /* CSL has the plane as a x + b y + c z + d = 0. */
-    put_real(o, -s->positions[section]);
+    bvxi_output_double(o, -s->positions[section]);
     bvxi_output_text(o, "\n\n");
 }
 
@@ -136,7 +129,7 @@ static void put_table_normal(const double normal[3], bvxi_output *o)
 {
     for (int k = 0; k < 3; k++) {
         bvxi_output_text(o, ",");
-        put_real(o, normal[k]);
+        bvxi_output_double(o, normal[k]);
     }
 }
 
@@ -144,7 +137,7 @@ static void put_table_section(const bvx_sections *s, uint64_t section, bvxi_outp
 {
     bvxi_output_number(o, section);
     bvxi_output_text(o, ",");
-    put_real(o, s->positions[section]);
+    bvxi_output_double(o, s->positions[section]);
     bvxi_output_text(o, ",");
 }
 
@@ -183,12 +176,12 @@ static void put_table(const bvx_sections *s, bvxi_output *o)
             bvxi_output_text(o, ",");
             put_signed(o, l->label);
             bvxi_output_text(o, ",");
-            put_real(o, p[0]);
+            bvxi_output_double(o, p[0]);
             bvxi_output_text(o, ",");
-            put_real(o, p[1]);
+            bvxi_output_double(o, p[1]);
             if (s->normals != NULL) {
                 bvxi_output_text(o, ",");
-                put_real(o, p[2]);
+                bvxi_output_double(o, p[2]);
                 put_table_normal(s->normals + 3 * (uint64_t)l->section, o);
             }
             bvxi_output_text(o, "\n");
@@ -210,7 +203,7 @@ static void uv_of_point(const double axis[3][3], const double *p, double uv[2])
 static void put_place(bvxi_output *o, double v)
 {
     int64_t const n = (int64_t)(v * 100.0 + 0.5);
-    put_real(o, (double)n / 100.0);
+    bvxi_output_double(o, (double)n / 100.0);
 }
 
 /* The box of the drawing; without ends along an axis where a sum of coordinates overflows. */
@@ -259,7 +252,7 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
         bvxi_output_text(o, "\" y=\"");
         put_place(o, y - DRAWING_CELL + 2 * DRAWING_MARGIN);
         bvxi_output_text(o, "\">");
-        put_real(o, s->positions[k]);
+        bvxi_output_double(o, s->positions[k]);
         bvxi_output_text(
             o,
             "</text>\n<path fill=\"#c8a26a\" stroke=\"#503818\" stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"");
@@ -280,8 +273,6 @@ static void put_drawing(const bvx_sections *s, const double axis[3][3], bvxi_out
     }
     bvxi_output_text(o, "</svg>\n");
 }
-
-/* ---- any ---- */
 
 static void put_sections(const bvx_sections *s, int32_t format, const double axis[3][3], bvxi_output *o)
 {

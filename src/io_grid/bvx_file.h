@@ -71,12 +71,6 @@ enum {
     BVXI_BVX_AT_CHECK = 120
 };
 
-static inline void bvxi_bvx_store(uint8_t *p, uint64_t v)
-{
-    bvxi_store_u32(p, (uint32_t)(v & 0xffffffffu));
-    bvxi_store_u32(p + 4, (uint32_t)(v >> 32));
-}
-
 /* The first 8 bytes; the first 4 say what it is, the last 4 that it came through whole. */
 static inline const uint8_t *bvxi_bvx_magic(void)
 {

@@ -8,9 +8,6 @@
 
 /* ---- The lattice ---- */
 
-/* The lattice that a file of voxels says it has, and the grid for the part of it that is
- * wanted. */
-
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
@@ -76,8 +73,6 @@ bvx_status bvxi_open_file_grid(const bvxi_grid_source *source, const char *forma
 {
     bvx_window whole, wanted;
 
-    /* The lattice and the file's own window are what the
-     * file says; only the part of it comes from the caller. */
     BVXI_TRY(bvxi_lattice_check(source->ctx, format, lattice));
     BVXI_TRY(bvxi_window_take(source->ctx, format, lattice, file_window, &whole));
     BVXI_TRY(take_file_part(source, format, whole.size, part));
@@ -127,6 +122,7 @@ bvx_status bvxi_unpack_dense(const bvxi_grid_source *source, const bvxi_dense *d
         return bvxi_fail(source->ctx, BVX_ERR_FORMAT,
                          "%s: the packed samples are damaged or do not make %u bytes", d->format, d->size);
     }
+    if (d->encoding == BVXI_DENSE_BLOCKS) return bvxi_unpack_blocks(source, d, bytes);
     if (!bvxi_base64_take(&b, bytes, d->size))
         return bvxi_fail_short_array(&d->source, d->array, d->size, b.p);
     /* An array in a tag must end where its text does; appended data goes on with other arrays. */
@@ -169,7 +165,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     uint8_t *bytes = NULL;
     bvx_window part;
 
-    /* Raw samples and text are read where they stand, straight into the grid. */
     if (dense->encoding == BVXI_DENSE_RAW || dense->encoding == BVXI_DENSE_TEXT) {
         BVXI_TRY(bvxi_open_file_grid(source, dense->format, &dense->box, NULL, &part, grid));
         return dense->encoding == BVXI_DENSE_TEXT ? read_text_grid(source, dense, &part, grid)
@@ -184,39 +179,6 @@ bvx_status bvxi_read_dense_grid(const bvxi_grid_source *source, const bvxi_dense
     BVXI_TRY(bvxi_pack_samples(source->ctx, &samples, &part, grid));
     bvxi_drop(source->ctx, bytes);
     return BVX_OK;
-}
-
-/* ---- Written ---- */
-
-/* Files of a head, a byte for each voxel and a tail. */
-
-bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
-                            bvx_buffer *file)
-{
-    uint64_t const tail = bvxi_text_length(kind->tail);
-    bvx_buffer made = {0};
-    bvxi_output head = {0};
-    bvx_status status;
-    int fits = 1;
-
-    /* The head is made twice, to learn its length and to write it. */
-    kind->put_head(grid, &head);
-    uint64_t const voxels = bvxi_mul(bvxi_grid_rows(grid), (uint64_t)grid->size[0], &fits);
-    uint64_t const size = bvxi_add(voxels, head.size + tail, &fits);
-    if (!fits)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "bvx_write_grid: the grid has 2^64 voxels or more");
-    BVXI_TRY(bvxi_make_buffer(ctx, size, kind->what, &made));
-    head.bytes = made.bytes;
-    head.size = 0;
-    kind->put_head(grid, &head);
-
-    /* The voxels lie between head and tail, and nothing else is in the file. */
-    memcpy(made.bytes + size - tail, kind->tail, (size_t)tail);
-    status = bvxi_unpack_grid(ctx, grid, made.bytes + head.size);
-    if (status != BVX_OK) bvx_buffer_free(ctx, &made);
-    else *file = made;
-    return status;
 }
 
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid)

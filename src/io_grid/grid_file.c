@@ -5,8 +5,6 @@
 
 /* ---- Read ---- */
 
-/* A grid from the bytes of a file: the checks around the readers. */
-
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
     bvxi_dense dense;
@@ -71,22 +69,18 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
 
 /* ---- Written ---- */
 
-/* A grid to the bytes of a file: the checks around the
- * writers, and what those of one byte a voxel share. */
-
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_grid";
 
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
-    /* Each writer checks what its format cannot hold. */
     switch (format) {
-    case BVX_FORMAT_NPY: return bvxi_write_npy(context, grid, file);
     case BVX_FORMAT_BINVOX: return bvxi_write_binvox(context, grid, file);
     case BVX_FORMAT_VOX: return bvxi_write_vox(context, grid, file);
-    case BVX_FORMAT_NRRD: return bvxi_write_nrrd(context, grid, file);
-    case BVX_FORMAT_VTI: return bvxi_write_vti(context, grid, file);
+    case BVX_FORMAT_NPY:
+    case BVX_FORMAT_NRRD:
+    case BVX_FORMAT_VTI: return bvxi_write_dense(context, grid, format, file);
     case BVX_FORMAT_BVX: return bvxi_write_bvx(context, grid, file);
     default:
         return bvxi_fail_format(context, BVX_ERR_UNSUPPORTED, function, "grid", format, BVX_GRIDS_WRITTEN);

@@ -65,7 +65,7 @@ static inline void bvxi_pack_strides(bvxi_samples *samples, const bvx_lattice *b
 }
 
 /* How a file holds samples. */
-enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP };
+enum { BVXI_DENSE_RAW = 0, BVXI_DENSE_TEXT, BVXI_DENSE_BASE64, BVXI_DENSE_GZIP, BVXI_DENSE_BLOCKS };
 
 /* What a file of samples says of itself, checked: sizes agree with the
  * bytes that are there as far as is known. */
@@ -81,13 +81,17 @@ typedef struct bvxi_dense {
     const char *begin, *end; /* TEXT, GZIP: what is to be unpacked */
     /* TEXT, BASE64: "the end of the array": what must stand there; NULL: anything may */
     const char *behind;
-    const char *array;  /* BASE64: its tag, for messages */
-    bvxi_base64 base64; /* BASE64: where samples begin */
+    const char *array;  /* BASE64, BLOCKS: its tag, for messages */
+    bvxi_base64 base64; /* BASE64, BLOCKS: where samples or their head begin, and where the text ends */
+    int32_t is_text, number_size; /* BLOCKS: 1: in base 64; bytes of a number of the head */
 } bvxi_dense;
 
 bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense);
 bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense);
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense);
+/* vti_blocks.c: refuse packed blocks that the bytes cannot hold; how many bytes they say they make. */
+bvx_status bvxi_check_blocks(const bvxi_dense *dense, uint64_t *size);
+bvx_status bvxi_unpack_blocks(const bvxi_grid_source *source, const bvxi_dense *dense, uint8_t *bytes);
 /* "VTI: line 3: the array's 64 bytes are not all there (byte 70)". */
 BVXI_COLD bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size,
                                            const char *at);
@@ -112,23 +116,14 @@ bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *byt
 
 /* ---- writers: arguments are checked ---- */
 
-/* The file of a head that is written and a tail, with the grid's voxels as bytes 0 and 1 between them. */
-typedef struct bvxi_dense_file {
-    const char *what;                                         /* "the NPY file", for messages */
-    void (*put_head)(const bvx_grid *grid, bvxi_output *out); /* called twice: to count and to write */
-    const char *tail;
-} bvxi_dense_file;
-bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, const bvxi_dense_file *kind,
-                            bvx_buffer *file);
+/* write_dense.c: NPY, NRRD, VTI. */
+bvx_status bvxi_write_dense(bvx_context *ctx, const bvx_grid *grid, int32_t format, bvx_buffer *file);
 /* Refuse a grid whose first voxel has a corner or centre that is not
  * finite: text of a format could not give it. */
 bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const bvx_grid *grid);
 
-bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_binvox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_vox(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
-bvx_status bvxi_write_nrrd(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
-bvx_status bvxi_write_vti(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 bvx_status bvxi_write_bvx(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file);
 
 /* Key of an NRRD file that keeps the low corner unrounded. */

@@ -1,23 +1,17 @@
 /* lattice_json.c - where a grid lies, as JSON beside a file whose format cannot say it.
  *
- * Source: RFC 8259. Numbers are printed to read back as they were. The reader takes keys in any order, passes
- * over those it does not know (values nested up to JSON_DEPTH deep, by a stack of bits), and refuses what is
- * missing, twice there or contradicts itself: center0 follows from origin, spacing and window.low, and who
- * changes one must change the other. */
-#include "io/formats.h"
+ * Numbers are printed to read back as they were. The reader takes keys in any order, passes over those it does
+ * not know, and refuses what is missing, twice there or contradicts itself: center0 follows from origin, spacing
+ * and window.low, and who changes one must change the other. */
+#include "io/json.h"
 #include "io_grid/grid_formats.h"
-
-enum { JSON_DEPTH = 64, JSON_KEYS = 9, JSON_WINDOW_KEYS = 2 };
-
-/* ---- writing ---- */
 
 static void json_put_doubles(bvxi_output *out, const char *key, const double v[3])
 {
-    char text[32];
     bvxi_output_text(out, key);
     for (int a = 0; a < 3; a++) {
         bvxi_output_text(out, a == 0 ? "[" : ", ");
-        bvxi_output_add(out, text, (size_t)bvxi_print_double(v[a], text));
+        bvxi_output_double(out, v[a]);
     }
     bvxi_output_text(out, "]");
 }
@@ -81,305 +75,96 @@ bvx_status bvx_write_lattice(bvx_context *context, const bvx_grid *grid, bvx_buf
     return BVXI_CALL(context, run_write_lattice(context, grid, file));
 }
 
-/* ---- words of JSON ---- */
-
-typedef struct json_text {
-    bvxi_source source; /* for messages */
-    const char *p, *end;
-} json_text;
-
-static BVXI_COLD bvx_status json_expected(const json_text *t, const char *what)
-{
-    return bvxi_fail_expected(&t->source, t->p, what);
-}
-
-static void json_skip_space(json_text *t)
-{
-    while (t->p < t->end && (*t->p == ' ' || *t->p == '\n' || *t->p == '\r' || *t->p == '\t')) t->p++;
-}
-
-static int json_take(json_text *t, char c)
-{
-    json_skip_space(t);
-    if (t->p == t->end || *t->p != c) return 0;
-    t->p++;
-    return 1;
-}
-
-/* What stands between quotes, escapes and all. */
-static bvx_status json_take_string(json_text *t, const char **text, size_t *length)
-{
-    if (!json_take(t, '"')) return json_expected(t, "a string in quotes");
-    *text = t->p;
-    /* An escape takes two characters, so that an escaped quote does not end the string. */
-    while (t->p < t->end && *t->p != '"' && (unsigned char)*t->p >= 32)
-        t->p += *t->p == '\\' && t->end - t->p > 1 && (unsigned char)t->p[1] >= 32 ? 2 : 1;
-    *length = (size_t)(t->p - *text);
-    if (t->p == t->end || *t->p != '"') return json_expected(t, "the string's closing quote");
-    t->p++;
-    return BVX_OK;
-}
-
-static const char *json_digits(const char *p, const char *end)
-{
-    while (p < end && *p >= '0' && *p <= '9') p++;
-    return p;
-}
-
-/* The end of a number by JSON's grammar; p itself when there is none. */
-static const char *json_number_end(const char *p, const char *end)
-{
-    const char *const start = p, *q;
-
-    if (p < end && *p == '-') p++;
-
-    /* JSON allows no leading zero: 01 is no number. */
-    q = json_digits(p, end);
-    if (q == p || (*p == '0' && q - p > 1)) return start;
-    p = q;
-    if (p < end && *p == '.') {
-        q = json_digits(p + 1, end);
-        if (q == p + 1) return start;
-        p = q;
-    }
-    if (p < end && (*p == 'e' || *p == 'E')) {
-        p++;
-        if (p < end && (*p == '+' || *p == '-')) p++;
-        q = json_digits(p, end);
-        if (q == p) return start;
-        p = q;
-    }
-    return p;
-}
-
-static bvx_status json_take_double(json_text *t, double *value)
-{
-    json_skip_space(t);
-    const char *const stop = json_number_end(t->p, t->end);
-    if (stop == t->p) return json_expected(t, "a number");
-    bvxi_parse_double(t->p, stop, value);
-    t->p = stop;
-    return BVX_OK;
-}
-
-/* A whole number that an int32_t holds, written in any way. */
-static bvx_status json_take_count(json_text *t, int32_t *value)
-{
-    double v = 0.0;
-
-    json_skip_space(t);
-    /* Read as a double, as 3.0 and 3e0 are whole numbers too; the range is checked before the cast. */
-    const char *const start = t->p;
-    BVXI_TRY(json_take_double(t, &v));
-    if (v >= 0.0 && v <= 2147483647.0 && v == (double)(int32_t)v) {
-        *value = (int32_t)v;
-        return BVX_OK;
-    }
-    t->p = start;
-    return json_expected(t, "a whole number from 0 to 2147483647");
-}
-
-/* Three of them between brackets, into doubles or counts. */
-static bvx_status json_take_three(json_text *t, double *doubles, int32_t *counts)
-{
-    for (int a = 0; a < 3; a++) {
-        if (!json_take(t, a == 0 ? '[' : ',')) return json_expected(t, "three numbers between brackets");
-        BVXI_TRY(counts != NULL ? json_take_count(t, &counts[a]) : json_take_double(t, &doubles[a]));
-    }
-    return json_take(t, ']') ? BVX_OK : json_expected(t, "']' after three numbers");
-}
-
-static bvx_status json_take_exact(json_text *t, const char *wanted, const char *what)
-{
-    const char *text;
-    size_t n;
-
-    json_skip_space(t);
-    const char *const start = t->p;
-    BVXI_TRY(json_take_string(t, &text, &n));
-    if (n == bvxi_text_length(wanted) && memcmp(text, wanted, n) == 0) return BVX_OK;
-    t->p = start;
-    return json_expected(t, what);
-}
-
-/* ---- values that are passed over ---- */
-
-/* A string, number or word. */
-static bvx_status json_skip_plain(json_text *t)
-{
-    static const char *const words[3] = {"true", "false", "null"};
-    const char *text;
-    size_t n;
-    double v;
-
-    if (t->p < t->end && *t->p == '"') return json_take_string(t, &text, &n);
-    /* A word must match in full; what follows it is checked by whoever reads on. */
-    for (int i = 0; i < 3; i++) {
-        n = bvxi_text_length(words[i]);
-        if ((size_t)(t->end - t->p) < n || memcmp(t->p, words[i], n) != 0) continue;
-        t->p += n;
-        return BVX_OK;
-    }
-    return json_take_double(t, &v);
-}
-
-static bvx_status json_skip_key(json_text *t)
-{
-    const char *text;
-    size_t n;
-    BVXI_TRY(json_take_string(t, &text, &n));
-    return json_take(t, ':') ? BVX_OK : json_expected(t, "':'");
-}
-
-static bvx_status json_skip_value(json_text *t)
-{
-    uint64_t objects = 0; /* bit d: what is open at depth d is an object, not an array */
-    int depth = 0;
-
-    /* One bit a depth replaces a recursion, so that a file cannot exhaust the stack. */
-    do {
-        json_skip_space(t);
-        int const is_object = t->p < t->end && *t->p == '{';
-        if (is_object || (t->p < t->end && *t->p == '[')) {
-            if (depth == JSON_DEPTH) return json_expected(t, "values nested less deeply");
-            t->p++;
-            /* An empty object or array is a whole value; any other one opens a depth. */
-            if (!json_take(t, is_object ? '}' : ']')) {
-                objects = (objects & ~(UINT64_C(1) << depth)) | (uint64_t)is_object << depth;
-                depth++;
-                if (is_object) BVXI_TRY(json_skip_key(t));
-                continue;
-            }
-        } else {
-            BVXI_TRY(json_skip_plain(t));
-        }
-        while (depth > 0 && !json_take(t, ',')) { /* a value has ended, and what it closes */
-            int const in_object = (int)(objects >> (depth - 1) & 1);
-            if (!json_take(t, in_object ? '}' : ']'))
-                return json_expected(t, in_object ? "',' or '}'" : "',' or ']'");
-            depth--;
-        }
-
-        /* Inside an object, a comma is followed by the next key. */
-        if (depth > 0 && (objects >> (depth - 1) & 1) != 0) BVXI_TRY(json_skip_key(t));
-    } while (depth > 0);
-    return BVX_OK;
-}
-
-/* ---- the side-car ---- */
-
 typedef struct json_lattice {
+    bvxi_source source; /* for messages */
+    bvxi_json json;
     bvx_lattice lattice;
     bvx_window window;
     double center[3];
 } json_lattice;
 
-enum json_key {
-    JSON_FORMAT = 0,
-    JSON_VERSION,
-    JSON_ORIGIN,
-    JSON_SPACING,
-    JSON_DIMS,
-    JSON_FRACTION,
-    JSON_WINDOW,
-    JSON_CENTER,
-    JSON_AXES
-};
-
-static const char *const json_key_names[JSON_KEYS] = {
-    "format", "version", "origin", "spacing", "dims", "fraction_bits", "window", "center0", "axes"};
-static const char *const json_window_names[JSON_WINDOW_KEYS] = {"low", "size"};
-
-/* The next key of an object: its number among names, or count when it is another. A key comes once. */
-static bvx_status json_take_key(json_text *t, const char *const *names, int count, int *seen, int *key)
+static BVXI_COLD bvx_status json_expected(const json_lattice *l, uint32_t value, const char *what)
 {
-    const char *text;
-    size_t n;
+    return bvxi_fail_expected(&l->source, l->json.text + l->json.value[value].at, what);
+}
 
-    json_skip_space(t);
+/* The value of a key, which an object must have once. */
+static bvx_status json_find(const json_lattice *l, uint32_t object, const char *key, uint32_t *value)
+{
+    uint32_t i = object + 1;
 
-    /* A key's place stays in start, for the message about one that comes twice. */
-    const char *const start = t->p;
-    BVXI_TRY(json_take_string(t, &text, &n));
-    *key = 0;
-    while (*key < count && (n != bvxi_text_length(names[*key]) || memcmp(text, names[*key], n) != 0)) ++*key;
-    if (*key < count && (*seen >> *key & 1) != 0) {
-        t->p = start;
-        return json_expected(t, "each key once");
+    *value = BVXI_JSON_NONE;
+    for (uint32_t left = bvxi_json_count(&l->json, object); left > 0; left--, i = l->json.value[i + 1].next) {
+        if (!bvxi_json_is(&l->json, i, key)) continue;
+        if (*value != BVXI_JSON_NONE) return json_expected(l, i, "each key once");
+        *value = i + 1;
     }
-    if (*key < count) *seen |= 1 << *key;
-    return json_take(t, ':') ? BVX_OK : json_expected(t, "':'");
+    if (*value != BVXI_JSON_NONE) return BVX_OK;
+    return bvxi_fail(l->source.ctx, BVX_ERR_FORMAT, "lattice: the key \"%s\" is missing", key);
 }
 
-/* Behind a value: 1 in *more when another key follows. */
-static bvx_status json_take_next(json_text *t, int *more)
+/* A whole number that an int32_t holds, written in any way: 3.0 and 3e0 are whole numbers too. */
+static bvx_status json_take_count(const json_lattice *l, uint32_t value, int32_t *count)
 {
-    *more = json_take(t, ',');
-    return *more || json_take(t, '}') ? BVX_OK : json_expected(t, "',' or '}'");
-}
-
-static bvx_status json_check_keys(const json_text *t, const char *const *names, int count, int seen)
-{
-    for (int i = 0; i < count; i++)
-        if ((seen >> i & 1) == 0)
-            return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: the key \"%s\" is missing", names[i]);
+    double const v = bvxi_json_kind(&l->json, value) == BVXI_JSON_NUMBER ? bvxi_json_number(&l->json, value)
+                                                                         : -1.0;
+    if (!(v >= 0.0 && v <= 2147483647.0) || v != (double)(int32_t)v)
+        return json_expected(l, value, "a whole number from 0 to 2147483647");
+    *count = (int32_t)v;
     return BVX_OK;
 }
 
-static bvx_status json_take_window(json_text *t, bvx_window *window)
+/* Three numbers, into doubles or counts. */
+static bvx_status json_take_three(const json_lattice *l, uint32_t object, const char *key, double *doubles,
+                                  int32_t *counts)
 {
-    int seen = 0, key, more;
+    uint32_t array, i;
 
-    if (!json_take(t, '{')) return json_expected(t, "an object of low and size");
-    for (more = !json_take(t, '}'); more;) {
-        BVXI_TRY(json_take_key(t, json_window_names, JSON_WINDOW_KEYS, &seen, &key));
-        if (key == JSON_WINDOW_KEYS) BVXI_TRY(json_skip_value(t));
-        else BVXI_TRY(json_take_three(t, NULL, key == 0 ? window->low : window->size));
-        BVXI_TRY(json_take_next(t, &more));
+    BVXI_TRY(json_find(l, object, key, &array));
+    if (bvxi_json_kind(&l->json, array) != BVXI_JSON_ARRAY || bvxi_json_count(&l->json, array) != 3)
+        return json_expected(l, array, "three numbers between brackets");
+    i = array + 1;
+    for (int a = 0; a < 3; a++, i = l->json.value[i].next) {
+        if (bvxi_json_kind(&l->json, i) != BVXI_JSON_NUMBER) return json_expected(l, i, "a number");
+        if (counts != NULL) BVXI_TRY(json_take_count(l, i, &counts[a]));
+        else doubles[a] = bvxi_json_number(&l->json, i);
     }
-    return json_check_keys(t, json_window_names, JSON_WINDOW_KEYS, seen);
+    return BVX_OK;
 }
 
-static bvx_status json_take_version(json_text *t)
+static bvx_status json_take_exact(const json_lattice *l, const char *key, const char *wanted,
+                                  const char *what)
 {
+    uint32_t value;
+
+    BVXI_TRY(json_find(l, 0, key, &value));
+    return bvxi_json_is(&l->json, value, wanted) ? BVX_OK : json_expected(l, value, what);
+}
+
+static bvx_status json_take_lattice(json_lattice *l)
+{
+    uint32_t value;
     int32_t version = 0;
-    BVXI_TRY(json_take_count(t, &version));
-    if (version == 1) return BVX_OK;
-    return bvxi_fail(t->source.ctx, BVX_ERR_FORMAT, "lattice: version %d; version 1 is read",
-                     (int64_t)version);
-}
 
-static bvx_status json_take_value(json_text *t, int key, json_lattice *l)
-{
-    switch (key) {
-    case JSON_FORMAT: return json_take_exact(t, "bitvox lattice", "\"bitvox lattice\"");
-    case JSON_VERSION: return json_take_version(t);
-    case JSON_ORIGIN: return json_take_three(t, l->lattice.origin, NULL);
-    case JSON_SPACING: return json_take_three(t, l->lattice.spacing, NULL);
-    case JSON_DIMS: return json_take_three(t, NULL, l->lattice.dims);
-    case JSON_FRACTION: return json_take_count(t, &l->lattice.fraction_bits);
-    case JSON_WINDOW: return json_take_window(t, &l->window);
-    case JSON_CENTER: return json_take_three(t, l->center, NULL);
-    case JSON_AXES: return json_take_exact(t, "xyz", "\"xyz\", the one order of axes");
-    default: return json_skip_value(t);
-    }
-}
-
-static bvx_status json_take_lattice(json_text *t, json_lattice *l)
-{
-    int seen = 0, key, more;
-
-    if (!json_take(t, '{')) return json_expected(t, "'{'");
-    for (more = !json_take(t, '}'); more;) {
-        BVXI_TRY(json_take_key(t, json_key_names, JSON_KEYS, &seen, &key));
-        BVXI_TRY(json_take_value(t, key, l));
-        BVXI_TRY(json_take_next(t, &more));
-    }
-
-    /* Order does not matter, but all nine must be there; after the closing brace, nothing may be. */
-    BVXI_TRY(json_check_keys(t, json_key_names, JSON_KEYS, seen));
-    json_skip_space(t);
-    return t->p == t->end ? BVX_OK : json_expected(t, "the end of the file");
+    if (bvxi_json_kind(&l->json, 0) != BVXI_JSON_OBJECT) return json_expected(l, 0, "'{'");
+    BVXI_TRY(json_take_exact(l, "format", "bitvox lattice", "\"bitvox lattice\""));
+    BVXI_TRY(json_find(l, 0, "version", &value));
+    BVXI_TRY(json_take_count(l, value, &version));
+    if (version != 1)
+        return bvxi_fail(l->source.ctx, BVX_ERR_FORMAT, "lattice: version %d; version 1 is read",
+                         (int64_t)version);
+    BVXI_TRY(json_take_three(l, 0, "origin", l->lattice.origin, NULL));
+    BVXI_TRY(json_take_three(l, 0, "spacing", l->lattice.spacing, NULL));
+    BVXI_TRY(json_take_three(l, 0, "dims", NULL, l->lattice.dims));
+    BVXI_TRY(json_find(l, 0, "fraction_bits", &value));
+    BVXI_TRY(json_take_count(l, value, &l->lattice.fraction_bits));
+    BVXI_TRY(json_find(l, 0, "window", &value));
+    if (bvxi_json_kind(&l->json, value) != BVXI_JSON_OBJECT)
+        return json_expected(l, value, "an object of low and size");
+    BVXI_TRY(json_take_three(l, value, "low", NULL, l->window.low));
+    BVXI_TRY(json_take_three(l, value, "size", NULL, l->window.size));
+    BVXI_TRY(json_take_three(l, 0, "center0", l->center, NULL));
+    return json_take_exact(l, "axes", "xyz", "\"xyz\", the one order of axes");
 }
 
 /* A thousandth of a voxel, and what a few roundings of another program may add. */
@@ -406,7 +191,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     static const char *const function = "bvx_read_lattice";
     static const char axis_name[3][2] = {"x", "y", "z"};
     json_lattice l;
-    json_text t;
+    const char *text;
 
     if (bytes == NULL) return bvxi_fail_null(context, function, "bytes");
     if (size > SIZE_MAX / 2)
@@ -416,13 +201,14 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
 
     /* Values go to l first: the grid changes only when all of them fit each other. */
     memset(&l, 0, sizeof l);
-    memset(&t, 0, sizeof t);
-    t.source.ctx = context;
-    t.source.format = "lattice";
-    t.source.begin = bytes;
-    t.end = t.source.end = t.source.begin + (size_t)size;
-    t.p = bvxi_skip_mark(t.source.begin, t.end);
-    BVXI_TRY(json_take_lattice(&t, &l));
+    l.source.ctx = context;
+    l.source.format = "lattice";
+    l.source.begin = bytes;
+    l.source.end = l.source.begin + (size_t)size;
+    text = bvxi_skip_mark(l.source.begin, l.source.end);
+    BVXI_TRY(bvxi_json_read(&l.source, text, (uint64_t)(l.source.end - text), &l.json));
+    BVXI_TRY(json_take_lattice(&l));
+
     /* The argument at fault is the file, whatever the check of lattices calls it. */
     if (bvxi_lattice_check(context, "lattice", &l.lattice) != BVX_OK) return BVX_ERR_FORMAT;
     for (int a = 0; a < 3; a++)
@@ -433,7 +219,6 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     if (bvx_grid_bound(&l.lattice, &l.window) == 0)
         return bvxi_fail(context, BVX_ERR_FORMAT, "lattice: the window is not inside the lattice");
 
-    /* Last, as it needs all the other values. */
     BVXI_TRY(json_check_center(context, &l));
     grid->lattice = l.lattice;
     memcpy(grid->low, l.window.low, sizeof grid->low);

@@ -1,14 +1,10 @@
-/* npy.c - NumPy's .npy, to grids and from them. Sources and guarantees at the headings below. */
-#include "io_grid/grid_formats.h"
-
-/* ---- Read ---- */
-
-/* NumPy's .npy: where the samples of an array of three axes [x,y,z] stand.
+/* npy.c - NumPy's .npy: where the samples of an array of three axes [x,y,z] stand.
  *
  * Source: numpy.lib.format, versions 1.0, 2.0 and 3.0. The head is a Python dictionary of exactly three keys,
  * read by a parser of that and nothing else: no code, no nesting. C order (z fastest) and Fortran order (x
  * fastest) are both read.
  * Guarantee: the bytes after the head are held against the shape before anything is made. */
+#include "io_grid/grid_formats.h"
 
 typedef struct npy_head {
     uint64_t shape[3];
@@ -25,7 +21,6 @@ typedef struct npy_text {
 
 static BVXI_COLD bvx_status npy_expected(const npy_text *t, const char *what)
 {
-    /* One character is shown, as text after it may be anything. */
     char found[2] = {0, 0};
     if (t->p == t->end)
         return bvxi_fail(t->ctx, BVX_ERR_FORMAT, "NPY: the head ends where %s was expected", what);
@@ -83,7 +78,6 @@ static bvx_status npy_take_type(npy_text *t, npy_head *h)
     char shown[16];
     size_t n;
     t->p = bvxi_skip_space(t->p, t->end);
-    /* Records begin with a bracket: said by name, since they are frequent. */
     if (t->p < t->end && *t->p == '[')
         return bvxi_fail(t->ctx, BVX_ERR_UNSUPPORTED,
                          "NPY: the array's elements are records; save one field of them");
@@ -126,7 +120,6 @@ static bvx_status npy_take_shape(npy_text *t, npy_head *h)
     if (!npy_take(t, '(')) return npy_expected(t, "'(' and the array's shape");
     while (!npy_take(t, ')')) {
         BVXI_TRY(npy_take_number(t, &n));
-        /* Axes beyond the third are counted, not kept: the message says how many there are. */
         if (axes < 3) h->shape[axes] = n;
         axes++;
         if (npy_take(t, ',')) continue;
@@ -158,7 +151,6 @@ static bvx_status npy_take_entry(npy_text *t, npy_head *h, int *seen)
     if (key == 0) return npy_take_type(t, h);
     if (key == 2) return npy_take_shape(t, h);
 
-    /* The remaining key is the order of the axes. */
     h->fortran = npy_take_word(t, "True");
     return h->fortran || npy_take_word(t, "False") ? BVX_OK : npy_expected(t, "True or False");
 }
@@ -168,7 +160,6 @@ static bvx_status npy_take_dict(npy_text *t, npy_head *h)
     int seen = 0;
 
     if (!npy_take(t, '{')) return npy_expected(t, "'{'");
-    /* A comma may follow the last entry, and Python writes it so. */
     while (!npy_take(t, '}')) {
         BVXI_TRY(npy_take_entry(t, h, &seen));
         if (npy_take(t, ',')) continue;
@@ -207,7 +198,6 @@ static bvx_status npy_read_head(const bvxi_grid_source *source, npy_head *h)
     t.file = (const char *)b;
     t.p = t.file + prefix;
     t.end = t.p + length;
-    /* Samples begin right after the head, which writers pad. */
     h->data = b + prefix + length;
     return npy_take_dict(&t, h);
 }
@@ -249,46 +239,4 @@ bvx_status bvxi_find_npy(const bvxi_grid_source *source, bvxi_dense *dense)
     dense->samples.stride[1] = h.fortran ? size * nx : size * nz;
     dense->samples.stride[2] = h.fortran ? size * nx * ny : size;
     return BVX_OK;
-}
-
-/* ---- Written ---- */
-
-/* A grid to NumPy's .npy: one byte a voxel, axes [x,y,z].
- *
- * Source: numpy.lib.format, version 1.0. Fortran order says that x runs fastest, as it does in the grid. */
-
-enum { NPY_PREFIX = 10, NPY_ALIGN = 64 };
-
-static void npy_put_dict(const bvx_grid *grid, bvxi_output *out)
-{
-    bvxi_output_text(out, "{'descr': '|b1', 'fortran_order': True, 'shape': (");
-    for (int a = 0; a < 3; a++) {
-        if (a > 0) bvxi_output_text(out, ", ");
-        bvxi_output_number(out, (uint64_t)grid->size[a]);
-    }
-    bvxi_output_text(out, "), }");
-}
-
-/* The dictionary with its prefix, padded so that the data is aligned and a newline stands before it. */
-static void npy_put_head(const bvx_grid *grid, bvxi_output *out)
-{
-    static const uint8_t magic[8] = {0x93, 'N', 'U', 'M', 'P', 'Y', 1, 0};
-    bvxi_output dict = {0};
-    uint8_t length[2];
-
-    /* The dictionary is measured first, as its length stands before it. */
-    npy_put_dict(grid, &dict);
-    uint64_t const size = (NPY_PREFIX + dict.size + 1 + NPY_ALIGN - 1) / NPY_ALIGN * NPY_ALIGN;
-    bvxi_store_u16(length, (uint16_t)(size - NPY_PREFIX));
-    bvxi_output_add(out, magic, sizeof magic);
-    bvxi_output_add(out, length, sizeof length);
-    npy_put_dict(grid, out);
-    while (out->size < size - 1) bvxi_output_text(out, " ");
-    bvxi_output_text(out, "\n");
-}
-
-bvx_status bvxi_write_npy(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
-{
-    static const bvxi_dense_file npy = {"the NPY file", npy_put_head, ""};
-    return bvxi_write_dense(ctx, grid, &npy, file);
 }

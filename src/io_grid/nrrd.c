@@ -1,11 +1,4 @@
-/* nrrd.c - NRRD, to grids and from them: where the samples stand in the file and in space; nrrd_head.c reads
- * the header. Source at the heading below. */
-#include "io_grid/nrrd_head.h"
-#include "io_grid/grid_formats.h"
-
-/* ---- Read ---- */
-
-/* An NRRD file: where the samples of three axes, x fastest, stand, and where they lie in space.
+/* nrrd.c - an NRRD file: where the samples of three axes, x fastest, stand, and where they lie in space.
  *
  * Source: Kindlmann. Definition of NRRD File Format. Geometry: "space directions" with "space origin", the
  * centre of the first sample whatever the centring; else "spacings", or the axes' ends divided up, with "axis
@@ -14,6 +7,8 @@
  * lattice's origin is the low corner of the first voxel. A space's name (which way is left) changes no
  * number. A detached head's samples stand in bytes of the caller's. Guarantee: the bytes agree with the
  * head, as far as is known, before anything is made. */
+#include "io_grid/nrrd_head.h"
+#include "io_grid/grid_formats.h"
 
 /* ---- geometry ---- */
 
@@ -38,7 +33,6 @@ static void nrrd_place(const nrrd_head *h, double origin[3], double spacing[3])
         /* n cells span n steps, n nodes only n - 1. */
         double const steps = (double)h->sizes[a] - (double)h->node[a];
         int const low = nrrd_knows(h, NRRD_HAS_MIN, h->min[a]), high = nrrd_knows(h, NRRD_HAS_MAX, h->max[a]);
-        /* What says most comes first: directions, then spacings, then the ends of the axes. */
         spacing[a] = (h->has & NRRD_HAS_DIRECTION) != 0               ? h->direction[a]
                      : nrrd_knows(h, NRRD_HAS_SPACING, h->spacing[a]) ? h->spacing[a]
                      : low && high && steps > 0                       ? (h->max[a] - h->min[a]) / steps
@@ -60,7 +54,6 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
     const bvxi_source *const s = &h->source;
     const char *end;
 
-    /* Lines are skipped before bytes, as the format defines. */
     for (int64_t i = 0; i < h->line_skip; i++) {
         p = bvxi_nrrd_line(p, file_end, &end);
         if (p == NULL)
@@ -75,7 +68,6 @@ static bvx_status nrrd_find_samples(const nrrd_head *h, const char *p, const cha
                          h->byte_skip, (int64_t)(file_end - p));
     if (h->byte_skip > 0) p += h->byte_skip;
 
-    /* How many bytes there must be: exactly for raw samples, at least for text and packed ones. */
     uint64_t const have = (uint64_t)(file_end - p);
     if (h->encoding == NRRD_GZIP  ? have < size / 1100 /* what deflate can do at most is 1032 to 1 */
         : h->encoding == NRRD_RAW ? have < size || (have > size && h->byte_skip != -1)
@@ -166,8 +158,6 @@ bvx_status bvxi_find_nrrd(const bvxi_grid_source *source, bvxi_dense *dense)
     return BVX_OK;
 }
 
-/* ---- public ---- */
-
 /* A file's number as text, at least digits wide. */
 static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
 {
@@ -175,7 +165,6 @@ static size_t nrrd_print_number(const nrrd_file_name *f, char text[48])
     char digit[20];
     size_t n = 0, used = 0;
 
-    /* The digits come from the lowest up; the text is made in the other order. */
     do digit[n++] = (char)('0' + v % 10);
     while ((v /= 10) != 0);
     size_t const sign = f->number < 0, wide = n + sign;
@@ -209,7 +198,6 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     source.end = source.begin + (size_t)size;
     nrrd_head_source(&source, &h);
     BVXI_TRY(bvxi_nrrd_head_read(&h));
-    /* A head with its samples inside names no file. */
     if (h.files != NULL) BVXI_TRY(bvxi_nrrd_data_file(&h, index, &f, &files));
     *count = files;
     if (name == NULL) return BVX_OK;
@@ -217,7 +205,6 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_INDEX,
                              "%s: index is %u, the head names %u data files", function, index, files);
 
-    /* The pattern's text before and after the number, or the whole name. */
     size_t const digits = f.pattern ? nrrd_print_number(&f, number) : 0;
     size_t const first = f.pattern ? f.place : f.length;
     size_t const rest = f.pattern ? f.length - f.rest : 0;
@@ -229,68 +216,4 @@ bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_
     memcpy(name + first + digits, f.name + f.rest, rest);
     name[first + digits + rest] = 0;
     return BVX_OK;
-}
-
-/* ---- Written ---- */
-
-/* A grid to NRRD: uint8, raw, with its head attached.
- *
- * Source: Kindlmann. Definition of NRRD File Format. The space has three dimensions and no name: a lattice
- * does not know left from right. "space origin" is the centre of the first sample by that definition, half a
- * voxel above the corner; since adding that half may round, a key of our own keeps the corner for our
- * reader. */
-
-static void nrrd_put_double(bvxi_output *out, double v)
-{
-    char text[32];
-    bvxi_output_add(out, text, (size_t)bvxi_print_double(v, text));
-}
-
-/* (x,y,z) */
-static void nrrd_put_vector(bvxi_output *out, double x, double y, double z)
-{
-    bvxi_output_text(out, "(");
-    nrrd_put_double(out, x);
-    bvxi_output_text(out, ",");
-    nrrd_put_double(out, y);
-    bvxi_output_text(out, ",");
-    nrrd_put_double(out, z);
-    bvxi_output_text(out, ")");
-}
-
-static void nrrd_put_head(const bvx_grid *grid, bvxi_output *out)
-{
-    const double *const s = grid->lattice.spacing;
-    double c[3];
-
-    bvxi_grid_corner(grid, c);
-    bvxi_output_text(out, "NRRD0004\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes:");
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, " ");
-        bvxi_output_number(out, (uint64_t)grid->size[a]);
-    }
-
-    /* Each axis of the grid is one of space, so its direction has one component. */
-    bvxi_output_text(out, "\nspace directions: ");
-    nrrd_put_vector(out, s[0], 0, 0);
-    bvxi_output_text(out, " ");
-    nrrd_put_vector(out, 0, s[1], 0);
-    bvxi_output_text(out, " ");
-    nrrd_put_vector(out, 0, 0, s[2]);
-    bvxi_output_text(out, "\nspace origin: ");
-    nrrd_put_vector(out, c[0] + 0.5 * s[0], c[1] + 0.5 * s[1], c[2] + 0.5 * s[2]);
-    bvxi_output_text(
-        out, "\ncenterings: cell cell cell\nkinds: domain domain domain\nencoding: raw\n" BVXI_NRRD_CORNER_KEY
-             ":=");
-
-    /* A key of our own: the corner itself, which half a voxel may not lead back to. */
-    nrrd_put_vector(out, c[0], c[1], c[2]);
-    bvxi_output_text(out, "\n\n");
-}
-
-bvx_status bvxi_write_nrrd(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
-{
-    static const bvxi_dense_file nrrd = {"the NRRD file", nrrd_put_head, ""};
-    BVXI_TRY(bvxi_check_written_corner(ctx, "NRRD", grid));
-    return bvxi_write_dense(ctx, grid, &nrrd, file);
 }

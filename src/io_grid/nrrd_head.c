@@ -8,9 +8,6 @@
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list
  * of data files ---- */
 
-/* Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to
- * NRRD0005. Guarantee: a head that was read has all fields that its samples need. */
-
 /* Keys mean nothing to the format, so this one may be stale or damaged: then it is passed over. */
 static void nrrd_take_corner(nrrd_head *h, const char *p, const char *end)
 {
@@ -41,7 +38,6 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
             nrrd_take_corner(h, value.p + 1, end);
         return BVX_OK;
     }
-    /* Trailing blanks belong to no field. */
     while (value.end > value.p && bvxi_is_blank(value.end[-1])) value.end--;
     bvxi_nrrd_skip_blank(&value);
     return bvxi_nrrd_take_field(h, line, (size_t)(colon - line), &value);
@@ -171,7 +167,6 @@ static bvx_status nrrd_take_double(const nrrd_head *h, nrrd_value *v, double *va
 {
     bvxi_nrrd_skip_blank(v);
     size_t const n = bvxi_parse_double(v->p, v->end, value);
-    /* In a vector, a comma or a bracket may follow the digits at once. */
     if (n == 0 || (v->p + n < v->end && !bvxi_is_blank(v->p[n]) && v->p[n] != ',' && v->p[n] != ')'))
         return nrrd_expected(h, v, "a number");
     v->p += n;
@@ -209,7 +204,6 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
 {
     for (int a = 0; a < 3; a++) {
         bvxi_nrrd_skip_blank(v);
-        /* An opening bracket first, then a comma before each of the other two numbers. */
         if (v->p == v->end || *v->p != (a == 0 ? '(' : ','))
             return nrrd_expected(h, v, "a vector of three: (x,y,z)");
         v->p++;
@@ -220,8 +214,6 @@ static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vec
     v->p++;
     return BVX_OK;
 }
-
-/* ---- fields ---- */
 
 static bvx_status nrrd_field_ignored(nrrd_head *h, nrrd_value *v)
 {
@@ -312,7 +304,6 @@ static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
                   : bvxi_nrrd_is(v->p, n, "gzip") || bvxi_nrrd_is(v->p, n, "gz") ? NRRD_GZIP
                                                                                  : NRRD_NONE;
     h->encoding_at = v->p;
-    /* Known but not read: the message names what would be. */
     if (h->encoding != NRRD_NONE) return BVX_OK;
     if (bvxi_nrrd_is(v->p, n, "bzip2") || bvxi_nrrd_is(v->p, n, "bz2") || bvxi_nrrd_is(v->p, n, "zrl") ||
         bvxi_nrrd_is(v->p, n, "hex"))
@@ -336,7 +327,6 @@ static bvx_status nrrd_field_sizes(nrrd_head *h, nrrd_value *v)
         bvxi_nrrd_skip_blank(v);
         nrrd_value const start = *v;
         BVXI_TRY(nrrd_take_whole(h, v, &n));
-        /* A size of 0 has no samples, and a negative one means nothing. */
         if (n < 1) return nrrd_expected(h, &start, "a size of 1 or more");
         h->sizes[a] = (uint64_t)n;
     }
@@ -430,7 +420,6 @@ static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
         size_t n;
         int known = 0;
         const char *const word = nrrd_take_word(v, &n);
-        /* Any other kind is a known one of vectors or colours, or one that nobody knows. */
         for (int i = 0; i < 5; i++) known |= bvxi_nrrd_is(word, n, places[i]);
         if (known) continue;
         v->p = word;
@@ -610,7 +599,6 @@ static bvx_status find_in_list(const nrrd_head *h, uint64_t index, nrrd_file_nam
     while (next != NULL && next < h->list_end) {
         const char *const line = next;
         next = bvxi_nrrd_line(line, h->list_end, &end);
-        /* Empty lines name nothing and are not counted. */
         if (end == line) continue;
         if (n++ != index) continue;
         f->name = line;
@@ -632,7 +620,6 @@ bvx_status bvxi_nrrd_data_file(const nrrd_head *h, uint64_t index, nrrd_file_nam
     int64_t range[3], axes;
 
     memset(file, 0, sizeof *file);
-    /* A list, a pattern, or else the field itself is the name. */
     if (h->list != NULL) BVXI_TRY(find_in_list(h, index, file, count));
     else if (take_pattern(h, file, range, &axes))
         BVXI_TRY(find_in_pattern(h, range, axes, index, file, count));

@@ -205,8 +205,7 @@ static inline void unpack_eight(uint8_t *p, uint64_t bits)
     /* One byte holds one bit of eight; adding the constant lifts any set bit to the top of its byte. */
     uint64_t const one_each = (bits & 0xff) * UINT64_C(0x0101010101010101) & UINT64_C(0x8040201008040201);
     uint64_t const bytes = (one_each + UINT64_C(0x00406070787c7e7f)) >> 7 & UINT64_C(0x0101010101010101);
-    bvxi_store_u32(p, (uint32_t)(bytes & 0xffffffffu));
-    bvxi_store_u32(p + 4, (uint32_t)(bytes >> 32));
+    bvxi_store_u64(p, bytes);
 }
 
 void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes)

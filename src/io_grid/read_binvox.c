@@ -16,19 +16,10 @@
  * z, and trimesh and cuda_voxelizer do so; the page's sample reader takes the second number for z. Here it is
  * x y z.
  *
- * 64 layers of x are decoded to bits along y, then turned in blocks of 64 x 64 to bits along x. Groups of
- * layers are worked on in parallel, once a pass over the pairs has found where each begins. */
+ * 64 layers of x at a time are decoded to rows along y, and turned to a column of words of the grid. */
 #include "bits/bits.h"
 #include "io/formats.h"
 #include "io_grid/grid_formats.h"
-
-enum { BINVOX_MAX_TASKS = 256 };
-
-/* A place in the pairs: the next voxel is number used of the run at p. */
-typedef struct binvox_mark {
-    const uint8_t *p;
-    uint64_t used;
-} binvox_mark;
 
 typedef struct binvox_reading {
     const bvxi_grid_source *source;
@@ -38,13 +29,6 @@ typedef struct binvox_reading {
     double translate[3], scale;
     int has_dims;
     const uint8_t *data;
-    bvx_window part;
-    bvx_grid *grid;
-    uint64_t *layers;     /* 64 layers of the part for each worker, or for each task when these are fewer */
-    uint64_t layer_words; /* rows of y, one for each z */
-    uint64_t worker_words;
-    int32_t tasks, buffers;
-    binvox_mark mark[BINVOX_MAX_TASKS];
 } binvox_reading;
 
 /* ---- header ---- */
@@ -110,7 +94,6 @@ static int binvox_next_line(binvox_reading *r, const char **next)
 /* One line after the first; unknown words are passed, as viewvox does. *done: it was the last one. */
 static bvx_status binvox_take_line(binvox_reading *r, int *done)
 {
-    /* Each word has its own numbers, and nothing may follow them on the line. */
     if (binvox_take_word(r, "dim")) {
         if (r->has_dims) return binvox_fail_line(r, "dim comes twice");
         r->has_dims = 1;
@@ -147,7 +130,6 @@ static bvx_status binvox_take_header(binvox_reading *r)
     if (version < 1 || version > 2)
         return bvxi_fail(r->source->ctx, BVX_ERR_UNSUPPORTED,
                          "BINVOX: line 1: version %u; 1 and 2 can be read", version);
-    /* Lines up to 'data' may stand in any order. */
     while (!done) {
         if (!binvox_next_line(r, &next))
             return binvox_fail_line(r, "the file ends before the line that says data");
@@ -171,22 +153,6 @@ static bvx_status binvox_make_box(const binvox_reading *r, bvx_lattice *box)
 
 /* ---- pairs ---- */
 
-/* Go on by voxels; 0 when the pairs end before. */
-static int binvox_skip(binvox_mark *mark, const uint8_t *end, uint64_t voxels)
-{
-    const uint8_t *p = mark->p;
-
-    /* Counted from the beginning of the run at p, so that used needs no case of its own. */
-    voxels += mark->used;
-    while (end - p >= 2 && voxels >= p[1]) {
-        voxels -= p[1];
-        p += 2;
-    }
-    mark->p = p;
-    mark->used = voxels;
-    return voxels == 0 || end - p >= 2;
-}
-
 /* The pairs must be whole and add up to all voxels. */
 static bvx_status binvox_check_pairs(const binvox_reading *r)
 {
@@ -195,154 +161,78 @@ static bvx_status binvox_check_pairs(const binvox_reading *r)
     int fits = 1;
     uint64_t const voxels = bvxi_mul(bvxi_mul(r->dims[0], r->dims[1], &fits), r->dims[2], &fits);
     uint64_t const pairs = (uint64_t)(end - r->data) / 2;
-    binvox_mark mark = {NULL, 0};
-
-    mark.p = r->data;
+    uint64_t left = voxels;
+    const uint8_t *p = r->data;
 
     /* 255 is the longest run: too few pairs are refused before their bytes are walked. */
-    if (!fits || voxels > pairs * 255 || !binvox_skip(&mark, end, voxels))
+    if (fits && voxels <= pairs * 255)
+        for (; end - p >= 2 && left >= p[1]; p += 2) left -= p[1];
+    else left = UINT64_MAX;
+    if (left != 0 && end - p < 2)
         return bvxi_fail(ctx, BVX_ERR_FORMAT,
                          "BINVOX: byte %u: the runs end before the %u x %u x %u voxels do",
                          (uint64_t)(end - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
     /* Beyond the last voxel not even an empty pair may follow. */
-    if (mark.used != 0 || end != mark.p)
+    if (left != 0 || end != p)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "BINVOX: byte %u: more runs than the %u x %u x %u voxels take",
-                         (uint64_t)(mark.p - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
+                         (uint64_t)(p - r->source->begin), r->dims[0], r->dims[1], r->dims[2]);
     return BVX_OK;
 }
 
-/* Where each task's first layer begins. */
-static void binvox_find_marks(binvox_reading *r)
-{
-    uint64_t const layer = r->dims[1] * r->dims[2];
-    binvox_mark mark = {NULL, 0};
-    uint64_t x = 0;
+/* Where decoding stands: used voxels of the run at p are done. */
+typedef struct binvox_place {
+    const uint8_t *p;
+    uint64_t used;
+} binvox_place;
 
-    mark.p = r->data;
-    for (int32_t task = 0; task < r->tasks; task++) {
-        /* Tasks take columns of 64 voxels along x, so that each writes its own words. */
-        uint64_t column, end;
-        bvxi_piece((uint64_t)r->grid->words_per_row, r->tasks, task, &column, &end);
-        binvox_skip(&mark, r->source->end, ((uint64_t)r->part.low[0] + column * 64 - x) * layer);
-        x = (uint64_t)r->part.low[0] + column * 64;
-        r->mark[task] = mark;
+/* The next so many voxels, which begin a layer: y runs fastest, then z, then x; part in this order. */
+static void binvox_decode(const binvox_reading *r, uint64_t voxels, const bvx_window *part, bvx_grid *turned,
+                          binvox_place *place)
+{
+    uint64_t x = 0, y = 0, z = 0;
+
+    for (uint64_t n; voxels > 0; voxels -= n) {
+        uint64_t const run = place->p[1] - place->used;
+        n = run < r->dims[1] - y ? run : r->dims[1] - y; /* row by row */
+        if (place->p[0] != 0 && turned != NULL)
+            bvxi_set_file_run(turned, part, (int64_t)y, (int64_t)(y + n), (int64_t)z, (int64_t)x);
+        place->used += n;
+        if (n == run) {
+            place->p += 2;
+            place->used = 0;
+        }
+        y += n;
+        if (y < r->dims[1]) continue;
+        y = 0;
+        if (++z < r->dims[2]) continue;
+        z = 0;
+        x++;
     }
 }
 
-/* ---- layers ---- */
-
-/* Voxels [y, end) of row z of a layer are set. */
-static inline void binvox_set_run(const binvox_reading *r, uint64_t *layer, uint64_t y, uint64_t end,
-                                  uint64_t z)
+static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, bvx_grid *turned,
+                              bvx_grid *layers, bvx_grid *grid)
 {
-    int64_t const row = (int64_t)z - r->part.low[2];
-    int64_t begin = (int64_t)y - r->part.low[1], stop = (int64_t)end - r->part.low[1];
-    if (row < 0 || row >= r->part.size[2]) return;
-    if (begin < 0) begin = 0;
-    if (stop > r->part.size[1]) stop = r->part.size[1];
-    if (begin < stop)
-        bvxi_set_run(layer + row * bvxi_row_words(r->part.size[1]), (int32_t)begin, (int32_t)stop);
-}
-
-/* Decode one layer of x; its words are zero. */
-static void binvox_decode_layer(const binvox_reading *r, binvox_mark *mark, uint64_t *layer)
-{
-    uint64_t const ny = r->dims[1];
-    uint64_t left = ny * r->dims[2], y = 0, z = 0;
-    const uint8_t *p = mark->p;
-    uint64_t used = mark->used;
-
-    while (left > 0) {
-        /* A run may cross layers: what is left of it stays in used for the next one. */
-        uint64_t run = p[1] - used;
-        int const set = p[0] != 0;
-        if (run > left) {
-            run = left;
-            used += run;
-        } else {
-            p += 2;
-            used = 0;
-        }
-        left -= run;
-        while (run > 0) { /* row by row */
-            uint64_t const n = run < ny - y ? run : ny - y;
-            if (set) binvox_set_run(r, layer, y, y + n, z);
-            run -= n;
-            y += n;
-            if (y == ny) {
-                y = 0;
-                z++;
-            }
-        }
-    }
-    mark->p = p;
-    mark->used = used;
-}
-
-/* count layers become column number column of the grid's words. */
-static void binvox_turn_back(const binvox_reading *r, const uint64_t *layers, int32_t count, int32_t column)
-{
-    bvx_grid *const g = r->grid;
-    int32_t const row_words = bvxi_row_words(g->size[1]);
-    uint64_t block[64];
-
-    for (int32_t z = 0; z < g->size[2]; z++)
-        for (int32_t k = 0; k < row_words; k++) {
-            const uint64_t *const from = layers + (uint64_t)z * (uint64_t)row_words + (uint64_t)k;
-            uint64_t *to = g->words +
-                           ((uint64_t)z * (uint64_t)g->size[1] + (uint64_t)k * 64) *
-                               (uint64_t)g->words_per_row +
-                           (uint64_t)column;
-            int32_t const rows = g->size[1] - k * 64 < 64 ? g->size[1] - k * 64 : 64;
-            uint64_t any = 0;
-            /* Layers beyond the count are 0, and so are the bits past the row's end. */
-            for (int32_t i = 0; i < 64; i++) {
-                block[i] = i < count ? from[(uint64_t)i * r->layer_words] : 0;
-                any |= block[i];
-            }
-            /* Empty blocks are frequent: the grid is 0 already. */
-            if (any == 0) continue;
-            bvxi_transpose_64(block);
-            for (int32_t i = 0; i < rows; i++) to[(uint64_t)i * (uint64_t)g->words_per_row] = block[i];
-        }
-}
-
-static void binvox_layers_task(void *user, int32_t task, int32_t worker)
-{
-    const binvox_reading *const r = user;
-    /* Each worker has a buffer; with a buffer for each task, the task's number serves as well. */
-    uint64_t *const layers = r->layers + (uint64_t)(r->tasks == r->buffers ? task : worker) * r->worker_words;
-    binvox_mark mark = r->mark[task];
-    uint64_t column, end;
-
-    bvxi_piece((uint64_t)r->grid->words_per_row, r->tasks, task, &column, &end);
-    for (; column < end; column++) {
-        int32_t const left = r->grid->size[0] - (int32_t)column * 64, count = left < 64 ? left : 64;
-        memset(layers, 0, (size_t)((uint64_t)count * r->layer_words * 8));
-        for (int32_t i = 0; i < count; i++)
-            binvox_decode_layer(r, &mark, layers + (uint64_t)i * r->layer_words);
-        binvox_turn_back(r, layers, count, (int32_t)column);
-    }
-}
-
-static bvx_status binvox_fill(binvox_reading *r)
-{
+    static const int32_t back[3] = {2, 0, 1};
     bvx_context *const ctx = r->source->ctx;
-    const bvx_grid *const g = r->grid;
-    uint64_t size;
-    int fits = 1;
+    bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {grid->size[1], grid->size[2], 64}, BVXI_MIN_FRACTION};
+    uint64_t const layer = r->dims[1] * r->dims[2];
+    double const columns = (double)grid->words_per_row;
+    binvox_place place = {r->data, 0};
 
-    /* The buffers follow the threads, so memory does not grow with the file. */
-    r->tasks = g->words_per_row < BINVOX_MAX_TASKS ? g->words_per_row : BINVOX_MAX_TASKS;
-    r->buffers = bvxi_threads(ctx) < r->tasks ? bvxi_threads(ctx) : r->tasks;
-    r->layer_words = (uint64_t)g->size[2] * (uint64_t)bvxi_row_words(g->size[1]);
-    r->worker_words = bvxi_mul(r->layer_words, (uint64_t)(g->size[0] < 64 ? g->size[0] : 64), &fits);
-    size = bvxi_mul(bvxi_mul(r->worker_words, (uint64_t)r->buffers, &fits), 8, &fits);
-    if (!fits) size = UINT64_MAX; /* refused by the allocation */
-    binvox_find_marks(r);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "layers along y", &r->layers));
-    BVXI_TRY(bvxi_parallel(ctx, "read", 0.0, 1.0, r->tasks, binvox_layers_task, r));
-    bvxi_drop(ctx, r->layers);
+    BVXI_TRY(bvx_grid_create(ctx, &box, NULL, turned));
+    binvox_decode(r, (uint64_t)part->low[0] * layer, NULL, NULL, &place);
+    for (int32_t c = 0; c < grid->words_per_row; c++) {
+        int32_t const left = grid->size[0] - 64 * c;
+        bvx_window const wanted = {{part->low[1], part->low[2], 0}, {part->size[1], part->size[2], 64}};
+
+        memset(turned->words, 0, (size_t)bvxi_grid_words(turned) * 8);
+        binvox_decode(r, (uint64_t)(left < 64 ? left : 64) * layer, &wanted, turned, &place);
+        BVXI_TRY(BVXI_SHARE(ctx, c / columns, (c + 1) / columns,
+                            bvx_grid_permute(ctx, turned, back, NULL, layers)));
+        for (uint64_t row = 0; row < bvxi_grid_rows(grid); row++)
+            grid->words[row * (uint64_t)grid->words_per_row + (uint64_t)c] = layers->words[row];
+    }
     return BVX_OK;
 }
 
@@ -350,17 +240,18 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
 {
     binvox_reading r;
     bvx_lattice box;
-    bvx_window whole;
+    bvx_window part;
+    bvx_grid turned = {0}, layers = {0};
+    bvx_status status;
 
     memset(&r, 0, sizeof r);
     r.source = source;
     BVXI_TRY(binvox_take_header(&r));
     BVXI_TRY(binvox_make_box(&r, &box));
-    /* Lengths and counts are checked before there is a grid. */
     BVXI_TRY(binvox_check_pairs(&r));
-    memset(whole.low, 0, sizeof whole.low);
-    memcpy(whole.size, box.dims, sizeof whole.size);
-    BVXI_TRY(bvxi_open_file_grid(source, "BINVOX", &box, &whole, &r.part, grid));
-    r.grid = grid;
-    return binvox_fill(&r);
+    BVXI_TRY(bvxi_open_file_grid(source, "BINVOX", &box, NULL, &part, grid));
+    status = binvox_fill(&r, &part, &turned, &layers, grid);
+    bvx_grid_free(source->ctx, &layers);
+    bvx_grid_free(source->ctx, &turned);
+    return status;
 }

@@ -296,7 +296,6 @@ static void bvx_place_run(const bvx_unpacking *job, int32_t slice, int64_t x, in
     int64_t const high = (int64_t)part->low[1] + part->size[1] - 1;
 
     for (int64_t row = y > part->low[1] ? y : part->low[1]; row <= last && row <= high; row++) {
-        /* Both ends are cut to the wanted part of the row. */
         int64_t begin = (row == y ? x : 0) - part->low[0], end = (row == last ? end_x : nx) - part->low[0];
         if (begin < 0) begin = 0;
         if (end > part->size[0]) end = part->size[0];
@@ -310,7 +309,6 @@ static void bvx_fill_from_runs(const bvx_unpacking *job, int32_t slice, const ui
     int64_t const nx = job->window.size[0];
     int64_t x = 0, y = 0;
 
-    /* Runs alternate, the first being empty voxels. */
     for (int set = 0; p != end; set = !set) {
         uint64_t length = 0;
         p = bvx_take_length(p, end, &length);

@@ -24,7 +24,6 @@ static bvx_status find_raw(const bvxi_grid_source *source, bvxi_dense *d)
     uint64_t dims[3];
     int fits = 1;
 
-    /* The type and the size come from the caller, as such a file has no head. */
     if (bvxi_type_size(o->sample_type) == 0)
         return bvxi_fail_for(source->ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "RAW: sample type %d is unknown", (int64_t)o->sample_type);
@@ -280,8 +279,6 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     return BVX_OK;
 }
 
-/* ---- public ---- */
-
 static const bvxi_option read_volume_rows[] = {
     BVXI_SWITCH(bvx_read_volume_options, big_endian),
     BVXI_RESERVED(bvx_read_volume_options, reserved0),
@@ -305,7 +302,6 @@ static bvx_status run_read_volume(bvx_context *context, const void *bytes, uint6
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, name, &o, BVXI_OPTIONS(read_volume_rows)));
     for (int a = 0; a < 3; a++) o.spacing[a] = o.spacing[a] == 0.0 ? 1.0 : o.spacing[a];
-    /* The second block of bytes comes with the options. */
     if (o.data_size > SIZE_MAX / 2)
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_TOO_MANY,
                              "%s: data_size is %u, more than memory can hold", name, o.data_size);

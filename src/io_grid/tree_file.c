@@ -326,12 +326,12 @@ static void put_tree_head(const bvx_octree *tree, uint8_t *head)
     }
     bvxi_store_u32(head + BVXI_TREE_AT_FRACTION, (uint32_t)tree->lattice.fraction_bits);
     bvxi_store_u32(head + BVXI_TREE_AT_LEVELS, (uint32_t)tree->levels);
-    bvxi_bvx_store(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
+    bvxi_store_u64(head + BVXI_TREE_AT_CHECK, bvx_hash(head, BVXI_TREE_AT_CHECK, 0));
 }
 
 static uint8_t *put_tree_words(uint8_t *p, const uint64_t *words, uint64_t count)
 {
-    for (uint64_t i = 0; i < count; i++, p += 8) bvxi_bvx_store(p, words[i]);
+    for (uint64_t i = 0; i < count; i++, p += 8) bvxi_store_u64(p, words[i]);
     return p;
 }
 
@@ -351,11 +351,11 @@ static void put_tree_level(void *user, int32_t level)
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
 
     /* Split is written only where it is neither nothing nor the same as touched. */
-    bvxi_bvx_store(begin + 16, o->words);
+    bvxi_store_u64(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);
     p = put_tree_words(p, o->outside, o->words);
     if (bvxi_tree_split_kind(o) == BVXI_SPLIT_SOME) p = put_tree_words(p, o->split, o->words);
-    bvxi_bvx_store(begin, bvx_hash(begin + 8, (size_t)(p - begin) - 8, job->frame));
+    bvxi_store_u64(begin, bvx_hash(begin + 8, (size_t)(p - begin) - 8, job->frame));
 }
 
 bvx_status bvxi_write_tree(bvx_context *ctx, const bvx_octree *tree, bvx_buffer *file)

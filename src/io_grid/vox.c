@@ -105,7 +105,6 @@ static bvx_status vox_check_start(const bvxi_grid_source *source)
     if (memcmp(p + VOX_BEGIN, "MAIN", 4) != 0)
         return bvxi_fail(ctx, BVX_ERR_FORMAT, "VOX: byte 8: the first chunk is not MAIN");
 
-    /* MAIN must hold the rest of the file exactly. */
     uint64_t const content = bvxi_load_u32(p + VOX_BEGIN + 4, 0);
     uint64_t const children = bvxi_load_u32(p + VOX_BEGIN + 8, 0);
     if (content + children != size - VOX_BEGIN - VOX_HEAD)

@@ -1,17 +1,12 @@
-/* vti.c - VTK's XML image data, to grids and from them. Sources and the choice among several arrays at the
- * headings below. */
-#include "io_grid/grid_formats.h"
-#include "io/xml_scan.h"
-
-/* ---- Read ---- */
-
-/* VTK's XML image data: where the samples of one array stand.
+/* vti.c - VTK's XML image data: where the samples of one array stand.
  *
- * Source: VTK File Formats (docs.vtk.org), versions 0.1, 1.0 and 2.x, without compression. Of several arrays
+ * Source: VTK File Formats (docs.vtk.org), versions 0.1, 1.0 and 2.x; compressed by zlib where the caller unpacks. Of several arrays
  * the one that is the active scalars is read, of cells before points; where none is active, the first with
  * one number each. Cells are voxels. Points are voxels' centres, so there is one more along each axis and the
  * corner is half a voxel lower.
  * Guarantee: counts are held against the file's bytes before anything is made. */
+#include "io_grid/grid_formats.h"
+#include "io/xml_scan.h"
 
 enum vti_format { VTI_ASCII = 1, VTI_BINARY, VTI_APPENDED };
 enum vti_rank { VTI_CELLS_ACTIVE = 0, VTI_POINTS_ACTIVE, VTI_CELLS_FIRST, VTI_POINTS_FIRST, VTI_NO_ARRAY };
@@ -30,10 +25,8 @@ typedef struct vti_file {
     bvxi_xml_text active;     /* name of the section's active scalars */
     const char *appended;     /* after the underscore */
     int32_t big, header_size; /* bytes of a count before data */
-    int8_t compressed, has_active, has_image, has_piece, appended_base64;
+    int8_t compressed, unpacks, has_active, has_image, has_piece, appended_base64;
 } vti_file;
-
-/* ---- attributes ---- */
 
 static BVXI_COLD bvx_status vti_fail(const vti_file *f, bvx_status status, const char *at, const char *why)
 {
@@ -111,6 +104,7 @@ static bvx_status vti_take_file(vti_file *f)
     }
     /* Whether that matters depends on the array: a text is never compressed. */
     f->compressed = (int8_t)(bvxi_xml_attribute(&f->xml, "compressor", &v) && v.p != v.end);
+    if (f->compressed && !bvxi_xml_is(v, "vtkZLibDataCompressor")) f->unpacks = 0;
     return BVX_OK;
 }
 
@@ -123,7 +117,6 @@ static bvx_status vti_take_image(vti_file *f)
     if (f->has_image) return vti_fail(f, BVX_ERR_FORMAT, f->xml.tag, "a second image");
     f->has_image = 1;
 
-    /* Checked for its form only: the samples lie in the piece's extent. */
     BVXI_TRY(vti_take_extent(f, "WholeExtent", unused));
     for (int a = 0; a < 3; a++) f->spacing[a] = 1.0;
     if (bvxi_xml_attribute(&f->xml, "Origin", &v)) BVXI_TRY(vti_take_doubles(f, v, 3, f->origin));
@@ -257,7 +250,6 @@ static bvx_status vti_read_head(vti_file *f)
         BVXI_TRY(vti_take_element(f));
     }
 
-    /* The first of the elements that is missing is named, from the outermost in. */
     if (f->array.rank == VTI_NO_ARRAY)
         return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT, "VTI: the file has no %s",
                          roots == 0      ? "element VTKFile"
@@ -267,7 +259,7 @@ static bvx_status vti_read_head(vti_file *f)
     if (f->array.format == VTI_APPENDED && f->appended == NULL)
         return vti_fail(f, BVX_ERR_FORMAT, f->array.tag,
                         "the array is appended, but the file has no AppendedData");
-    if (f->array.format != VTI_ASCII && f->compressed)
+    if (f->array.format != VTI_ASCII && f->compressed && !f->unpacks)
         return bvxi_fail_for(
             f->xml.source.ctx, BVX_ERR_UNSUPPORTED, BVX_REASON_COMPRESSED,
             "VTI: the data is compressed; write it without (vtkXMLImageDataWriter, SetCompressorTypeToNone)");
@@ -284,7 +276,6 @@ static const char *vti_text_end(const vti_file *f, const char *p)
 
 static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense *d)
 {
-    /* Only the array's own text is read: the next tag ends it. */
     d->begin = f->array.text;
     d->end = d->source.end = vti_text_end(f, f->array.text);
     d->encoding = BVXI_DENSE_TEXT;
@@ -295,13 +286,18 @@ static bvx_status vti_find_ascii(const vti_file *f, uint64_t voxels, bvxi_dense 
                      bvxi_source_line(&f->xml.source, f->array.tag), voxels, (uint64_t)(d->end - d->begin));
 }
 
-static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
+static bvx_status vti_check_size(const vti_file *f, uint64_t n, uint64_t size)
 {
-    uint64_t const n = f->header_size == 4 ? bvxi_load_u32(length, f->big) : bvxi_load_u64(length, f->big);
     if (n == size) return BVX_OK;
     return bvxi_fail(f->xml.source.ctx, BVX_ERR_FORMAT,
                      "VTI: line %u: the array has %u bytes, its extent asks for %u",
                      bvxi_source_line(&f->xml.source, f->array.tag), n, size);
+}
+
+static bvx_status vti_check_length(const vti_file *f, const uint8_t *length, uint64_t size)
+{
+    uint64_t const n = f->header_size == 4 ? bvxi_load_u32(length, f->big) : bvxi_load_u64(length, f->big);
+    return vti_check_size(f, n, size);
 }
 
 static BVXI_COLD bvx_status vti_fail_short(const vti_file *f, uint64_t size, const char *at)
@@ -338,6 +334,19 @@ static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inlin
     return BVX_OK;
 }
 
+static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text, bvxi_dense *d)
+{
+    uint64_t size = 0;
+
+    bvxi_base64_start(&d->base64, p, is_text ? vti_text_end(f, p) : f->xml.source.end);
+    d->encoding = BVXI_DENSE_BLOCKS;
+    d->array = f->array.tag;
+    d->is_text = is_text;
+    d->number_size = f->header_size;
+    BVXI_TRY(bvxi_check_blocks(d, &size));
+    return vti_check_size(f, size, d->size);
+}
+
 bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
 {
     vti_file f;
@@ -346,6 +355,7 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     int fits = 1;
 
     memset(&f, 0, sizeof f);
+    f.unpacks = source->volume != NULL && source->volume->inflate != NULL;
     bvxi_xml_start(&f.xml, source->ctx, "VTI", source->begin, source->end);
     BVXI_TRY(vti_read_head(&f));
     int const is_point = f.array.rank == VTI_POINTS_ACTIVE || f.array.rank == VTI_POINTS_FIRST;
@@ -370,73 +380,16 @@ bvx_status bvxi_find_vti(const bvxi_grid_source *source, bvxi_dense *dense)
     dense->samples.big = f.big;
     bvxi_pack_strides(&dense->samples, &dense->box);
     if (f.array.format == VTI_ASCII) return vti_find_ascii(&f, voxels, dense);
-    if (f.array.format == VTI_BINARY) return vti_find_base64(&f, f.array.text, 1, dense);
-    /* The offset is checked before it is added to a pointer. */
-    if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended))
-        return vti_fail_short(&f, dense->size, f.xml.source.end);
-    const char *const data = f.appended + f.array.offset;
-    return f.appended_base64 ? vti_find_base64(&f, data, 0, dense) : vti_find_raw(&f, data, dense);
-}
+    const char *data = f.array.text;
+    int const is_text = f.array.format == VTI_BINARY || f.appended_base64;
 
-/* ---- Written ---- */
-
-/* A grid to VTK's XML image data: cells of uint8 named "solid", raw after an underscore at the
- * end.
- *
- * Source: VTK File Formats (docs.vtk.org), version 1.0 with 64-bit counts. Cells are voxels, so Origin is the
- * low corner and the extent counts the points around them. */
-
-static void vti_put_doubles(bvxi_output *out, const double v[3])
-{
-    char text[32];
-    for (int a = 0; a < 3; a++) {
-        if (a > 0) bvxi_output_text(out, " ");
-        bvxi_output_add(out, text, (size_t)bvxi_print_double(v[a], text));
+    if (f.array.format == VTI_APPENDED) {
+        /* The offset is checked before it is added to a pointer. */
+        if (f.array.offset > (uint64_t)(f.xml.source.end - f.appended))
+            return vti_fail_short(&f, dense->size, f.xml.source.end);
+        data = f.appended + f.array.offset;
     }
-}
-
-static void vti_put_extent(bvxi_output *out, const bvx_grid *grid)
-{
-    for (int a = 0; a < 3; a++) {
-        bvxi_output_text(out, a > 0 ? " 0 " : "0 ");
-        bvxi_output_number(out, (uint64_t)grid->size[a]);
-    }
-}
-
-static void vti_put_head(const bvx_grid *grid, bvxi_output *out)
-{
-    uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
-    uint8_t length[8];
-    double corner[3];
-
-    bvxi_grid_corner(grid, corner);
-    /* Cells are the voxels, so the extent ends at size, a point beyond the last cell's. */
-    bvxi_output_text(
-        out,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n  <ImageData WholeExtent=\"");
-    vti_put_extent(out, grid);
-    bvxi_output_text(out, "\" Origin=\"");
-    vti_put_doubles(out, corner);
-    bvxi_output_text(out, "\" Spacing=\"");
-    vti_put_doubles(out, grid->lattice.spacing);
-    bvxi_output_text(out, "\">\n    <Piece Extent=\"");
-    vti_put_extent(out, grid);
-    bvxi_output_text(
-        out,
-        "\">\n      <PointData>\n      </PointData>\n      <CellData Scalars=\"solid\">\n        <DataArray "
-        "type=\"UInt8\" Name=\"solid\" format=\"appended\" offset=\"0\"/>\n      </CellData>\n    </Piece>\n"
-        "  </ImageData>\n  <AppendedData encoding=\"raw\">\n    _");
-
-    /* The count of bytes before them, in 64 bits as the head said. */
-    bvxi_store_u32(length, (uint32_t)(voxels & 0xffffffffu));
-    bvxi_store_u32(length + 4, (uint32_t)(voxels >> 32));
-    bvxi_output_add(out, length, sizeof length);
-}
-
-bvx_status bvxi_write_vti(bvx_context *ctx, const bvx_grid *grid, bvx_buffer *file)
-{
-    static const bvxi_dense_file vti = {"the VTI file", vti_put_head, "\n  </AppendedData>\n</VTKFile>\n"};
-    BVXI_TRY(bvxi_check_written_corner(ctx, "VTI", grid));
-    return bvxi_write_dense(ctx, grid, &vti, file);
+    if (f.compressed) return vti_find_blocks(&f, data, is_text, dense);
+    return is_text ? vti_find_base64(&f, data, f.array.format == VTI_BINARY, dense)
+                   : vti_find_raw(&f, data, dense);
 }

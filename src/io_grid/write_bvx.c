@@ -38,7 +38,7 @@ static void bvx_put_head(const bvx_lattice *lattice, const bvx_window *window, u
     }
     bvxi_store_u32(head + BVXI_BVX_AT_Z, (uint32_t)window->low[2]);
     bvxi_store_u32(head + BVXI_BVX_AT_Z + 4, (uint32_t)window->size[2]);
-    bvxi_bvx_store(head + BVXI_BVX_AT_CHECK, bvx_hash(head, BVXI_BVX_AT_CHECK, 0));
+    bvxi_store_u64(head + BVXI_BVX_AT_CHECK, bvx_hash(head, BVXI_BVX_AT_CHECK, 0));
 }
 
 /* ---- one slice ---- */
@@ -92,7 +92,7 @@ static void bvx_put_words(const bvx_packing *job, int32_t k, uint8_t *p)
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
     for (int32_t y = 0; y < g->size[1]; y++)
         for (int32_t i = 0; i < g->words_per_row; i++, p += 8)
-            bvxi_bvx_store(p, i + 1 < g->words_per_row ? *word++ : *word++ & tail);
+            bvxi_store_u64(p, i + 1 < g->words_per_row ? *word++ : *word++ & tail);
 }
 
 static void bvx_put_slice(const bvx_packing *job, int32_t k)
@@ -104,12 +104,12 @@ static void bvx_put_slice(const bvx_packing *job, int32_t k)
 
     bvxi_store_u32(p + 8, (uint32_t)(job->grid->low[2] + k));
     bvxi_store_u32(p + 12, raw ? BVXI_BVX_RAW : BVXI_BVX_RUNS);
-    bvxi_bvx_store(p + 16, n);
+    bvxi_store_u64(p + 16, n);
     if (raw) bvx_put_words(job, k, p + BVXI_BVX_SLICE_HEAD);
     else bvx_put_runs(job, k, p + BVXI_BVX_SLICE_HEAD);
 
     /* The checksum covers what stands after it, so it comes last. */
-    bvxi_bvx_store(p, bvxi_bvx_slice_check(p, n, job->frame));
+    bvxi_store_u64(p, bvxi_bvx_slice_check(p, n, job->frame));
 }
 
 /* ---- all slices ---- */

@@ -22,8 +22,6 @@ typedef struct vtu_leaves {
     uint64_t points;
 } vtu_leaves;
 
-/* ---- corners ---- */
-
 static void list_vtu_corners(vtu_leaves *v)
 {
     for (uint64_t n = 0; n < 8 * v->count; n++) {
@@ -44,8 +42,6 @@ static uint64_t count_vtu_points(const uint64_t *sorted, uint64_t count)
     for (uint64_t i = 0; i < count; i++) n += i == 0 || sorted[i] != sorted[i - 1];
     return n;
 }
-
-/* ---- the file ---- */
 
 static const char *const vtu_array[VTU_ARRAYS] = {
     "      <Points>\n        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" "
@@ -78,7 +74,6 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
     bvxi_output_text(out, "\" NumberOfCells=\"");
     bvxi_output_number(out, v->count);
     bvxi_output_text(out, "\">\n");
-    /* The arrays follow each other, each after a count of 8 bytes. */
     for (int i = 0; i < VTU_ARRAYS; i++) {
         bvxi_output_text(out, vtu_array[i]);
         bvxi_output_number(out, offset);
@@ -92,8 +87,7 @@ static void put_vtu_head(const vtu_leaves *v, bvxi_output *out)
 
 static uint8_t *put_vtu_length(uint8_t *to, uint64_t length)
 {
-    bvxi_store_u32(to, (uint32_t)(length & 0xffffffffu));
-    bvxi_store_u32(to + 4, (uint32_t)(length >> 32));
+    bvxi_store_u64(to, length);
     return to + 8;
 }
 
@@ -124,7 +118,6 @@ static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
 {
     uint64_t size[VTU_ARRAYS];
 
-    /* The arrays in the order of vtu_array: points and corners, then offsets, types, levels, states. */
     vtu_sizes(v, size);
     to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
     for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));
@@ -142,7 +135,6 @@ static bvx_status write_vtu_file(vtu_leaves *v, bvx_buffer *file)
     bvxi_output head = {0};
     uint64_t size[VTU_ARRAYS], bytes = sizeof tail - 1;
 
-    /* Sorted, equal corners of neighbouring leaves become one point. */
     list_vtu_corners(v);
     BVXI_TRY(bvxi_radix_sort(v->ctx, v->place, v->corner, 8 * v->count));
     BVXI_TRY(bvxi_progress(v->ctx, "octree", 0.7));

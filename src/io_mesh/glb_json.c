@@ -87,18 +87,12 @@ static void json_whole(bvxi_output *out, const char *name, uint64_t value)
     bvxi_output_number(out, value);
 }
 
-static void json_double(bvxi_output *out, double value)
-{
-    char text[32];
-    bvxi_output_add(out, text, (size_t)bvxi_print_double(value, text));
-}
-
 static void json_three(bvxi_output *out, const char *name, const double value[3])
 {
     json_name(out, name);
     for (int a = 0; a < 3; a++) {
         bvxi_output_text(out, a == 0 ? "[" : ",");
-        json_double(out, value[a]);
+        bvxi_output_double(out, value[a]);
     }
     bvxi_output_text(out, "]");
 }
@@ -195,7 +189,7 @@ static void glb_put_coverage(const bvxi_glb_file *file, bvxi_output *out)
     for (uint64_t i = 1; i < file->levels; i++) {
         double const share = (double)file->level[i].mesh->triangle_count / finest;
         if (share < coverage) coverage = share; /* hints never grow, whatever the order of the levels is */
-        json_double(out, coverage);
+        bvxi_output_double(out, coverage);
         bvxi_output_text(out, ",");
     }
     bvxi_output_text(out, "0]}");
@@ -215,7 +209,6 @@ static void glb_put_nodes(const bvxi_glb_file *file, bvxi_output *out)
         json_whole(out, "mesh", i);
         glb_put_frame(&file->frame, out);
 
-        /* The finest level names the others. */
         for (uint64_t k = 1; i == 0 && k < file->levels; k++) {
             bvxi_output_text(out, k == 1 ? ",\"extensions\":{\"" LOD_EXTENSION "\":{\"ids\":[" : ",");
             bvxi_output_number(out, k);
@@ -399,7 +392,6 @@ static void glb_put_accessors(const bvxi_glb_file *file, const bvxi_glb *glb, ui
         bvxi_output_text(out, "}");
     }
 
-    /* The indices of all groups are one view. */
     for (uint64_t g = 0; g <= file->materials; g++) {
         uint64_t const begin = glb->group[g] * 3, end = glb->group[g + 1] * 3;
         if (!glb_has_group(glb, g)) continue;

@@ -3,7 +3,7 @@
 #ifndef BVXI_GLTF_H
 #define BVXI_GLTF_H
 
-#include "io_mesh/json.h"
+#include "io/json.h"
 #include "io_mesh/mesh_formats.h"
 
 /* What a file names by an index: buffers, accessors ... */

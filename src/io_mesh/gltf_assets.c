@@ -205,8 +205,6 @@ static void gltf_put_file(const bvxi_gltf *f, bvx_assets *assets, bvxi_output *o
     bvxi_output_add(out, f->buffer[0].bytes, (size_t)f->buffer[0].size);
 }
 
-/* ---- the block ---- */
-
 static void gltf_lay_out(const bvxi_gltf *f, bvx_assets *assets, bvxi_asset_image *images, bvxi_output *out)
 {
     assets->materials = gltf_put_array(&f->json, "materials", out);

@@ -9,9 +9,6 @@
 
 /* ---- The first pass over a file: pieces of whole lines, and how much of everything stands in each ---- */
 
-/* Where pieces end follows from the size only, and no statement crosses from one to the next. The second
- * pass walks the same statements, so that its counts are these. */
-
 static const char *obj_count_corners(const obj_file *f, const char *p, uint64_t *corners)
 {
     *corners = 0;
@@ -117,19 +114,14 @@ bvx_status bvxi_obj_count(obj_file *file)
 
 /* ---- Wavefront OBJ to an indexed mesh: vertices, colours, texture coordinates and polygonal faces ---- */
 
-/* The file is cut into pieces of whole lines, by its size only. A first pass counts what each piece holds,
- * so that the arrays are made once in their exact size and each piece knows its place in them; the second
- * fills them. So pieces may be read at the same time, and a face may name vertices that stand after it;
- * negative numbers count back from the last vertex before it. Polygons are cut into triangles at the end,
- * when all vertices are known.
+/* Faces may name vertices that stand after them; negative numbers count back from the last vertex before them.
+ * Polygons are cut into triangles at the end, when all vertices are known.
  * Behind three coordinates stand nothing, a weight, three colours, or a weight and three colours. Texture
  * coordinates are looked up when the first corner of the file has one, and dropped when another has none.
  * Normals must be numbers but are not looked up. Every statement but v, vt and f is left out: nothing that a
  * file names (mtllib, call, csh) is opened. A backslash before a line's end continues v, vt and f. In other
  * lines it is ignored, as comments and file names end in backslashes too, and what follows is no v, vt or f.
  * Memory: the mesh, 12 bytes a coloured vertex, 8 bytes a polygon. Cost: O(bytes). */
-
-/* ---- second pass ---- */
 
 /* Where reading of a piece stands; source has no context when pieces are read at the same time. */
 typedef struct obj_reader {

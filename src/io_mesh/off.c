@@ -410,7 +410,6 @@ static bvx_status off_take_face(off_file *f, uint64_t face)
             memcpy(f->mesh->triangles + (size_t)f->triangle_count * 3, t, sizeof t);
     }
 
-    /* What is left on the line is the face's colour. */
     f->p = off_line_end(f->p, f->source->end);
     return BVX_OK;
 }

@@ -247,7 +247,6 @@ static uint8_t *ply_put_faces(const void *user, uint64_t begin, uint64_t end, ui
         *at++ = 3;
         for (size_t k = 0; k < 3; k++, at += 4) bvxi_store_u32(at, mesh->triangles[(size_t)t * 3 + k]);
         if (mesh->uv_triangles == NULL) continue;
-        /* A list of six numbers: the texture coordinates of three corners. */
         *at++ = 6;
         for (size_t k = 0; k < 3; k++, at += 8) {
             const float *const uv = mesh->uvs + (size_t)mesh->uv_triangles[(size_t)t * 3 + k] * 2;

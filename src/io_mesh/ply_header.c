@@ -125,7 +125,6 @@ static bvx_status ply_take_element(const bvxi_source *s, ply_line *line, ply_hea
         *places[e->kind] = e;
     }
 
-    /* Its properties are those that follow in the header. */
     e->first = e->end = h->property_count;
     h->element_count++;
     return ply_expect_end(s, line);

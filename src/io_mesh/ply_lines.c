@@ -172,7 +172,6 @@ bvx_status bvxi_ply_take_lines(ply_file *f, const ply_element *e, int *taken)
     if (*taken || e->kind == PLY_STRIPS || (e->kind == PLY_FACE && f->uvs_at_corners)) return BVX_OK;
     if (job.end < f->line || job.end > f->pieces[f->piece_count].line) return BVX_OK;
 
-    /* The pieces with the element's first and last line. */
     while (f->pieces[job.first + 1].line <= f->line) job.first++;
     for (last = job.first; f->pieces[last + 1].line < job.end;) last++;
     BVXI_TRY(bvxi_source_pieces(f->source, ply_share(f->source, f->p),

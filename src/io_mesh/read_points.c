@@ -6,8 +6,6 @@
 
 static const char read_points_name[] = "bvx_read_points";
 
-/* ---- Lines ---- */
-
 static inline int xyz_line_ends(const char *p, const char *end)
 {
     return p == end || *p == '\n' || *p == '\r';
@@ -34,7 +32,6 @@ static const char *xyz_line_end(const char *p, const char *end)
 static const char *xyz_next_line(const char *p, const char *end)
 {
     for (;;) {
-        /* A comment's line is passed over whole; what follows may be another one. */
         while (p < end && (xyz_is_gap(*p) || *p == '\n' || *p == '\r')) p++;
         if (p == end) return end;
         if (*p != '#' && *p != '%' && !(*p == '/' && end - p > 1 && p[1] == '/')) return p;
@@ -62,8 +59,6 @@ static const char *xyz_skip_head(const char *p, const char *end)
         return xyz_next_line(xyz_line_end(p, end), end);
     return p;
 }
-
-/* ---- Points ---- */
 
 static bvx_status xyz_take_point(const bvxi_source *s, const char *p, uint64_t i, double to[3])
 {
@@ -95,7 +90,6 @@ static bvx_status read_xyz(bvxi_source *s, bvx_mesh *points)
                              "%s: %u points, the limit is below 2^32", s->format, count);
     BVXI_TRY(bvxi_make_positions(s->ctx, points, BVX_F64, count));
 
-    /* The same lines again, now with their numbers. */
     bvxi_source_pass(s, 0.3, 1);
     for (const char *p = first; p < s->end; p = xyz_next_line(xyz_line_end(p, s->end), s->end), i++) {
         BVXI_TRY(bvxi_source_at(s, p));

@@ -267,10 +267,6 @@ static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-/* ---- Files ---- */
-
-/* STL, to meshes and from them. */
-
 /* ---- Read ---- */
 
 /* STL, ASCII and binary, to an indexed mesh.
@@ -463,7 +459,6 @@ static int stl_is_text(const char *p, const char *end)
     return 1;
 }
 
-/* Set *binary and its count of triangles. */
 static bvx_status stl_tell_apart(const bvxi_source *s, int *binary, uint64_t *count)
 {
     uint64_t const size = bvxi_source_byte(s, s->end);
@@ -552,7 +547,6 @@ static void stl_put_triangle(const bvx_mesh *mesh, int f32, uint64_t t, uint8_t 
 {
     float corner[3][3], normal[3];
     for (size_t k = 0; k < 3; k++) stl_corner(mesh, f32, mesh->triangles[(size_t)t * 3 + k], corner[k]);
-    /* Normal, three corners, and two bytes of attributes, which are 0. */
     stl_facet_normal((const float(*)[3])corner, normal);
     for (int a = 0; a < 3; a++) bvxi_store_f32(p + 4 * a, normal[a]);
     for (int k = 0; k < 3; k++)

@@ -336,8 +336,6 @@ bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint6
     return BVXI_CALL(context, run_check_written(context, levels, level_count, options, format, reports));
 }
 
-/* ---- the file ---- */
-
 static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                  const bvx_write_options *options, int32_t format, bvx_buffer *file)
 {

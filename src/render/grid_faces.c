@@ -98,7 +98,6 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
     for (int32_t i = 0; i < s->pieces; i++) bvxi_camera_extent_join(&all, &s->extent[i]);
     bvxi_drop(ctx, s->extent);
 
-    /* Three reasons for an empty picture have three messages. */
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no voxel is set%s", s->picture.function,
                          bvxi_kept_rows(s->begin, s->end) < bvxi_grid_rows(s->grid) ||
@@ -150,7 +149,6 @@ static void place_grid(bvxi_grid_scene *s)
     int32_t const bits = s->picture.raster.fraction_bits;
     double low[3], at[3];
 
-    /* The low corner of what is kept, as the base of all integer places. */
     for (int a = 0; a < 3; a++)
         low[a] = s->corner[a] + s->begin[0] * s->edge[0][a] + s->begin[1] * s->edge[1][a] +
                  s->begin[2] * s->edge[2][a];
@@ -275,7 +273,6 @@ static voxel_row row_beside(const bvxi_grid_scene *s, int32_t j, int32_t k)
     const bvx_grid *const g = s->grid;
     voxel_row r = {NULL, NULL, 0};
 
-    /* Beside the window all is empty. */
     if (j < 0 || k < 0 || j >= g->size[1] || k >= g->size[2]) return r;
     size_t const at = ((size_t)k * (size_t)g->size[1] + (size_t)j) * (size_t)g->words_per_row;
     r.first = g->words + at;
@@ -290,7 +287,6 @@ static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uin
                                const voxel_row *row, const int32_t at[3])
 {
     uint64_t const first = row->first[at[0]], second = row->second[at[0]];
-    /* Three kinds of membership, each face in exactly one. */
     uint64_t const member[3] = {first & second, first & ~second, second & ~first};
     int32_t const x = at[0] * BVXI_WORD_BITS;
 
@@ -305,7 +301,6 @@ static void draw_faces_by_kind(const face_work *w, int axis, uint64_t faces, uin
 static void draw_row(const face_work *w, int32_t j, int32_t k, int32_t begin, int32_t end)
 {
     const bvxi_grid_scene *const s = w->scene;
-    /* The neighbour towards the eye, along each axis. */
     int32_t const sign[3] = {s->step_z[0] > 0.0 ? 1 : -1, s->step_z[1] > 0.0 ? 1 : -1,
                              s->step_z[2] > 0.0 ? 1 : -1};
     voxel_row const here = row_beside(s, j, k);

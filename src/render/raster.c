@@ -208,7 +208,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));
     BVXI_TRY(bvxi_each(ctx, "render", 0.1, 0.15, w.pieces, count_bins_piece, &w));
-    /* Counts are places now, and their sum is the size of the list. */
     place_bins(&w);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bins->total * 4, "the picture's triangles", &bins->triangle));
     BVXI_TRY(bvxi_each(ctx, "render", 0.15, 0.2, w.pieces, fill_bins_piece, &w));

@@ -139,7 +139,6 @@ static bvx_status run_render_grid(bvx_context *context, const bvx_grid *grid,
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
 
-    /* Both sets are the same one, so every face belongs to both. */
     s.grid = grid;
     s.also = grid->words;
     return render_grid_scene(context, &s, image);
@@ -177,7 +176,6 @@ static bvx_status run_render_difference(bvx_context *context, const bvx_grid *be
     BVXI_TRY(bvxi_grid_check(context, function, after));
     BVXI_TRY(check_same_place(context, function, before, after));
 
-    /* Each word of both sets is read side by side: the union needs no memory. */
     s.grid = before;
     s.also = after->words;
     return render_grid_scene(context, &s, image);

@@ -64,7 +64,6 @@ static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t 
     double p[3], q[3];
 
     for (uint64_t t = begin; t < end; t++) {
-        /* What is cut has other corners than the mesh. */
         if (s->cut.on) {
             double left[BVXI_CUT_MOST][3];
             int32_t const n = cut_corners(s, t, left);
@@ -152,7 +151,6 @@ static int32_t place_cut_triangle(const bvxi_mesh_scene *s, uint32_t t, int32_t 
         bvxi_camera_place(&s->picture.camera, q[k], at);
         corner[k][0] = snap_in_frame(at[0], r->width, r->fraction_bits);
         corner[k][1] = snap_in_frame(at[1], r->height, r->fraction_bits);
-        /* The first corner is where the plane begins. */
         if (k == 0) {
             plane->x = at[0];
             plane->y = at[1];
@@ -173,7 +171,6 @@ static int bands_of_triangle(const void *user, uint32_t t, int32_t *first, int32
     uint32_t c[3];
     int32_t low = INT32_MAX, high = 0;
 
-    /* The rows that the triangle reaches, by its snapped corners. */
     if (s->cut.on) {
         int32_t corner[BVXI_CUT_MOST][2];
         bvxi_raster_plane plane;
@@ -245,13 +242,10 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
         draw_scene_triangle(s, raster, rows, s->bins.triangle[i]);
 }
 
-/* ---- the whole ---- */
-
 static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
 
-    /* Bounds, places, bands, normals: each step reads what the one before has made. */
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));

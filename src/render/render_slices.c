@@ -111,7 +111,6 @@ static int32_t room_in_cell(int32_t length, int32_t cells)
 /* Pixels a world unit that fit a slice of w x h into cells of a sheet of so many columns. */
 static double scale_of_columns(const slice_sheet *s, int32_t columns, double w, double h)
 {
-    /* Whatever side is tighter decides. */
     int32_t const rows = (s->count + columns - 1) / columns;
     double const across = room_in_cell(s->options.width, columns) / w;
     double const upwards = room_in_cell(s->options.height, rows) / h;
@@ -132,7 +131,6 @@ static void lay_out_sheet(slice_sheet *s)
     double const longest = bvxi_longest_spacing(spacing);
     double best = 0.0, w, h;
 
-    /* The two axes that a slice shows: x before y before z. */
     s->right.axis = s->axis == 0 ? 1 : 0;
     s->up.axis = s->axis == 2 ? 1 : 2;
     for (int side = 0; side < 2; side++) {
@@ -191,7 +189,6 @@ static int64_t slice_bit(const uint64_t *row, int32_t x)
     return (int64_t)(row[x >> 6] >> (x & 63) & 1);
 }
 
-/* Set voxels [begin, end) of a row. */
 static int64_t count_slice_run(const uint64_t *row, int32_t begin, int32_t end)
 {
     int64_t count = 0;
@@ -289,7 +286,6 @@ static void draw_sheet_band(void *user, int32_t index)
     int32_t const begin = index * BVXI_PICTURE_BAND, height = s->image.height;
     int32_t const end = begin + BVXI_PICTURE_BAND < height ? begin + BVXI_PICTURE_BAND : height;
 
-    /* Background and lines first, then slices over them. */
     for (int32_t y = begin; y < end; y++) {
         uint8_t *const row = s->image.pixels + (size_t)y * (size_t)s->image.width * 3;
         int const across = is_sheet_line(&s->up, y);
@@ -306,7 +302,6 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
     int32_t const bands = (s->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
     bvx_status status;
 
-    /* Each band writes its own rows. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;

@@ -128,7 +128,6 @@ void bvxi_mesh_scene_see(const void *user, const bvxi_raster *raster, uint32_t i
     bvxi_mesh_scene_corners(s, id - 1, c, p);
     bvxi_facet_normal((const double(*)[3])p, n);
     scene_unit(n);
-    /* The facet's own normal first; a smooth one replaces it where vertices have normals. */
     memcpy(seen->normal, n, sizeof n);
     if (s->normal != NULL)
         blend_vertex_normals(s, c, (const double(*)[3])p, x + 0.5, -(y + 0.5), n, seen->normal);

@@ -195,7 +195,6 @@ static double shade_occlusion(const bvxi_shade *s, int32_t x, int32_t y, int32_t
         for (int32_t k = 0; k < SHADE_STEPS; k++) {
             const shade_tap *const tap = ray + k;
             int32_t const tx = x + tap->dx, ty = y + tap->dy;
-            /* so are the steps behind it */
             if (!inner && (tx < 0 || ty < 0 || tx >= r->width || ty >= r->height)) break;
             double const dz = (double)r->depth[(size_t)ty * (size_t)r->width + (size_t)tx] - z;
             /* Height over the tangent plane; steps of voxels below the roughness do not count. */
@@ -263,7 +262,6 @@ static void shade_pixel(const bvxi_shade *s, int32_t px, int32_t py, bvxi_seen *
     for (int32_t k = 0; k < side * side; k++) {
         int32_t const x = px * side + k % side, y = py * side + k / side;
         uint32_t const id = r->id[(size_t)y * (size_t)r->width + (size_t)x];
-        /* Nothing was drawn here. */
         if (id == BVXI_RASTER_EMPTY) {
             for (int a = 0; a < 3; a++) sum[a] += p->options.background[a];
             continue;

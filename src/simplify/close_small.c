@@ -19,9 +19,6 @@ enum {
     LOOP_REACH = 1 << 16 /* triangles within which both sides of a loop meet or one ends, or it is kept */
 };
 
-/* Mean edges from a vertex's planes within which it may be closed. */
-#define CLOSE_NEAR 0.67
-
 /* Three edges by their vertices; ghost: a triangle of the hole that they are around, or -1. */
 typedef struct small_loop {
     uint32_t v[3];
@@ -229,7 +226,7 @@ static int sides_meet(loop_work *w, const loop_side side[2])
 
         w->open[w->marks - own]--;
         for (int k = 0; k < 3; k++) {
-            uint32_t const next = (uint32_t)t->opposite[k] >> 2;
+            uint32_t const next = (uint32_t)t->left[(k + 2) % 3] >> 2;
 
             if (mark[next] == own ||
                 (is_of(loop, t->vertex[(k + 1) % 3]) && is_of(loop, t->vertex[(k + 2) % 3])))
@@ -247,15 +244,10 @@ static int sides_meet(loop_work *w, const loop_side side[2])
 static int lies_near(const bvxi_collapse *c, uint32_t v, const double *p)
 {
     const bvxi_corner_vertex *const at = &c->mesh.at[v];
-    double const trace = at->a[0] + at->a[3] + at->a[5];
-    bvxi_quadric q = {.c = at->c};
     double d[3];
 
-    memcpy(q.a, at->a, sizeof q.a);
-    memcpy(q.b, at->b, sizeof q.b);
     for (int k = 0; k < 3; k++) d[k] = (p[k] - at->p[k]) * c->scale;
-    return bvxi_quadric_at(&q, d) * (double)c->mesh.left <=
-           CLOSE_NEAR * CLOSE_NEAR * EDGE_SQUARE * c->area * trace;
+    return !bvxi_quadric_is_far(c, &at->q, d, c->mesh.left, CRUMPLED_MOST);
 }
 
 /* ---- Handles ---- */

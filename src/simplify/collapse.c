@@ -24,7 +24,7 @@
 
 enum {
     RANGE_VERTICES = 4096,  /* of a range, at least */
-    RANGE_MOST = 64,        /* ranges */
+    RANGE_MOST = 20,        /* ranges: more have more edges that reach into others */
     RANGE_COLLAPSES = 4096, /* fewer are not worth ranges */
     SWEEP_AHEAD = 8,        /* vertices */
     THRESHOLD_WANTED = 16384,
@@ -37,25 +37,38 @@ enum {
 int bvxi_star_gather_side(const bvxi_corners *m, int32_t start, uint32_t other, int32_t most,
                           collapse_star *star)
 {
-    for (int32_t c = bvxi_corner_turn_left(m, start);; c = bvxi_corner_turn_left(m, c)) {
-        if (bvxi_corner_vertex_of(m, bvxi_corner_previous(c)) == other) return 1;
+    int32_t c = bvxi_corner_turn_left(m, start);
+
+    star->link[star->count] = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
+    for (;;) {
+        int32_t const left = bvxi_corner_turn_left(m, c);
+        uint32_t const previous = bvxi_corner_vertex_of(m, bvxi_corner_next(left)); /* of both triangles */
+
+        if (previous == other) return 1;
         if (star->count == most) return 0;
-        star->link[star->count] = bvxi_corner_vertex_of(m, bvxi_corner_next(c));
         star->corner[star->count++] = c;
+        star->link[star->count] = previous;
+        c = left;
     }
 }
 
 int bvxi_star_close(collapse_star *star)
 {
+    uint64_t seen = 0;
+
     /* Fewer would leave two triangles back to back on the same three vertices. */
     if (star->count < 3) return 0;
     star->link[star->count] = star->link[0];
 
     /* A vertex that is there twice is a neighbour of both ends beside the two that they may share; the ghost
-     * is when both ends are on borders and the edge is not. */
-    for (int32_t i = 1; i < star->count; i++)
-        for (int32_t j = 0; j < i; j++)
+     * is when both ends are on borders and the edge is not. Most differ in their last bits. */
+    for (int32_t i = 0; i < star->count; i++) {
+        uint64_t const bit = UINT64_C(1) << (star->link[i] & 63);
+
+        for (int32_t j = 0; j < i && (seen & bit) != 0; j++)
             if (star->link[i] == star->link[j]) return 0;
+        seen |= bit;
+    }
     return 1;
 }
 
@@ -73,15 +86,6 @@ static int gather_star(const bvxi_corners *m, const bvxi_edge_planned *plan, col
 
 /* ---- Collapsing ---- */
 
-typedef struct collapse_sweep {
-    bvxi_collapse *c;
-    float threshold;
-    uint64_t size;       /* vertices of a range; 0: one range has all */
-    uint64_t left;       /* triangles as the sweep begins */
-    uint64_t candidates; /* vertices with an edge that cheap */
-    uint64_t needed;     /* collapses */
-} collapse_sweep;
-
 /* What one range has done. */
 typedef struct collapse_range {
     collapse_star star;
@@ -90,10 +94,23 @@ typedef struct collapse_range {
     uint64_t refused;
 } collapse_range;
 
+typedef struct collapse_sweep {
+    bvxi_collapse *c;
+    collapse_range *range;
+    float threshold;
+    uint64_t size;       /* vertices of a range; 0: one range has all */
+    uint64_t left;       /* triangles as the sweep begins */
+    uint64_t candidates; /* vertices with an edge that cheap */
+    uint64_t needed;     /* collapses */
+} collapse_sweep;
+
 int bvxi_collapse_drop_triangle(bvxi_corners *m, int32_t corner)
 {
-    bvxi_corners_join(m, bvxi_corner_opposite(m, bvxi_corner_next(corner)),
-                      bvxi_corner_opposite(m, bvxi_corner_previous(corner)));
+    int32_t const left = bvxi_corner_turn_left(m, corner);
+    int32_t const beyond = bvxi_corner_turn_left(m, bvxi_corner_next(corner));
+
+    bvxi_corner_put_left(m, bvxi_corner_next(left), beyond);
+    bvxi_corner_put_left(m, bvxi_corner_next(beyond), left);
     m->triangle[corner >> 2].vertex[1] = ~m->triangle[corner >> 2].vertex[1];
     return !bvxi_corner_is_ghost(m, corner);
 }
@@ -103,12 +120,11 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
 {
     bvxi_corners *const m = &c->mesh;
     float least = COLLAPSE_NEVER;
-    int32_t best = -1, edges[2 * COLLAPSE_STAR];
+    int32_t best = -1;
 
-    for (int32_t i = 0; i < star->count; i++) edges[i] = bvxi_corner_previous(star->corner[i]);
-    bvxi_edges_evaluate(c, u, star->link, edges, star->count);
+    bvxi_edges_evaluate(c, u, star->link, star->corner, star->count);
     for (int32_t i = 0; i < star->count; i++) {
-        int32_t const edge = edges[i];
+        int32_t const edge = star->corner[i];
         float const cost = bvxi_edge_cost(m, edge);
 
         if (cost < least) {
@@ -122,7 +138,7 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
     /* Of the neighbours those whose cheapest edge is another one keep it; at the ends of the link two became one. */
     for (int32_t i = 0; i < star->count; i++) {
         uint32_t const w = star->link[i];
-        int32_t const edge = edges[i];
+        int32_t const edge = star->corner[i];
         float const cost = bvxi_edge_cost(m, edge);
         int32_t old;
 
@@ -131,7 +147,7 @@ static void renew_edges(bvxi_collapse *c, uint32_t u, const collapse_star *star)
         if (cost < c->least[w]) {
             c->least[w] = cost;
             c->edge[w] = edge;
-        } else if (old == edge || old == bvxi_corner_opposite(m, edge) ||
+        } else if (old == edge || old == bvxi_corner_turn_left(m, bvxi_corner_next(edge)) ||
                    ((i == 0 || i == star->of_v) && old >= 0 && bvxi_corner_gone(m, old))) {
             bvxi_edge_find_least(c, w);
         }
@@ -184,16 +200,10 @@ static void apply(bvxi_collapse *c, const bvxi_edge_planned *plan, const double 
     renew_edges(c, u, star);
 }
 
-/* 1 when the new vertex would be further from its planes, by the mean square over their area, than triangles
- * of the mesh can show as it is now. */
+/* 1 when the new vertex would be further from its planes than triangles of the mesh can show as it is now. */
 static int is_crumpled(const collapse_sweep *s, const bvxi_edge_planned *plan, const double d[3])
 {
-    double const trace = plan->q.a[0] + plan->q.a[3] + plan->q.a[5];
-
-    /* Both sides are multiplied by the count of triangles and the trace, so that nothing is divided by an
-     * area of 0. */
-    return bvxi_quadric_at(&plan->q, d) * (double)s->left >
-           s->c->crumpled * s->c->crumpled * EDGE_SQUARE * s->c->area * trace;
+    return bvxi_quadric_is_far(s->c, &plan->q, d, s->left, s->c->crumpled);
 }
 
 /* May the edge collapse to an offset from u? p becomes the position, rounded as the caller gets it. */
@@ -233,8 +243,8 @@ static void refuse(const collapse_sweep *s, int32_t edge, float cost)
 {
     bvxi_collapse *const c = s->c;
     float const more = 4 * (cost > c->reached ? cost : c->reached) + 1e-37f;
-    uint32_t const x = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
-    uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_previous(edge));
+    uint32_t const x = bvxi_corner_vertex_of(&c->mesh, edge);
+    uint32_t const y = bvxi_corner_vertex_of(&c->mesh, bvxi_corner_next(edge));
 
     bvxi_edge_put_cost(&c->mesh, edge, more < COLLAPSE_NEVER ? more : COLLAPSE_NEVER);
     bvxi_edge_find_least(c, x);
@@ -264,8 +274,8 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
     bvxi_collapse *const c = s->c;
     bvxi_corners *const m = &c->mesh;
     int32_t const edge = c->edge[v];
-    uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
-    uint32_t const y = bvxi_corner_vertex_of(m, bvxi_corner_previous(edge));
+    uint32_t const x = bvxi_corner_vertex_of(m, edge);
+    uint32_t const y = bvxi_corner_vertex_of(m, bvxi_corner_next(edge));
     bvxi_edge_planned plan;
     double p[3];
 
@@ -274,7 +284,8 @@ static void try_vertex(const collapse_sweep *s, collapse_range *r, int64_t range
         return;
     }
     if (c->least[x] < c->least[v] || c->least[y] < c->least[v]) return;
-    if (bvxi_edge_plan(c, edge, &plan) && !is_crumpled(s, &plan, plan.d) && gather_star(m, &plan, &r->star)) {
+    if (bvxi_edge_plan(c, bvxi_corner_previous(edge), &plan) && !is_crumpled(s, &plan, plan.d) &&
+        gather_star(m, &plan, &r->star)) {
         /* What was refused once may leave needles: thin plates cannot do without. */
         double const cost = (double)c->least[v];
         int const needles = plan.cost * 2 < cost;
@@ -357,16 +368,10 @@ static void choose_threshold(collapse_sweep *s, uint64_t wanted, int idle)
     s->candidates = before * step;
 }
 
-typedef struct range_job {
-    collapse_sweep *s;
-    collapse_range *ranges;
-} range_job;
-
 static void range_piece(void *user, int32_t index)
 {
-    const range_job *const job = user;
-    const collapse_sweep *const s = job->s;
-    collapse_range *const r = &job->ranges[index];
+    const collapse_sweep *const s = user;
+    collapse_range *const r = &s->range[index];
     const bvxi_collapse *const c = s->c;
     uint64_t const begin = (uint64_t)index * s->size;
     uint64_t const end = begin + s->size < c->mesh.vertices ? begin + s->size : c->mesh.vertices;
@@ -375,13 +380,15 @@ static void range_piece(void *user, int32_t index)
     /* Each range has its part of what is needed, so that all of them together take no more. */
     for (uint64_t v = begin; v < end; v++) candidates += c->least[v] <= s->threshold;
     quota = (uint64_t)((double)s->needed * (double)candidates / (double)s->candidates);
-    for (uint64_t v = begin; v < end && r->collapsed < quota; v++) {
+    for (uint64_t v = begin; v < end; v++) {
         /* Memory that the next ones need is requested before its turn. */
         if (v + SWEEP_AHEAD < end && c->least[v + SWEEP_AHEAD] <= s->threshold) {
             BVXI_PREFETCH(&c->mesh.at[v + SWEEP_AHEAD]);
             BVXI_PREFETCH(&c->mesh.triangle[(uint32_t)c->edge[v + SWEEP_AHEAD] >> 2]);
         }
-        if (c->least[v] <= s->threshold) try_vertex(s, r, index, (uint32_t)v);
+        if (!(c->least[v] <= s->threshold)) continue;
+        if (r->collapsed >= quota) break;
+        try_vertex(s, r, index, (uint32_t)v);
     }
 }
 
@@ -396,23 +403,22 @@ static void take_range(bvxi_collapse *c, const collapse_range *r)
 static bvx_status sweep_ranges(collapse_sweep *s)
 {
     bvxi_collapse *const c = s->c;
-    uint64_t ranges, bytes, collapsed = 0;
-    range_job job = {s, NULL};
+    uint64_t ranges, collapsed = 0;
 
     s->size = (c->mesh.vertices + RANGE_MOST - 1) / RANGE_MOST;
     if (s->size < RANGE_VERTICES) s->size = RANGE_VERTICES;
     ranges = (c->mesh.vertices + s->size - 1) / s->size;
-    bytes = ranges * sizeof *job.ranges;
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, bytes, "the ranges of collapses", &job.ranges));
+    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, ranges * sizeof *s->range, "the ranges of collapses",
+                             &s->range));
 
-    for (uint64_t i = 0; i < ranges; i++) job.ranges[i].order = c->order;
-    bvxi_tasks(c->ctx, (int32_t)ranges, range_piece, &job);
+    for (uint64_t i = 0; i < ranges; i++) s->range[i].order = c->order;
+    bvxi_tasks(c->ctx, (int32_t)ranges, range_piece, s);
     for (uint64_t i = 0; i < ranges; i++) {
-        take_range(c, &job.ranges[i]);
-        collapsed += job.ranges[i].collapsed;
+        take_range(c, &s->range[i]);
+        collapsed += s->range[i].collapsed;
     }
     c->order += (uint32_t)collapsed;
-    bvxi_drop(c->ctx, job.ranges);
+    bvxi_drop(c->ctx, s->range);
     return BVX_OK;
 }
 
@@ -422,7 +428,7 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     uint64_t const share = idle > 1 ? c->alive : (uint64_t)((double)c->alive * SWEEP_SHARE) + 1;
     collapse_sweep s = {.c = c, .left = c->mesh.left, .needed = (c->mesh.left - target + 1) / 2};
     uint64_t const wanted = (2 * s.needed) << idle;
-    collapse_range *r;
+    collapse_range r = {.triangles = 0};
     int ranged;
 
     /* After sweeps in vain more edges are tried, in the end all, since the cheapest ones are refused. */
@@ -440,16 +446,15 @@ bvx_status bvxi_collapse_sweep(bvxi_collapse *c, uint64_t target, int idle, uint
     if (ranged) BVXI_TRY(sweep_ranges(&s));
 
     /* What reaches over the ranges' borders, or all. */
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, sizeof *r, "the range of collapses", &r));
-    r->order = c->order;
-    for (uint64_t v = 0; v < c->mesh.vertices && c->mesh.left > target + r->triangles; v++) {
-        if (!(c->least[v] <= s.threshold) || (ranged && !c->waits[v])) continue;
-        try_vertex(&s, r, RANGE_ALL, (uint32_t)v);
+    r.order = c->order;
+    for (uint64_t v = 0, n = c->mesh.vertices; v < n; v++) {
+        if ((ranged && !c->waits[v]) || !(c->least[v] <= s.threshold)) continue;
+        if (c->mesh.left <= target + r.triangles) break;
+        try_vertex(&s, &r, RANGE_ALL, (uint32_t)v);
     }
     if (ranged) memset(c->waits, 0, (size_t)c->mesh.vertices);
-    c->order = r->order;
-    take_range(c, r);
-    bvxi_drop(c->ctx, r);
+    c->order = r.order;
+    take_range(c, &r);
     *done = c->counts.collapsed - begun;
     return BVX_OK;
 }

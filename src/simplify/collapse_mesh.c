@@ -4,6 +4,7 @@
  * Vertices and triangles are put in an order of space first: neighbours lie near each other in memory, and
  * levels do not depend on the order in which the mesh comes. */
 #include "bits/sort.h"
+#include "core/vec3.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
 #include "simplify/collapse_state.h"
@@ -21,7 +22,6 @@ enum {
 /* Mean edges that a vertex may lie from the planes that it stands for: up to 0.1 in levels that look like their
  * source, 0.7 to 2.4 where parts that are thinner than the triangles are long crumple. */
 #define CRUMPLED_LITTLE 0.1
-#define CRUMPLED_MOST   (2.0 / 3.0)
 #define CRUMPLED_STEP   1.6
 #define CRUMPLED_ANY    1e6
 #define EVEN_LITTLE     1e-3
@@ -229,14 +229,15 @@ static void order_equal_keys(collapse_order *o, uint64_t used)
  * one that was. */
 static int ranked_triangle(const collapse_order *o, uint64_t t, uint32_t to[3])
 {
-    uint32_t v[3];
+    uint32_t v[5]; /* the first two again after the third */
     int first;
 
-    if (o->packed != NULL) memcpy(v, o->packed + 3 * t, sizeof v);
+    if (o->packed != NULL) memcpy(v, o->packed + 3 * t, 12);
     else bvxi_view_triangle(o->view, t, v);
     for (int k = 0; k < 3; k++) v[k] = o->rank[v[k]];
+    memcpy(v + 3, v, 8);
     first = ((v[1] < v[0]) & (v[1] < v[2])) + 2 * ((v[2] < v[0]) & (v[2] <= v[1]));
-    for (int k = 0; k < 3; k++) to[k] = v[(first + k) % 3];
+    memcpy(to, v + first, 12);
     return first;
 }
 
@@ -248,13 +249,13 @@ static bvx_status order_bucket(bvxi_collapse *c, collapse_order *o, uint64_t beg
     if (end - begin > COLLAPSE_BUCKET) {
         for (uint64_t i = begin; i < end; i++) {
             o->key[i - begin] = (uint64_t)t[i].vertex[1] << 32 | t[i].vertex[2];
-            o->index[i - begin] = (uint32_t)t[i].opposite[0];
+            o->index[i - begin] = (uint32_t)t[i].left[0];
         }
         BVXI_TRY(bvxi_radix_sort(c->ctx, o->key, o->index, end - begin));
         for (uint64_t i = begin; i < end; i++) {
             t[i].vertex[1] = (uint32_t)(o->key[i - begin] >> 32);
             t[i].vertex[2] = (uint32_t)o->key[i - begin];
-            t[i].opposite[0] = (int32_t)o->index[i - begin];
+            t[i].left[0] = (int32_t)o->index[i - begin];
         }
         return BVX_OK;
     }
@@ -298,7 +299,7 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
 
         /* Where it comes from waits in a field that is not set yet. */
         memcpy(to->vertex, v, sizeof v);
-        to->opposite[0] = (int32_t)(t << 2) | first;
+        to->left[0] = (int32_t)(t << 2) | first;
     }
 
     /* Each bucket ends where the next one began. */
@@ -307,7 +308,7 @@ static bvx_status order_triangles(bvxi_collapse *c, collapse_order *o)
     bvxi_drop(c->ctx, begin);
     if (!bvxi_collapse_needs_sources(c->given, &c->options)) return BVX_OK;
     BVXI_TRY(bvxi_alloc(c->ctx, BVXI_SCRATCH, n * 4, "the triangles' sources", &c->from));
-    for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].opposite[0];
+    for (uint64_t t = 0; t < n; t++) c->from[t] = (uint32_t)c->mesh.triangle[t].left[0];
     return BVX_OK;
 }
 
@@ -322,12 +323,12 @@ static bvx_status take_mesh(bvxi_collapse *c, collapse_order *o)
 
     c->mesh.vertices = used;
     for (uint64_t i = 0; i < used; i++) {
-        double p[3];
+        bvxi_corner_vertex at = {.q = {.c = 0}};
 
-        bvxi_view_position(o->view, o->index[i], p);
-
+        bvxi_view_position(o->view, o->index[i], at.p);
         /* Rounded to the type of the result from the start, so that what is judged is what is given. */
-        for (int a = 0; a < 3; a++) c->mesh.at[i].p[a] = bvxi_collapse_rounded(c, p[a]);
+        for (int a = 0; a < 3; a++) at.p[a] = bvxi_collapse_rounded(c, at.p[a]);
+        c->mesh.at[i] = at;
         c->mesh.source[i] = o->index[i];
         o->rank[o->index[i]] = (uint32_t)i;
     }
@@ -391,11 +392,11 @@ static void add_plane(bvxi_corner_vertex *at, const double n[3], double weight)
 
     /* The upper half of n n', row by row. */
     for (int i = 0; i < 3; i++)
-        for (int j = i; j < 3; j++) at->a[index++] += weight * n[i] * n[j];
+        for (int j = i; j < 3; j++) at->q.a[index++] += weight * n[i] * n[j];
 }
 
-/* Each triangle's plane to its corners, by area; normal[v] sums the triangles' area normals. */
-static void add_planes(bvxi_collapse *c, double (*normal)[3])
+/* Each triangle's plane to its corners, by area; b, 0 after add_lines, sums the triangles' area normals. */
+static void add_planes(bvxi_collapse *c)
 {
     const bvxi_corners *const m = &c->mesh;
 
@@ -418,28 +419,30 @@ static void add_planes(bvxi_collapse *c, double (*normal)[3])
 
         /* Weighed by area, so that cutting a triangle in two changes nothing. */
         for (int i = 0; i < 3; i++) {
-            for (int k = 0; k < 3; k++) normal[v[i]][k] += n[k];
-            for (int k = 0; k < 6; k++) m->at[v[i]].a[k] += a[k];
+            for (int k = 0; k < 6; k++) m->at[v[i]].q.a[k] += a[k];
+            for (int k = 0; k < 3; k++) m->at[v[i]].q.b[k] += n[k];
         }
     }
 }
 
-/* The squared distance to the line through each vertex along its normal: to the vertex, less that along the
+/* The squared distance to the line through each vertex along its normal, b: to the vertex, less that along the
  * normal. */
-static void add_lines(bvxi_collapse *c, double (*normal)[3])
+static void add_lines(bvxi_collapse *c)
 {
     for (uint64_t v = 0; v < c->mesh.vertices; v++) {
         bvxi_corner_vertex *const at = &c->mesh.at[v];
-        double *const n = normal[v];
-        double const length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        double const weight = c->options.even * (at->a[0] + at->a[3] + at->a[5]);
+        double const length = bvxi_vec_length(at->q.b);
+        double const weight = c->options.even * (at->q.a[0] + at->q.a[3] + at->q.a[5]);
+        double n[3];
         int index = 0;
 
         /* Normals of a fold may cancel out: then there is no line. */
-        if (!(length > 0)) continue;
-        for (int k = 0; k < 3; k++) n[k] /= length;
-        for (int i = 0; i < 3; i++)
-            for (int j = i; j < 3; j++) at->a[index++] += weight * ((i == j) - n[i] * n[j]);
+        for (int k = 0; k < 3; k++) {
+            n[k] = at->q.b[k] / (length > 0 ? length : 1);
+            at->q.b[k] = 0;
+        }
+        for (int i = 0; i < 3 && length > 0; i++)
+            for (int j = i; j < 3; j++) at->q.a[index++] += weight * ((i == j) - n[i] * n[j]);
     }
 }
 
@@ -499,25 +502,6 @@ static void mark_lines(bvxi_collapse *c)
     for (int32_t corner = 0; corner < end && c->options.locked != NULL; corner += (corner & 3) == 2 ? 2 : 1)
         if (c->options.locked[bvxi_given_vertex(c, corner)] != 0)
             c->kind[bvxi_corner_vertex_of(m, corner)] = VERTEX_LOCKED;
-}
-
-static bvx_status start_quadrics(bvxi_collapse *c)
-{
-    uint64_t const bytes = c->mesh.vertices * 24;
-    double(*normal)[3];
-
-    BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, bytes, "the vertices' normals", &normal));
-    for (uint64_t v = 0; v < c->mesh.vertices; v++) {
-        memset(c->mesh.at[v].a, 0, sizeof c->mesh.at[v].a);
-        memset(c->mesh.at[v].b, 0, sizeof c->mesh.at[v].b);
-        c->mesh.at[v].c = 0;
-    }
-
-    /* In this order: the weight of lines is a share of that of planes. */
-    add_planes(c, normal);
-    if (c->options.even > 0) add_lines(c, normal);
-    bvxi_drop(c->ctx, normal);
-    return BVX_OK;
 }
 
 /* ---- Opening, results ---- */
@@ -584,7 +568,9 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
     BVXI_TRY(bvxi_corners_connect(c->ctx, c->function, &c->mesh, c->options.borders));
     c->counts.split = c->mesh.split;
     BVXI_TRY(bvxi_progress(c->ctx, "collapse", 0.07));
-    BVXI_TRY(start_quadrics(c));
+    /* In this order: the weight of lines is a share of that of planes. */
+    add_planes(c);
+    add_lines(c);
     return open_arrays(c);
 }
 

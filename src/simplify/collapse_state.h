@@ -37,6 +37,9 @@ typedef struct bvxi_attributes {
 #define COST_NOTHING   1e-20f /* the cost that rounding alone makes, in units of the mesh's size */
 #define COLLAPSE_NEVER 3e38f  /* the cost of an edge that must not collapse */
 
+/* Mean edges that a vertex may lie from the planes that it stands for, where levels crumple. */
+#define CRUMPLED_MOST (2.0 / 3.0)
+
 /* Of mean edge's square to a triangle's area, where all sides are equal. */
 #define EDGE_SQUARE 2.309401076758503
 
@@ -70,7 +73,7 @@ struct bvxi_collapse {
     bvxi_attributes attributes;
 
     float *least;   /* of each vertex: the cost of its cheapest edge */
-    int32_t *edge;  /* the corner opposite to that edge, -1, or COLLAPSE_GONE */
+    int32_t *edge;  /* the corner from which that edge leads to the next vertex, -1, or COLLAPSE_GONE */
     int32_t *any;   /* a corner of the vertex */
     uint8_t *kind;  /* VERTEX_... */
     uint8_t *waits; /* 1: its edge reaches into another range */

@@ -24,14 +24,22 @@ typedef struct edge_lists {
     int32_t count;
 } edge_lists;
 
-/* An opposite of the first corner that waited at an edge whose sides are all borders. */
+/* Across the edge of the first corner that waited at an edge whose sides are all borders. */
 #define CORNER_CUT (-2)
+
+/* The corner across an edge, or what is negative. */
+static int32_t across_edge(const bvxi_corners *m, int32_t c)
+{
+    int32_t const left = bvxi_corner_turn_left(m, bvxi_corner_previous(c));
+
+    return left < 0 ? left : bvxi_corner_previous(left);
+}
 
 static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_corners *m, int32_t corner,
                             int borders)
 {
-    const double *const p = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_next(corner)));
-    const double *const q = bvxi_corner_position(m, bvxi_corner_vertex_of(m, bvxi_corner_previous(corner)));
+    const double *const p = m->at[bvxi_corner_vertex_of(m, bvxi_corner_next(corner))].p;
+    const double *const q = m->at[bvxi_corner_vertex_of(m, bvxi_corner_previous(corner))].p;
 
     if (borders == BVXI_BORDERS_REFUSED)
         return bvxi_fail_for(
@@ -51,10 +59,10 @@ static bvx_status fail_edge(bvx_context *ctx, const char *function, const bvxi_c
 /* Make borders of both sides of an edge, or of the one that waits. */
 static void cut_both_sides(bvxi_corners *m, int32_t waiting)
 {
-    int32_t const other = bvxi_corner_opposite(m, waiting);
+    int32_t const other = across_edge(m, waiting);
 
-    if (other >= 0) m->triangle[other >> 2].opposite[other & 3] = -1;
-    m->triangle[waiting >> 2].opposite[waiting & 3] = CORNER_CUT;
+    if (other >= 0) bvxi_corner_put_left(m, bvxi_corner_previous(other), -1);
+    bvxi_corner_put_left(m, bvxi_corner_previous(waiting), CORNER_CUT);
 }
 
 /* Join a corner, whose edge runs from u to v, with the one that waits across it, or let it wait; 0 when the edge
@@ -77,7 +85,7 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
 
         /* Opposite directions, and nobody else has joined it: a pair. */
         e = wait->corner;
-        if (bvxi_corner_vertex_of(m, bvxi_corner_next(e)) == v && bvxi_corner_opposite(m, e) == -1) {
+        if (bvxi_corner_vertex_of(m, bvxi_corner_next(e)) == v && across_edge(m, e) == -1) {
             bvxi_corners_join(m, c, e);
             return 1;
         }
@@ -98,7 +106,7 @@ BVXI_VECTOR_INLINE int pair_corner(bvxi_corners *m, edge_lists *lists, int32_t c
 
 static int is_border(const bvxi_corners *m, int32_t c)
 {
-    int32_t const opposite = bvxi_corner_opposite(m, c);
+    int32_t const opposite = across_edge(m, c);
 
     return opposite < 0 || bvxi_corner_is_ghost(m, opposite);
 }
@@ -111,7 +119,7 @@ static int32_t next_border(const bvxi_corners *m, int32_t c, int32_t *triangles)
 
     /* Turning around the vertex until an edge has no triangle beyond it. */
     for (*triangles = 1; !is_border(m, bvxi_corner_previous(at)); ++*triangles)
-        at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
+        at = bvxi_corner_next(bvxi_corner_turn_left(m, bvxi_corner_next(at)));
     return bvxi_corner_previous(at);
 }
 
@@ -129,7 +137,7 @@ static void lengthen_cut(bvxi_corners *m, int32_t c)
 
     /* Half way around the fan, where the new border is as far from the old one as it can be. */
     for (int32_t i = 1; i < fan / 2; i++)
-        at = bvxi_corner_previous(bvxi_corner_opposite(m, bvxi_corner_previous(at)));
+        at = bvxi_corner_next(bvxi_corner_turn_left(m, bvxi_corner_next(at)));
     cut_both_sides(m, bvxi_corner_previous(at));
 }
 
@@ -152,7 +160,7 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
         bvxi_corner_triangle *const t = &m->triangle[c >> 2];
         uint32_t const v[3] = {t->vertex[0], t->vertex[1], t->vertex[2]};
 
-        t->opposite[0] = t->opposite[1] = t->opposite[2] = -1;
+        t->left[0] = t->left[1] = t->left[2] = -1;
         if (!pair_corner(m, lists, c, v[1], v[2], borders)) return fail_edge(ctx, function, m, c, borders);
         if (!pair_corner(m, lists, c + 1, v[2], v[0], borders))
             return fail_edge(ctx, function, m, c + 1, borders);
@@ -166,7 +174,7 @@ static bvx_status pair_corners(bvx_context *ctx, const char *function, bvxi_corn
     /* What still waits is a border. */
     m->ghosts = 0;
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
-        if (bvxi_corner_opposite(m, c) >= 0) continue;
+        if (across_edge(m, c) >= 0) continue;
         if (borders == BVXI_BORDERS_REFUSED) return fail_edge(ctx, function, m, c, borders);
         m->ghosts++;
     }
@@ -243,7 +251,7 @@ static void put_ghosts(bvxi_corners *m)
     for (int32_t c = 0; c < end; c += (c & 3) == 2 ? 2 : 1) {
         uint32_t *const v = m->triangle[ghost >> 2].vertex;
 
-        if (bvxi_corner_opposite(m, c) >= 0) continue;
+        if (across_edge(m, c) >= 0) continue;
 
         /* Turned against the edge, as a neighbour is. */
         v[0] = BVXI_VERTEX_GHOST;

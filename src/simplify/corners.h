@@ -4,8 +4,8 @@
  *
  * Corner c belongs to triangle c / 4, whose corners c % 4 of 0, 1, 2 run counter-clockwise; the edge opposite
  * to c joins its two fellows. Every vertex has one fan of triangles, so all of it is reached from one corner.
- * A vertex is one line of cache, a triangle's corners lie together: collapses are bound by the memory that
- * they touch.
+ * Collapses walk around vertices most of the time: each corner has the next one of its vertex, and the cost of
+ * the edge that leads to the next vertex, so that a step is one load.
  *
  * Borders are closed by ghosts: a triangle from each border edge to a ghost vertex that has no position. All
  * borders share that vertex, so the link condition that keeps a closed mesh manifold keeps borders from
@@ -19,19 +19,23 @@
 #define BVXI_VERTEX_NONE  UINT32_MAX
 #define BVXI_VERTEX_GHOST (UINT32_MAX - 1)
 
-/* A position of the result's type, and the sum of squared distances about it: d'Ad + 2b'd + c at position +
- * d, in units of the mesh's size; A is xx xy xz yy yz zz. */
+/* A sum of squared distances: d'Ad + 2b'd + c at d; A is xx xy xz yy yz zz. */
+typedef struct bvxi_quadric {
+    double a[6], b[3], c;
+} bvxi_quadric;
+
+/* A position of the result's type, and its quadric, about it and in units of the mesh's size. */
 typedef struct bvxi_corner_vertex {
     double p[3];
-    double a[6], b[3], c;
+    bvxi_quadric q;
 } bvxi_corner_vertex;
 
 /* A triangle that is gone keeps its corners and neighbours, so that the collapse can be undone; the second of them is
  * inverted. That one is no ghost, and below 2^31, since triangles are below 2^29. */
 typedef struct bvxi_corner_triangle {
     uint32_t vertex[3];
-    int32_t opposite[3]; /* the corner across the edge opposite to each */
-    float cost[3];       /* of collapsing that edge */
+    int32_t left[3]; /* the next corner of the same vertex, counter-clockwise: across the previous edge */
+    float cost[3];   /* of collapsing the edge from each to the next one */
 } bvxi_corner_triangle;
 
 typedef struct bvxi_corners {
@@ -45,30 +49,31 @@ typedef struct bvxi_corners {
     uint64_t vertex_room, triangle_room; /* of the arrays, which bvxi_corners_connect may replace */
 } bvxi_corners;
 
-/* Two bits for each corner, 1 2 0 and 2 0 1: a branch would be predicted badly. */
+/* 1 2 0 and 2 0 1. Compilers choose without a branch, which would be predicted badly. */
 static inline int32_t bvxi_corner_next(int32_t c)
 {
-    return (c & ~3) | (9 >> 2 * (c & 3) & 3);
+    return (c & 2) != 0 ? c - 2 : c + 1;
 }
 
 static inline int32_t bvxi_corner_previous(int32_t c)
 {
-    return (c & ~3) | (18 >> 2 * (c & 3) & 3);
+    return (c & 3) != 0 ? c - 1 : c + 2;
 }
 
 static inline uint32_t bvxi_corner_vertex_of(const bvxi_corners *m, int32_t c)
 {
-    return m->triangle[c >> 2].vertex[c & 3];
+    return m->triangle[(uint32_t)c >> 2].vertex[c & 3];
 }
 
+static inline int32_t bvxi_corner_turn_left(const bvxi_corners *m, int32_t c)
+{
+    return m->triangle[(uint32_t)c >> 2].left[c & 3];
+}
+
+/* The corner across the edge opposite to one. */
 static inline int32_t bvxi_corner_opposite(const bvxi_corners *m, int32_t c)
 {
-    return m->triangle[c >> 2].opposite[c & 3];
-}
-
-static inline const double *bvxi_corner_position(const bvxi_corners *m, uint32_t vertex)
-{
-    return m->at[vertex].p;
+    return bvxi_corner_previous(bvxi_corner_turn_left(m, bvxi_corner_previous(c)));
 }
 
 static inline int bvxi_triangle_gone(const bvxi_corner_triangle *t)
@@ -87,16 +92,16 @@ static inline int bvxi_corner_is_ghost(const bvxi_corners *m, int32_t c)
     return (uint64_t)(c >> 2) >= m->triangles;
 }
 
-/* The next corner of the same vertex, counter-clockwise: across the edge to the previous corner. */
-static inline int32_t bvxi_corner_turn_left(const bvxi_corners *m, int32_t c)
+static inline void bvxi_corner_put_left(bvxi_corners *m, int32_t c, int32_t left)
 {
-    return bvxi_corner_next(bvxi_corner_opposite(m, bvxi_corner_next(c)));
+    m->triangle[(uint32_t)c >> 2].left[c & 3] = left;
 }
 
+/* Make two corners opposite to each other. */
 static inline void bvxi_corners_join(bvxi_corners *m, int32_t a, int32_t b)
 {
-    m->triangle[a >> 2].opposite[a & 3] = b;
-    m->triangle[b >> 2].opposite[b & 3] = a;
+    bvxi_corner_put_left(m, bvxi_corner_previous(a), bvxi_corner_next(b));
+    bvxi_corner_put_left(m, bvxi_corner_previous(b), bvxi_corner_next(a));
 }
 
 /* (b - a) x (c - a): twice the triangle's area along its normal. */

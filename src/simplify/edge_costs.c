@@ -11,8 +11,8 @@ enum { COSTS_GRAIN = 4096 }; /* vertices of a task */
 /* ---- Cost ---- */
 
 /* The sum of both vertices' quadrics about u; offset leads from u to v. */
-BVXI_VECTOR_INLINE void join_quadrics(const bvxi_corner_vertex *u, const bvxi_corner_vertex *v,
-                                      const double offset[3], bvxi_quadric *q)
+BVXI_VECTOR_INLINE void join_quadrics(const bvxi_quadric *u, const bvxi_quadric *v, const double offset[3],
+                                      bvxi_quadric *q)
 {
     double const x = offset[0], y = offset[1], z = offset[2];
     double const way[3] = {v->a[0] * x + v->a[1] * y + v->a[2] * z, v->a[1] * x + v->a[3] * y + v->a[4] * z,
@@ -113,7 +113,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
 static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 {
     offset_between(c, plan->u, plan->v, plan->offset);
-    join_quadrics(&c->mesh.at[plan->u], &c->mesh.at[plan->v], plan->offset, &plan->q);
+    join_quadrics(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
     if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
         bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
@@ -184,11 +184,11 @@ int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan
 #endif
 
 /* No more than the type holds, and nothing that compares with nothing. */
-static void put_cost(bvxi_corners *m, int32_t edge, double cost)
+static void put_cost(bvxi_corners *m, int32_t from, double cost)
 {
     float const rounded = (float)cost;
 
-    bvxi_edge_put_cost(m, edge, rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
+    bvxi_edge_put_cost(m, from, rounded < COLLAPSE_NEVER ? rounded : COLLAPSE_NEVER);
 }
 
 #if BVXI_HAVE_AVX2
@@ -197,7 +197,7 @@ static void put_cost(bvxi_corners *m, int32_t edge, double cost)
 #define EDGES_BY(fast, name, ...) ((void)(fast), name##_base(__VA_ARGS__))
 #endif
 
-void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *edge, int32_t count)
+void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *from, int32_t count)
 {
     bvxi_corners *const m = &c->mesh;
 
@@ -217,8 +217,11 @@ void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const 
         for (int32_t k = 0; k < n; k++) {
             bvxi_edge_planned plan;
 
-            if (bound) cost[k] = bvxi_edge_plan(c, edge[i + k], &plan) ? plan.cost : (double)COLLAPSE_NEVER;
-            put_cost(m, edge[i + k], cost[k]);
+            if (bound)
+                cost[k] = bvxi_edge_plan(c, bvxi_corner_previous(from[i + k]), &plan)
+                              ? plan.cost
+                              : (double)COLLAPSE_NEVER;
+            put_cost(m, from[i + k], cost[k]);
         }
     }
 }
@@ -227,14 +230,17 @@ int bvxi_edge_judge_shapes(const bvxi_collapse *c, const bvxi_edge_planned *plan
                            const double *p, int needles)
 {
     const bvxi_corners *const m = &c->mesh;
+    const double *const end[2] = {m->at[plan->u].p, m->at[plan->v].p};
     const double *from[4], *a[4], *b[4];
     int32_t n = 0;
 
     for (int32_t i = 0; i < star->count; i++) {
-        if (star->link[i] != BVXI_VERTEX_GHOST && star->link[i + 1] != BVXI_VERTEX_GHOST) {
-            from[n] = bvxi_corner_position(m, i < star->of_v ? plan->v : plan->u);
-            a[n] = bvxi_corner_position(m, star->link[i]);
-            b[n++] = bvxi_corner_position(m, star->link[i + 1]);
+        uint32_t const x = star->link[i], y = star->link[i + 1];
+
+        if (x != BVXI_VERTEX_GHOST && y != BVXI_VERTEX_GHOST) {
+            from[n] = end[i < star->of_v];
+            a[n] = m->at[x].p;
+            b[n++] = m->at[y].p;
         }
         if (n == 0 || (n < 4 && i + 1 < star->count)) continue;
         for (; n < 4; n++) {
@@ -252,17 +258,17 @@ void bvxi_edges_around(bvxi_collapse *c, uint32_t u, int stale)
 {
     const bvxi_corners *const m = &c->mesh;
     uint32_t w[4];
-    int32_t edge[4], at = c->any[u], n = 0;
+    int32_t from[4], at = c->any[u], n = 0;
 
     do {
         uint32_t const x = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
 
         w[n] = x;
-        edge[n] = bvxi_corner_previous(at);
+        from[n] = at;
         n += !stale || (x > u && x != BVXI_VERTEX_GHOST && c->stale[x] != 0);
         at = bvxi_corner_turn_left(m, at);
         if (n < 4 && at != c->any[u]) continue;
-        bvxi_edges_evaluate(c, u, w, edge, n);
+        bvxi_edges_evaluate(c, u, w, from, n);
         n = 0;
     } while (at != c->any[u]);
 }
@@ -275,14 +281,13 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v)
     float least = COLLAPSE_NEVER;
 
     do {
-        int32_t const edge = bvxi_corner_previous(at);
-        float const cost = bvxi_edge_cost(m, edge);
+        float const cost = bvxi_edge_cost(m, at);
 
         if (cost < least) {
             least = cost;
-            best = edge;
+            best = at;
         }
-        at = bvxi_corner_next(bvxi_corner_opposite(m, bvxi_corner_next(at)));
+        at = bvxi_corner_turn_left(m, at);
     } while (at != start);
     c->least[v] = least;
     c->edge[v] = best;
@@ -336,7 +341,7 @@ bvx_status bvxi_collapse_evaluate(bvxi_collapse *c)
 void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p)
 {
     bvxi_corner_vertex *const at = &c->mesh.at[plan->u];
-    double d[3], g[3];
+    double d[3];
 
     /* The quadric is kept about its own vertex, so it moves with it: A stays, b becomes half the gradient
      * there. */
@@ -344,8 +349,7 @@ void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const dou
         d[k] = (p[k] - at->p[k]) * c->scale;
         at->p[k] = p[k];
     }
-    bvxi_half_gradient(&plan->q, d, g);
-    for (int i = 0; i < 6; i++) at->a[i] = plan->q.a[i];
-    for (int i = 0; i < 3; i++) at->b[i] = g[i];
-    at->c = bvxi_quadric_at(&plan->q, d);
+    at->q = plan->q;
+    bvxi_half_gradient(&plan->q, d, at->q.b);
+    at->q.c = bvxi_quadric_at(&plan->q, d);
 }

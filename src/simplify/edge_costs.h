@@ -4,11 +4,6 @@
 
 #include "simplify/collapse_state.h"
 
-/* A quadric while it is computed with. */
-typedef struct bvxi_quadric {
-    double a[6], b[3], c;
-} bvxi_quadric;
-
 /* A d + b: half the gradient at d. */
 static inline void bvxi_half_gradient(const bvxi_quadric *q, const double d[3], double g[3])
 {
@@ -26,6 +21,15 @@ static inline double bvxi_quadric_at(const bvxi_quadric *q, const double d[3])
     return value > 0 ? value : 0;
 }
 
+/* 1: further at d from the planes, by the mean square over their area, than so many mean edges of a mesh of so many
+ * triangles. Both sides are multiplied by that count and the trace, so that nothing is divided by an area of 0. */
+static inline int bvxi_quadric_is_far(const bvxi_collapse *c, const bvxi_quadric *q, const double d[3],
+                                      uint64_t triangles, double edges)
+{
+    return bvxi_quadric_at(q, d) * (double)triangles >
+           edges * edges * EDGE_SQUARE * c->area * (q->a[0] + q->a[3] + q->a[5]);
+}
+
 /* How an edge would collapse. */
 typedef struct bvxi_edge_planned {
     int32_t edge;     /* corner opposite to it, with u next and v previous */
@@ -41,8 +45,8 @@ typedef struct bvxi_edge_planned {
 
 /* Plan the collapse of the edge opposite to a corner; 0: its ends may meet nowhere. */
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan);
-/* Put what edges from u to other vertices cost beside them; COLLAPSE_NEVER where they may not. */
-void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *edge, int32_t count);
+/* Put what edges from corners of u to the next vertices, w, cost beside them; COLLAPSE_NEVER where they may not. */
+void bvxi_edges_evaluate(bvxi_collapse *c, uint32_t u, const uint32_t *w, const int32_t *from, int32_t count);
 /* The same for all edges of u; stale: of those to stale vertices of higher index. */
 void bvxi_edges_around(bvxi_collapse *c, uint32_t u, int stale);
 /* 1: the triangles of the star keep their sides, and their shapes, when their vertex moves to p. */
@@ -53,17 +57,18 @@ void bvxi_edge_find_least(bvxi_collapse *c, uint32_t v);
 /* Move the vertex that stays to p, with the quadric of both. */
 void bvxi_edge_settle(bvxi_collapse *c, const bvxi_edge_planned *plan, const double *p);
 
-static inline void bvxi_edge_put_cost(bvxi_corners *m, int32_t edge, float cost)
+/* Of the edge from a corner to the next one, which both of its triangles have. */
+static inline void bvxi_edge_put_cost(bvxi_corners *m, int32_t from, float cost)
 {
-    int32_t const across = bvxi_corner_opposite(m, edge);
+    int32_t const back = bvxi_corner_turn_left(m, bvxi_corner_next(from));
 
-    m->triangle[edge >> 2].cost[edge & 3] = cost;
-    m->triangle[across >> 2].cost[across & 3] = cost;
+    m->triangle[(uint32_t)from >> 2].cost[from & 3] = cost;
+    m->triangle[(uint32_t)back >> 2].cost[back & 3] = cost;
 }
 
-static inline float bvxi_edge_cost(const bvxi_corners *m, int32_t edge)
+static inline float bvxi_edge_cost(const bvxi_corners *m, int32_t from)
 {
-    return m->triangle[edge >> 2].cost[edge & 3];
+    return m->triangle[(uint32_t)from >> 2].cost[from & 3];
 }
 
 #endif

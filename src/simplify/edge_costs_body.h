@@ -9,7 +9,7 @@ BVXI_SIMD_CODE static void BVXI_SIMD(costs_of_four)(const bvxi_corner_vertex *u,
     doubles4 const two = four_all(2.0), zero = four_all(0.0);
     const double *const at[4] = {(const double *)(const void *)v[0], (const double *)(const void *)v[1],
                                  (const double *)(const void *)v[2], (const double *)(const void *)v[3]};
-    double const c_of[4] = {v[0]->c, v[1]->c, v[2]->c, v[3]->c};
+    double const c_of[4] = {v[0]->q.c, v[1]->q.c, v[2]->q.c, v[3]->q.c};
     doubles4 at_v[12], offset[3], way[3], a[6], b[3], d[3], c, by[2];
 
     /* Positions, then the quadrics' A and b: all of a vertex are doubles. */
@@ -23,10 +23,10 @@ BVXI_SIMD_CODE static void BVXI_SIMD(costs_of_four)(const bvxi_corner_vertex *u,
     }
 
     /* Both quadrics about u. */
-    c = four_add(four_all(u->c), four_load(c_of));
-    for (int i = 0; i < 6; i++) a[i] = four_add(four_all(u->a[i]), at_v[3 + i]);
+    c = four_add(four_all(u->q.c), four_load(c_of));
+    for (int i = 0; i < 6; i++) a[i] = four_add(four_all(u->q.a[i]), at_v[3 + i]);
     for (int i = 0; i < 3; i++) {
-        b[i] = four_add(four_all(u->b[i]), four_sub(at_v[9 + i], way[i]));
+        b[i] = four_add(four_all(u->q.b[i]), four_sub(at_v[9 + i], way[i]));
         c = four_add(c, four_mul(offset[i], four_sub(way[i], four_mul(two, at_v[9 + i]))));
     }
 

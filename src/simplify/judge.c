@@ -29,7 +29,7 @@ typedef struct fan_walk {
 
 BVXI_VECTOR_INLINE void fan_neighbour(const fan_walk *w, int32_t corner, double way[3])
 {
-    const double *const q = bvxi_corner_position(w->m, bvxi_corner_vertex_of(w->m, corner));
+    const double *const q = w->m->at[bvxi_corner_vertex_of(w->m, corner)].p;
 
     for (int k = 0; k < 3; k++) way[k] = q[k] - w->p[k];
 }
@@ -55,7 +55,7 @@ BVXI_VECTOR_INLINE int fan_next(fan_walk *w)
 static void fan_open(const bvxi_corners *m, uint32_t v, int32_t any, fan_walk *w)
 {
     w->m = m;
-    w->p = bvxi_corner_position(m, v);
+    w->p = m->at[v].p;
     w->start = any;
     w->open = 0;
     if (m->ghosts == 0) return;

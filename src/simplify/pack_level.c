@@ -47,7 +47,7 @@ static void pack_vertices(bvxi_collapse *c, const uint32_t *moved)
     memset(c->last, 0xff, (size_t)m->vertices * sizeof *c->last);
 }
 
-/* Opposites point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is found there
+/* Neighbours point both ways: where a triangle moves to, its neighbours point at once. What lies ahead is found there
  * when its turn comes, what lies behind has its new place already. */
 static void pack_triangles(bvxi_collapse *c, const uint32_t *moved)
 {
@@ -63,7 +63,7 @@ static void pack_triangles(bvxi_collapse *c, const uint32_t *moved)
         ghosts += t >= m->triangles;
         for (int k = 0; k < 3; k++) {
             if (moving.vertex[k] != BVXI_VERTEX_GHOST) moving.vertex[k] = moved[moving.vertex[k]];
-            m->triangle[moving.opposite[k] >> 2].opposite[moving.opposite[k] & 3] = (int32_t)(4 * kept) + k;
+            bvxi_corner_put_left(m, bvxi_corner_next(moving.left[k]), (int32_t)(4 * kept) + (k + 2) % 3);
         }
         if (s->row != NULL) memmove(s->row + 4 * kept, s->row + 4 * t, 16);
         if (s->material != NULL && t < m->triangles) s->material[kept] = s->material[t];

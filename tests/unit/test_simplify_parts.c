@@ -179,7 +179,7 @@ static void assert_as_opened(const bvxi_collapse *c, const opened_state *s)
 {
     for (uint64_t t = 0; t < c->mesh.triangles + c->mesh.ghosts; t++) {
         TEST_ASSERT_EQUAL_MEMORY_MESSAGE(s->triangle[t].vertex, c->mesh.triangle[t].vertex, 12, where);
-        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(s->triangle[t].opposite, c->mesh.triangle[t].opposite, 12, where);
+        TEST_ASSERT_EQUAL_MEMORY_MESSAGE(s->triangle[t].left, c->mesh.triangle[t].left, 12, where);
         if (s->row != NULL)
             TEST_ASSERT_EQUAL_MEMORY_MESSAGE(s->row + 4 * t, c->attributes.row + 4 * t, 12, where);
     }

@@ -398,6 +398,94 @@ static void test_vti_damage(void)
     check_random_damage(made.bytes, made.size, BVX_FORMAT_VTI, 5000);
 }
 
+/* ---- blocks ---- */
+
+/* "Packing" that turns every bit around. */
+static int32_t unpack_inverted(void *user, const void *packed, uint64_t packed_size, void *plain,
+                               uint64_t plain_size)
+{
+    (void)user;
+    if (packed_size != plain_size) return 1;
+    for (uint64_t i = 0; i < plain_size; i++) ((uint8_t *)plain)[i] = (uint8_t) ~((const uint8_t *)packed)[i];
+    return 0;
+}
+
+/* The samples as bytes in blocks of five, and the last one of two; one number of the head may be wrong. */
+static void make_blocks(int header, int big, int is_text, int wrong, uint64_t value)
+{
+    static uint8_t head[64];
+    uint64_t number[6] = {3, 5, 2, 5, 5, 2};
+    uint8_t packed[12];
+    char root[160];
+    size_t start;
+
+    if (wrong >= 0) number[wrong] = value;
+    for (int i = 0; i < 12; i++) packed[i] = (uint8_t)~wanted(i % 3, i / 3 % 2, i / 6);
+    snprintf(
+        root, sizeof root,
+        "version=\"1.0\" byte_order=\"%sEndian\" header_type=\"UInt%d\" compressor=\"vtkZLibDataCompressor\"",
+        big ? "Big" : "Little", 8 * header);
+    make_vti(root, "", "0 3 0 2 0 2",
+             is_text ? "<CellData><DataArray type=\"UInt8\" format=\"binary\">"
+                     : "<CellData><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></CellData>");
+    if (is_text) made.size -= strlen("</Piece></ImageData>");
+    else hand_text(&made, "<AppendedData encoding=\"raw\">_");
+    start = made.size;
+    for (int i = 0; i < 6; i++) hand_number(&made, number[i], header, big);
+    if (is_text) {
+        memcpy(head, made.bytes + start, (size_t)(6 * header));
+        made.size = start;
+        put_base64(head, (size_t)(6 * header));
+        put_base64(packed, 12);
+        hand_text(&made, "</DataArray></CellData></Piece></ImageData></VTKFile>");
+    } else {
+        memcpy(made.bytes + made.size, packed, 12);
+        made.size += 12;
+    }
+}
+
+static bvx_status read_blocks(uint64_t size, bvx_volume *v)
+{
+    bvx_read_volume_options const o = {.struct_size = sizeof o, .inflate = unpack_inverted};
+    return bvx_read_volume(ctx, made.bytes, size, BVX_FORMAT_VTI, &o, v);
+}
+
+static void check_blocks_refused(int wrong, uint64_t value, const char *words)
+{
+    bvx_volume v = {0};
+
+    for (int is_text = 0; is_text < 2; is_text++) {
+        make_blocks(4, 0, is_text, wrong, value);
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, read_blocks(made.size, &v));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(bvx_last_message(ctx), words), bvx_last_message(ctx));
+    }
+}
+
+static void test_vti_blocks(void)
+{
+    bvx_volume v = {0};
+    bvx_grid g = {0};
+
+    for (int kind = 0; kind < 8; kind++) {
+        make_blocks(kind & 1 ? 8 : 4, kind >> 1 & 1, kind >> 2, -1, 0);
+        TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, read_blocks(made.size, &v), bvx_last_message(ctx));
+        for (int i = 0; i < 12; i++)
+            TEST_ASSERT_EQUAL_INT(wanted(i % 3, i / 3 % 2, i / 6), ((const uint8_t *)v.view.samples)[i]);
+        bvx_volume_free(ctx, &v);
+        TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED,
+                                bvx_read_grid(ctx, made.bytes, made.size, BVX_FORMAT_VTI, NULL, &g));
+        for (size_t n = 0; n < made.size; n++)
+            if (read_blocks(n, &v) == BVX_OK) bvx_volume_free(ctx, &v);
+    }
+    check_blocks_refused(0, 1000, "more blocks than the file has bytes for");
+    check_blocks_refused(0, 0, "has 0 bytes, its extent asks for 12");
+    check_blocks_refused(1, 100000, "hold more than they can");
+    check_blocks_refused(1, 6, "has 14 bytes");
+    check_blocks_refused(2, 6, "hold more than they can");
+    check_blocks_refused(3, 1000, "after the end of the file");
+    check_blocks_refused(3, 4, "a packed block is damaged");
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -409,5 +497,6 @@ int main(void)
     RUN_TEST(test_vti_refuses);
     RUN_TEST(test_vti_refuses_bad_xml);
     RUN_TEST(test_vti_damage);
+    RUN_TEST(test_vti_blocks);
     return UNITY_END();
 }

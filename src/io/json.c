@@ -6,7 +6,7 @@
  * exhaust the stack. It runs twice: the first walk checks all and counts, the second one fills an array of
  * exactly that size. Guarantee: what is not JSON is refused, with its byte; of members of one name the first
  * counts. Cost: O(bytes). */
-#include "io_mesh/json.h"
+#include "io/json.h"
 
 enum { JSON_MEMBERS = 256 }; /* of an object that are looked at: else a search in many could take days */
 
