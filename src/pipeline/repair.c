@@ -157,7 +157,7 @@ static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
                              ? "every part is below least_part"
                              : "the mesh encloses no centre; take a higher resolution, or allow shells");
 
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.75, bvxi_repair_surface(job, repaired)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.55, 0.75, BVXI_SCOPE(job->ctx, bvxi_repair_surface(job, repaired))));
     return BVXI_SHARE(job->ctx, 0.75, 1.0, flatten_repaired(job, repaired));
 }
 

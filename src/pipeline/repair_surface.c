@@ -63,8 +63,6 @@ static bvx_status measure_with_shells(bvxi_repair_job *job, const bvxi_sparse *v
 
     BVXI_TRY(measure_mesh(job, &sheets, &job->sheets, thick, 0.5, 1.0));
     join_values(job, v, thick, &sheets);
-    bvxi_drop(job->ctx, sheets.distances);
-    bvxi_drop(job->ctx, sheets.vectors);
     return BVX_OK;
 }
 
@@ -85,7 +83,7 @@ static bvx_status open_values(bvxi_repair_job *job, bvxi_sparse *v)
     BVXI_TRY(bvxi_sparse_columns(job->ctx, v, BVX_F64, BVXI_VECTORS | BVXI_DISTANCES | triangles));
     if (job->body.triangle_count != 0) BVXI_TRY(measure_mesh(job, v, &job->body, 0, 0.0, shells ? 0.5 : 1.0));
     bvxi_thin_values(&job->thin, v);
-    return shells ? measure_with_shells(job, v) : BVX_OK;
+    return shells ? BVXI_SCOPE(job->ctx, measure_with_shells(job, v)) : BVX_OK;
 }
 
 /* ---- The surface ---- */
@@ -142,9 +140,5 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired)
     if (job->fill != BVX_FILL_PARITY && job->body.triangle_count != 0)
         BVXI_TRY(bvxi_winding_open(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                    &job->holes, &job->winding));
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0, extract_repaired(job, &v, repaired)));
-    bvxi_winding_close(job->ctx, job->winding);
-    job->winding = NULL;
-    bvxi_sparse_close(job->ctx, &v);
-    return BVX_OK;
+    return BVXI_SHARE(job->ctx, 0.5, 1.0, extract_repaired(job, &v, repaired));
 }
