@@ -15,11 +15,10 @@ from ._mesh import Mesh, new_mesh, position_type
 from ._records import record
 from ._run import Progress, Rise, Run, choice, ffi, formats_in, function, in_range, lib, names_of, options_of, or_none
 from ._stages import collapsed, level_target, surface
-from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Nesting, Touching
+from ._words import Axis, Blend, Caps, Crossings, ErrorKind, Touching
 
 CAPS = names_of("BVX_CAPS_")
 BLENDS = names_of("BVX_BLEND_")
-NESTING = names_of("BVX_NESTING_")
 CROSSINGS = names_of("BVX_CROSSINGS_")
 TOUCHING = ("apart", "shared")
 SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
@@ -428,7 +427,6 @@ def from_sections(
     thickness: float | None = None,
     join: float | None = None,
     blend: Blend = "auto",
-    nesting: Nesting = "levels",
     mend: bool | None = None,
     crossings: Crossings = "exact",
     subdivide: int | None = None,
@@ -472,9 +470,6 @@ def from_sections(
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
         "auto" is cubic from five sections on.
-    nesting
-        loops in loops between two sections: "levels" blends outlines and the holes in them each for themselves, so that walls
-        have no windows; "whole" blends sections as they are.
     mend
         split loops where they touch or cross themselves or each other, in place of refusing them; inside stays what an odd
         number of loops enclose. Default: contours of `slice_mesh` are, as of a mesh that crosses itself; others are refused.
@@ -542,7 +537,6 @@ def from_sections(
     if join is not None:
         options.join = float(join)
     options.blend = choice("blend", blend, "BVX_BLEND_", BLENDS)
-    options.nesting = choice("nesting", nesting, "BVX_NESTING_", NESTING)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", crossings, "BVX_CROSSINGS_", CROSSINGS)
@@ -569,7 +563,7 @@ def from_sections(
                     why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
                 raise
         mesh = Mesh._made(made)
-        _warn_of_wishes(mesh, parts, genus, report)
+        _warn_of_wishes(mesh, parts, genus)
         mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
@@ -616,7 +610,7 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
     return made
 
 
-def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: Any) -> None:
+def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
     """Of the body as it is made: collapsing keeps its topology."""
     if parts is None and genus is None:
         return
@@ -625,9 +619,7 @@ def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: An
     if parts is not None and parts != checked.components:
         warnings.warn(f"parts={parts} is not met: the surface has {checked.components} pieces", stacklevel=4)
     if genus is not None and genus != handles:
-        told = ("" if report.planes == 0 else f"; of those that no contour needs {report.handles_filled} were filled, "
-                f"{report.handles_cut} cut, and {report.handles_left} are left")
-        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles{told}", stacklevel=4)
+        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles", stacklevel=4)
 
 
 def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
