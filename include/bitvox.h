@@ -2253,16 +2253,6 @@ enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
     X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
 
-/** What is blended between two sections whose loops lie in each other.
- *  LEVELS  each level by itself, cut out of the one around it: outer loops, the holes in them, the islands in
- *          these. A wall stays a wall however far it shifts. Holes that overlap no hole of the other section
- *          are blended with what is around them
- *  WHOLE   the sections as they are: a wall that shares no area with the next section's gets windows */
-#define BVX_NESTING_LIST(X)            \
-    X(BVX_NESTING_LEVELS, 0, "levels") \
-    X(BVX_NESTING_WHOLE, 1, "whole")
-enum { BVX_NESTING_LIST(BVX_LIST_ENUM) };
-
 /** How distances go from section to section.
  *  LINEAR  straight between neighbours: the surface has a kink at every section
  *  CUBIC   the monotone cubic over four sections: as exact on the sections, smooth across them, with a zero
@@ -2283,56 +2273,29 @@ enum { BVX_LABEL_ZERO = -2147483647 - 1 };
 
 /** What was found and done. */
 typedef struct bvx_sections_report {
-    double cell[2];          /**< sides of a grid cell [Units: world] */
-    int32_t grid[2];         /**< cells along the plane's two axes */
-    uint64_t sections;       /**< that hold the label */
-    uint64_t empty_sections; /**< between these, without the label: the body ends half way to them */
-    uint64_t loops, holes;   /**< holes: loops with outside on their inner side */
+    double cell[2];    /**< sides of a grid cell [Units: world] */
+    int32_t grid[2];   /**< cells along the plane's two axes */
+    uint64_t sections; /**< that hold the label; the body ends half way to those between them that do not */
+    uint64_t loops, holes; /**< holes: loops with outside on their inner side */
     uint64_t points;
     uint64_t repeated_points; /**< points that equal the one before them: left out */
-    uint64_t crossings;       /**< of contours with the grid's edges */
-    uint64_t multiple_edges;  /**< grid edges crossed more than once */
-    uint64_t inner_loops;     /**< loops inside one grid cell */
-    uint64_t split_cells;     /**< grid cells that were subdivided */
-    uint64_t leaf_cells;      /**< cells that these became */
+    uint64_t mended_loops;    /**< loops given that were split, joined or left out */
     uint64_t unkept_edges;  /**< edges still crossed more than once: the contour is kept, but what joins it to
                                  the other section there is a guess */
     uint64_t unkept_loops;  /**< loops still inside one cell: closed by a cone of their own */
     uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC, and where
                                  planes of any direction, or bodies at once, contradict each other */
-    uint64_t samples;       /**< grid points of all sections */
-    uint64_t distances;     /**< distances to contours that were computed */
-    uint64_t skipped;       /**< samples whose distance nothing needed */
-    uint64_t ambiguous_faces; /**< faces with four crossings that the field decided */
-    uint64_t inner_vertices;  /**< vertices put inside cells for loops that need one */
-    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B;
-                                 taper and ends at empty sections count as cones, A h / 3 [Units: world^3] */
     uint64_t located;       /**< places in unkept */
     double unkept[16][3];   /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
-    uint64_t crossed_cells; /**< cells whose triangles cross, of up to 64: some where edges are unkept, else
-                                 hardly any. PAPER's neighbouring cells cross too, uncounted */
-    uint64_t nested_slabs;  /**< pairs of neighbouring sections blended level by level */
-    uint64_t joined_slabs;  /**< pairs that were not, as their levels would cross: very thin walls */
-    uint64_t mended_loops;  /**< loops given that were split, joined or left out */
+    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B;
+                                 taper and ends at empty sections count as cones, A h / 3 [Units: world^3] */
+    uint64_t joined_slabs;  /**< pairs of neighbouring sections not blended level by level, as their levels
+                                 would cross: very thin walls */
+    uint64_t shifted_parts; /**< loops joined to one of the next section by shifting */
     uint64_t planes;        /**< of all sections, if not parallel; else 0 */
-    uint64_t settled;   /**< positions on lines where planes cross at which contours were moved to agree */
-    uint64_t gaps;      /**< intervals of such lines that are still inside for one of two sections only */
+    uint64_t gaps; /**< intervals of lines where planes cross that are inside for one of two sections only */
     double largest_gap; /**< how far contours were apart there at most [Units: world] */
-    uint64_t added_sections; /**< put between given ones where parts are shifted; other counts of cells, slabs
-                                  and crossings include them */
-    uint64_t shifted_parts;  /**< loops shifted to one of the next section there */
-    /* Of planes that are not parallel: what was done about topology that contours leave open. Of several bodies at
-     * once these counts are 0. */
-    uint64_t handles_filled; /**< holes through the body that no contour needs, filled */
-    uint64_t handles_cut;    /**< bridges that no contour needs, cut */
-    uint64_t handles_left;   /**< handles of one piece of surface between contours that stay: larger than half
-                                  a cell, or pinned. Only the Euler number shows those round several */
-    uint64_t specks;         /**< parts of the mesh with one contour alone, which fits into a cell */
-    uint64_t lost_loops;     /**< loops most of whose points are no vertices */
-    uint64_t warnings;       /**< 1 << BVX_WARN_... for each that the call gives */
-    uint64_t apart;          /**< parts that end towards another one with no plane between: whether they are
-                                  one contours leave open */
-    double apart_at[4][3];   /**< the first of these places, on contours [Units: world] */
+    uint64_t warnings;  /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_sections_report;
 
 typedef struct bvx_sections_options {
@@ -2349,7 +2312,6 @@ typedef struct bvx_sections_options {
                                 contours' points are doubles and are kept [Limit: 0..2]
                                 [Default: BVX_POSITION_AUTO] */
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
-    int32_t nesting;             /**< BVX_NESTING_... [Default: BVX_NESTING_LEVELS] */
     int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
                         what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
                         borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
@@ -2390,7 +2352,7 @@ BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *
 /** The closed surfaces of several bodies at once, such that two that touch have the same faces there: the same
  *  vertices, and the same triangles the other way round. Each surface is oriented, edge- and vertex-manifold,
  *  and passes through its contours as bvx_build_sections' does on planes of any direction; parallel planes are
- *  taken the same way (cells and agree count; grid, layers, crossings, depth, nesting, blend, mend, thickness,
+ *  taken the same way (cells and agree count; grid, layers, crossings, depth, blend, mend, thickness,
  *  join and label do not). Together the bodies are what all their contours make as one body. Bodies touch where
  *  their contours run along each other, to 1/1000 of a cell. Flat caps end all bodies on the first and the last
  *  of parallel planes; with tapered ones, and on other planes, they end in domes beyond.

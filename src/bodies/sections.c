@@ -28,7 +28,6 @@ static const bvxi_option sections_rows[] = {
     BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
     BVXI_CHOICE(bvx_sections_options, crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
     BVXI_OR(bvx_sections_options, depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
-    BVXI_CHOICE(bvx_sections_options, nesting, BVX_NESTING_LEVELS, BVX_NESTING_WHOLE),
     BVXI_SWITCH(bvx_sections_options, mend),
     BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
@@ -140,14 +139,6 @@ static void drop_surface(bvxi_stack *s, uint64_t mark)
     }
 }
 
-static void count_nested(bvxi_stack *s)
-{
-    for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++) {
-        s->report.nested_slabs += s->nesting.count[i] > 1;
-        s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
-    }
-}
-
 /* Where levels of a slab cross, the surface is made again without levels there. What is subdivided changes
  * with that, for the slabs beside it too, so the new surface is looked at again; that ends, since each time
  * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
@@ -171,7 +162,8 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
         drop_surface(s, mark);
         s->report = before;
     }
-    count_nested(s);
+    for (uint32_t i = 0; i + 1 < s->plane_count && s->nesting.count != NULL; i++)
+        s->report.joined_slabs += s->nesting.joined[i] == BVXI_LEVELS_JOINED;
     BVXI_TRY(make_caps(s));
     return BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
 }
@@ -251,8 +243,6 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
     BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0, bvxi_stack_finish(s)));
     memcpy(s->reach, reach, sizeof reach);
     s->report = given;
-    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
-    s->report.added_sections = slanted->sections;
     s->report.shifted_parts = slanted->parts;
     return BVX_OK;
 }
@@ -282,13 +272,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
     }
     if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
         status = BVXI_SHARE(context, 0.95, 1.0, check_body(context, mesh, own));
-    if (status == BVX_OK) {
-        /* Samples that a full grid would have taken, less those that were measured. */
-        stack.report.skipped = stack.report.samples > stack.report.distances
-                                   ? stack.report.samples - stack.report.distances
-                                   : 0;
-        *report = stack.report;
-    }
+    if (status == BVX_OK) *report = stack.report;
     return status;
 }
 
@@ -437,16 +421,6 @@ void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
 
     if (r->planes != 0 && contradicted != 0)
         BVXI_WARN(ctx, BVX_WARN_CONTOURS, (double)r->unkept_points, (double)r->unkept_edges, (double)r->gaps);
-    if (r->apart != 0) {
-        bvx_warning *const w = BVXI_WARN(ctx, BVX_WARN_OPEN_PARTS, (double)r->apart);
-
-        w->placed = 1;
-        memcpy(w->low, r->apart_at[0], sizeof w->low);
-        memcpy(w->high, r->apart_at[0], sizeof w->high);
-    }
-    if (r->planes != 0 && r->specks != 0) BVXI_WARN(ctx, BVX_WARN_SPECKS, (double)r->specks);
-    if (r->planes != 0 && r->handles_left != 0)
-        BVXI_WARN(ctx, BVX_WARN_EXTRA_HANDLES, (double)r->handles_left);
     /* A finer grid cuts contours in more places; halving cells where two of them run close together helps. */
     if (r->planes == 0 && r->unkept_edges + r->unkept_loops != 0)
         BVXI_WARN(ctx, BVX_WARN_CELLS, (double)r->unkept_edges, (double)r->unkept_loops,

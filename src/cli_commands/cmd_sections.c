@@ -31,7 +31,6 @@ enum { TOUCHING_APART, TOUCHING_SHARED }; /* --touching */
 
 static const char *const caps_names[] = {BVX_CAPS_LIST(CLI_NAME_OF) NULL};
 static const char *const blend_names[] = {BVX_BLEND_LIST(CLI_NAME_OF) NULL};
-static const char *const nesting_names[] = {BVX_NESTING_LIST(CLI_NAME_OF) NULL};
 static const char *const crossings_names[] = {BVX_CROSSINGS_LIST(CLI_NAME_OF) NULL};
 static const char *const label_names[] = {"all", NULL};
 static const char *const touching_names[] = {"apart", "shared", NULL};
@@ -66,10 +65,6 @@ static const cli_argument sections_rows[] = {
     BETWEEN("--join", "D", OWN(body.join), 0, 1e300,
             "parallel planes: parts that share no area are joined by shifting, where\n"
             "their centroids are at most D apart on the planes: slanted vessels"),
-    CHOICE("--nesting", "HOW", OWN(body.nesting), nesting_names, BVX_NESTING_LEVELS,
-           "loops in loops between two sections: levels, outlines and holes each\n"
-           "for themselves, so that walls have no windows; whole, both at\n"
-           "once [levels]"),
     FLAG("--mend", OWN(body.mend),
          "split loops where they touch or cross, in place of refusing them; inside\n"
          "stays what an odd number of loops enclose"),
@@ -186,7 +181,7 @@ static const cli_rule sections_rules[] = {
      .message = "--label all writes a mesh for each label: %f needs %d in its name"},
     {.unless = ALL_LABELS, .given = "--touching", .message = "%o is for --label all"},
     {.when = SHARED_FACES,
-     .given = "--grid --layers --blend --nesting --crossings --subdivide --mend --join --thickness",
+     .given = "--grid --layers --blend --crossings --subdivide --mend --join --thickness",
      .message = "%o is not used with --touching shared, which makes bodies by --cells"},
     {.when = SHARED_FACES,
      .given = "--triangles --error --error-kind",
@@ -206,7 +201,7 @@ static const cli_rule sections_rules[] = {
 /* What only the file says: how its planes lie. */
 static const cli_rule planes_rules[] = {
     {.when = ANY_DIRECTION,
-     .given = "--grid --layers --blend --nesting --crossings --subdivide --join",
+     .given = "--grid --layers --blend --crossings --subdivide --join",
      .message = "%o is for parallel planes; those of %i are not, and --cells makes them finer"},
     {.unless = ANY_DIRECTION | SHARED_FACES,
      .given = "--cells",
@@ -385,27 +380,18 @@ static const char *verdict(const bvx_certificate *c)
 /* What there is to say of planes that are not parallel, from the end of the sections' line on. */
 static void tell_planes(const cli_run *run, const sections_job *job, cli_made *made)
 {
-    const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
 
     /* Planes that cross may contradict each other, which parallel ones cannot. */
     cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
     cli_tell(made,
-             "  agreement   contours moved at %" PRIu64 " places where planes cross, %" PRIu64
-             " gaps left, %g apart at most\n",
-             r->settled, r->gaps, r->largest_gap);
-    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points", r->unkept_edges, r->unkept_points);
-    /* Of bodies made at once lost loops and handles are not counted. */
-    if (own->touching != TOUCHING_SHARED) cli_tell(made, ", %" PRIu64 " loops", r->lost_loops);
-    cli_tell(made, "\n");
+             "  agreement   %" PRIu64 " gaps left where planes cross, contours %g apart there at most\n",
+             r->gaps, r->largest_gap);
+    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
+             r->unkept_points);
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    if (own->touching != TOUCHING_SHARED)
-        cli_tell(made,
-                 "  handles     %" PRIu64 " filled, %" PRIu64 " cut, %" PRIu64
-                 " left that no contour needs\n",
-                 r->handles_filled, r->handles_cut, r->handles_left);
     cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
@@ -420,7 +406,6 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
 
     cli_tell(made, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
              r->sections, r->loops, r->holes, r->points);
-    if (r->empty_sections != 0) cli_tell(made, ", %" PRIu64 " empty", r->empty_sections);
     if (r->mended_loops != 0) cli_tell(made, "; %" PRIu64 " loops mended", r->mended_loops);
     /* Planes of any direction have no grid and no levels between sections. */
     if (r->planes != 0) {
@@ -430,28 +415,13 @@ static void tell_body(const cli_run *run, const sections_job *job, cli_made *mad
     /* What the grid cost the contours, from the line that most matters to those that are usually empty. */
     cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
              r->cell[0], r->cell[1]);
-    cli_tell(made,
-             "  crossings   %" PRIu64 "; %" PRIu64 " edges crossed more than once, %" PRIu64
-             " loops in one cell; %" PRIu64 " cells became %" PRIu64 "\n",
-             r->crossings, r->multiple_edges, r->inner_loops, r->split_cells, r->leaf_cells);
     cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
              r->unkept_edges, r->unkept_loops, r->unkept_points);
     /* A few places are enough to find the others; --json has all that were located. */
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    if (r->crossed_cells != 0)
-        cli_tell(made, "  crossed     in %" PRIu64 " cells triangles cross each other\n", r->crossed_cells);
-    if (r->nested_slabs + r->joined_slabs != 0)
-        cli_tell(made,
-                 "  levels      %" PRIu64
-                 " pairs of sections, outlines and holes each for themselves; %" PRIu64
-                 " as a whole, where these would cross\n",
-                 r->nested_slabs, r->joined_slabs);
-    if (r->added_sections != 0)
-        cli_tell(made, "  joined      %" PRIu64 " parts by shifting, on %" PRIu64 " sections put in\n",
-                 r->shifted_parts, r->added_sections);
-    cli_tell(made, "  distances   %" PRIu64 " at %" PRIu64 " grid points: %.2f %% skipped\n", r->distances,
-             r->samples, r->samples == 0 ? 0.0 : 100.0 * (double)r->skipped / (double)r->samples);
+    if (r->shifted_parts != 0)
+        cli_tell(made, "  joined      %" PRIu64 " parts by shifting\n", r->shifted_parts);
     cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
@@ -475,36 +445,20 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_text_add(t, "]");
     /* What was read. */
     cli_json_count(t, "sections", r->sections);
-    cli_json_count(t, "empty_sections", r->empty_sections);
     cli_json_count(t, "loops", r->loops);
     cli_json_count(t, "holes", r->holes);
     cli_json_count(t, "points", r->points);
     cli_json_count(t, "repeated_points", r->repeated_points);
     cli_json_count(t, "mended_loops", r->mended_loops);
-    /* How contours met the cells, and what of them the cells could not keep. */
-    cli_json_count(t, "crossings", r->crossings);
-    cli_json_count(t, "multiple_edges", r->multiple_edges);
-    cli_json_count(t, "inner_loops", r->inner_loops);
-    cli_json_count(t, "split_cells", r->split_cells);
-    cli_json_count(t, "leaf_cells", r->leaf_cells);
+    /* What of the contours the cells could not keep. */
     cli_json_count(t, "unkept_edges", r->unkept_edges);
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
-    cli_json_count(t, "crossed_cells", r->crossed_cells);
-    cli_json_count(t, "nested_slabs", r->nested_slabs);
     cli_json_count(t, "joined_slabs", r->joined_slabs);
-    cli_json_count(t, "added_sections", r->added_sections);
     cli_json_count(t, "shifted_parts", r->shifted_parts);
     cli_json_count(t, "planes", r->planes);
-    cli_json_count(t, "settled", r->settled);
     cli_json_count(t, "gaps", r->gaps);
     cli_json_value(t, "largest_gap", r->largest_gap);
-    cli_json_count(t, "handles_filled", r->handles_filled);
-    cli_json_count(t, "handles_cut", r->handles_cut);
-    cli_json_count(t, "handles_left", r->handles_left);
-    cli_json_count(t, "specks", r->specks);
-    cli_json_count(t, "lost_loops", r->lost_loops);
-    cli_json_count(t, "apart", r->apart);
     cli_text_add(t, ", \"unkept\": [");
     for (uint64_t i = 0; i < r->located; i++) {
         cli_text_add(t, i == 0 ? "[" : ", [");
@@ -516,11 +470,6 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     }
     cli_text_add(t, "]");
     /* What it cost, and what came of it. */
-    cli_json_count(t, "samples", r->samples);
-    cli_json_count(t, "distances", r->distances);
-    cli_json_value(t, "skipped_share", r->samples == 0 ? 0.0 : (double)r->skipped / (double)r->samples);
-    cli_json_count(t, "ambiguous_faces", r->ambiguous_faces);
-    cli_json_count(t, "inner_vertices", r->inner_vertices);
     cli_json_value(t, "prismoid_volume", r->prismoid_volume);
     if (own->block_model != NULL) {
         cli_json_count(t, "blocks", job->blocks);
@@ -552,7 +501,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
 {
     const sections_options *const own = run->own;
     cli_text *const t = &made->members;
-    const bvx_sections_report *const r = &job->report;
     int const parts = cli_given(run, "--parts"), genus = cli_given(run, "--genus");
 
     /* Parts and handles are counted of closed bodies only. */
@@ -582,11 +530,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
                        "--genus %" PRId32 " is not met: the surface has %" PRId64
                        " handles; more sections where they are, or more --cells, decide what is joined",
                        own->genus, job->genus);
-        if (!met && r->planes != 0)
-            cli_advise(made, BVX_WARN_UNMET,
-                       "of handles that no contour needs %" PRIu64 " were filled, %" PRIu64
-                       " cut, and %" PRIu64 " are left",
-                       r->handles_filled, r->handles_cut, r->handles_left);
     }
     cli_tell(made, "\n");
 }
@@ -763,11 +706,11 @@ const cli_command cli_sections = {
         "Reads closed contours on planes (.csl, of any direction; .csv with the columns section, position,\n"
         "loop, x, y and perhaps label, for planes of any direction also z, nx, ny, nz; also with .gz) and\n"
         "writes the surface of the body through all of them: each contour point is a vertex. Loops in loops\n"
-        "are holes. Reports volumes, what of the contours was too fine for the grid, and how many distances\n"
-        "were not needed. Loops that cross or touch, points off their plane, a second section at one position\n"
-        "and, without --thickness, a single section are refused; sections, loops and points are counted\n"
-        "from 0. --block-model writes blocks with the share inside. With --triangles or --error the body's\n"
-        "edges collapse in the end, and points of contours are no longer vertices.",
+        "are holes. Reports volumes and what of the contours was too fine for the grid. Loops that cross or\n"
+        "touch, points off their plane, a second section at one position and, without --thickness, a single\n"
+        "section are refused; sections, loops and points are counted from 0. --block-model writes blocks with\n"
+        "the share inside. With --triangles or --error the body's edges collapse in the end, and points of\n"
+        "contours are no longer vertices.",
     .example =
         "bitvox slice fixtures/knot.ply -o knot.csv --spacing 0.1\n"
         "bitvox sections knot.csv -o body.ply --caps taper --block-model blocks.csv --block 0.2,0.2,0.1",

@@ -142,7 +142,6 @@ static bvx_status open_cuts(planes_job *job)
         /* Spare ones for subdivided cells: their number is not known before slabs are made. */
         s->cut_room += cuts + PLANES_SPARE_CUTS;
         s->arc_room += arcs;
-        s->report.crossings += cuts;
         if (arcs > job->most_arcs) job->most_arcs = arcs;
     }
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->cut_room * sizeof *all->cut, "the crossings of sections",

@@ -198,11 +198,7 @@ static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint3
         points[g->loops[i].section] += g->loops[i].point_count;
     }
     BVXI_TRY(order_planes(s, loops, plane_of, key));
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        const bvxi_plane *const p = &s->plane[i];
-        if (loops[p->section] == 0) s->report.empty_sections++;
-        else s->report.sections++;
-    }
+    for (uint32_t i = 0; i < s->plane_count; i++) s->report.sections += loops[s->plane[i].section] != 0;
     BVXI_TRY(open_planes(s, points, loops));
     /* From here the array of the order serves as a look-up. */
     for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;

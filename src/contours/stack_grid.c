@@ -35,7 +35,6 @@ static void report_grid(bvxi_stack *s)
         s->report.cell[k] = s->step[k];
     }
     s->words = s->size[0] / 64 + 1;
-    s->report.samples = (uint64_t)(s->size[0] + 1) * (uint64_t)(s->size[1] + 1) * s->plane_count;
 }
 
 /* Round coordinates should not lie on the grid's lines: bounds are padded by uneven shares of a cell, other

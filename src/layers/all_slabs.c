@@ -98,16 +98,9 @@ static bvx_status fill_in_view(slabs_worker *w, bvxi_slab *slab)
 {
     bvx_status status;
 
-    /* Counts of the view are the slab's own; they are summed up afterwards. */
     w->view.mesh = slab->mesh;
-    w->view.report.distances = w->view.report.ambiguous_faces = w->view.report.inner_vertices =
-        w->view.report.crossed_cells = 0;
     status = bvxi_slab_fill(&w->work, slab);
     slab->mesh = w->view.mesh;
-    slab->distances = w->view.report.distances;
-    slab->ambiguous_faces = w->view.report.ambiguous_faces;
-    slab->inner_vertices = w->view.report.inner_vertices;
-    slab->crossed_cells = w->view.report.crossed_cells;
     return status;
 }
 
@@ -175,15 +168,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
                              "the slabs' scratch", &job->worker));
     BVXI_TRY(open_workers(job));
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
-    BVXI_TRY(BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job)));
-    /* Sums of whole numbers: the order of workers does not show. */
-    for (uint32_t i = 0; i < job->count; i++) {
-        s->report.distances += job->slab[i].distances;
-        s->report.ambiguous_faces += job->slab[i].ambiguous_faces;
-        s->report.inner_vertices += job->slab[i].inner_vertices;
-        s->report.crossed_cells += job->slab[i].crossed_cells;
-    }
-    return BVX_OK;
+    return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
 }
 
 static bvx_status fill_in_job(slabs_job *job)

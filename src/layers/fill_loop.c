@@ -206,7 +206,6 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
         share = 0.5 * reach / (reach + sqrt(fill_length(centre, middle)));
         for (int k = 0; k < 3; k++) middle[k] += share * (centre[k] - middle[k]);
     }
-    s->report.inner_vertices++;
     BVXI_TRY(bvxi_section_add_vertex(s, middle, &number));
     for (uint32_t i = 0; i < l->count; i++)
         BVXI_TRY(

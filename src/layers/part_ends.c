@@ -36,7 +36,6 @@ static uint32_t part_of_place(ends_work *w, double u, double v, double *distance
 {
     uint32_t contour;
     *distance = bvxi_contour_distance(w->plane, u, v, &w->hint, &contour);
-    w->s->report.distances++;
     return w->owner[contour];
 }
 

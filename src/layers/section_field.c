@@ -24,17 +24,14 @@ static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
 
     /* Without an array of distances each is measured when it is needed. */
-    if (p->distance == NULL) {
-        f->s->report.distances++;
+    if (p->distance == NULL)
         return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
                                    f->s->origin[1] + j * f->s->step[1], &p->hint);
-    }
     /* A bit for each grid point: an array of distances need not be cleared for a new plane. */
     if ((p->known[n >> 6] >> (n & 63) & 1) == 0) {
         p->known[n >> 6] |= UINT64_C(1) << (n & 63);
         p->distance[n] = bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
                                              f->s->origin[1] + j * f->s->step[1], &p->hint);
-        f->s->report.distances++;
     }
     return p->distance[n];
 }
@@ -46,7 +43,6 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
     /* Grid points share what is known; corners of subdivided cells lie between them. */
     if ((at[0] & part) == 0 && (at[1] & part) == 0) return grid_distance(f, p, at[0] >> fine, at[1] >> fine);
-    f->s->report.distances++;
     return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]),
                                &p->hint);
 }
@@ -64,7 +60,6 @@ static double ending_part(bvxi_field *f, int k, double u, double v, double *dist
     uint32_t contour;
     /* Most planes have no part that ends on this side, and need no search. */
     if (!p->ends[1 - k]) return 0.0;
-    f->s->report.distances++;
     *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
     return p->contour[contour].end[1 - k];
 }
@@ -97,7 +92,6 @@ static double plane_at(bvxi_field *f, int k, double u, double v)
 {
     double d;
     if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
-    f->s->report.distances++;
     d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
     return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
@@ -109,7 +103,6 @@ static double far_at(bvxi_field *f, int k, double u, double v)
     double d;
 
     if (p == NULL) return 0.0;
-    f->s->report.distances++;
     d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
     return bvxi_plane_encloses(p, u, v) ? d : -d;
 }

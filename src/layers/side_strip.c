@@ -55,7 +55,6 @@ static int strip_joins(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_tr
 
     place[axis] = from + x * (to - from);
     place[1 - axis] = bvxi_fixed_u(s, 1 - axis, a->at[1 - axis]);
-    s->report.ambiguous_faces++;
     return bvxi_field_at(t->field, place[0], place[1], level) > 0.0;
 }
 

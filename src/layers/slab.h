@@ -41,7 +41,6 @@ struct bvxi_slab {
      * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
     uint32_t lines; /* grid points whose line is crossed */
-    uint64_t distances, ambiguous_faces, inner_vertices, crossed_cells;
     /* number of the plane below that has loops, or none; which nesting level it holds */
     uint32_t below, level;
 };

@@ -342,17 +342,6 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
     return BVX_OK;
 }
 
-static void count_supposition(bvxi_split_work *w, const bvxi_split_cell *c)
-{
-    for (int k = 0; k < 2; k++) {
-        uint32_t ends[4];
-        if (!counts_here(w, k)) continue;
-        w->s->report.inner_loops += count_ends(w->slab->plane[k], w->pool + c->arc[k], c->arc_count[k],
-                                               c->low, ends);
-        w->s->report.multiple_edges += (uint64_t)(ends[0] > 1) + (uint64_t)(ends[3] > 1);
-    }
-}
-
 bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
 {
     bvxi_stack *const s = w->s;
@@ -373,7 +362,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         uint32_t const first = bvxi_plane_arcs_in(p, bvxi_cell_key(i, j), &c.arc_count[k]);
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
-    count_supposition(w, &c);
     /* Without subdivision there is only what has to be reported. */
     if (s->options.depth == 0) {
         count_unkept(w, &c);
@@ -387,7 +375,5 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     BVXI_TRY(split_down(w, &c));
     /* By its number: the array may have moved when cells were added. */
     slab->split[slab->split_count - 1].leaf_count = slab->leaf_count - split->leaf;
-    s->report.split_cells++;
-    s->report.leaf_cells += slab->leaf_count - split->leaf;
     return BVX_OK;
 }

@@ -91,7 +91,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t);
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {
-    uint64_t triangles, vertices, inner;
+    uint64_t triangles, vertices;
     uint32_t cap_edges[2];
 } bvxi_trace_made;
 /* Before the loops of a cell are filled; choice: how each is, digits to the base of three. */

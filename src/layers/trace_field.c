@@ -68,7 +68,6 @@ static int face_joins(bvxi_trace *t, int k)
     if (!(share > 0.0 && share < 1.0)) share = 0.5;
     x = p[0][0] + share * (p[2][0] - p[0][0]);
     y = p[0][1] + share * (p[2][1] - p[0][1]);
-    t->s->report.ambiguous_faces++;
     return bvxi_field_at(t->field, x, y, t->level[k].k >= 0 ? t->level[k].k : t->level[k].t) > 0.0;
 }
 

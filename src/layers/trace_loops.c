@@ -232,7 +232,6 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
-    made->inner = s->report.inner_vertices;
     for (int k = 0; k < 2; k++) made->cap_edges[k] = s->cap_edge_count[k];
 }
 
@@ -241,7 +240,6 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made)
     bvxi_stack *const s = t->s;
     s->mesh.triangle_count = made->triangles;
     s->mesh.vertex_count = made->vertices;
-    s->report.inner_vertices = made->inner;
     for (int k = 0; k < 2; k++) s->cap_edge_count[k] = made->cap_edges[k];
 }
 
@@ -287,8 +285,7 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
         BVXI_TRY(fill_cell_loops(t, i, &made));
         if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     }
-    /* None is free of crossings: the usual one stays, and is counted. */
-    s->report.crossed_cells++;
+    /* None is free of crossings: the usual one stays. */
     if (choices == 1) return BVX_OK;
     bvxi_trace_undo_fill(t, &made);
     return fill_cell_loops(t, 0, &made);

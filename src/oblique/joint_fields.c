@@ -186,7 +186,6 @@ static bvx_status open_joint_body(bvxi_oblique *o, uint32_t i, int32_t label)
     o->report.holes += b->report.holes;
     o->report.points += b->report.points;
     o->report.repeated_points += b->report.repeated_points;
-    o->report.settled += b->report.settled;
     o->report.gaps += b->report.gaps;
     if (b->report.largest_gap > o->report.largest_gap) o->report.largest_gap = b->report.largest_gap;
     return BVX_OK;
@@ -287,8 +286,7 @@ static void join_plane(bvxi_oblique *o, uint32_t plane)
         p->contour_count += q->contour_count;
     }
     o->point_count += p->point_count;
-    if (p->contour_count == 0) o->report.empty_sections++;
-    else o->report.sections++;
+    o->report.sections += p->contour_count != 0;
 }
 
 /* Crossings with other planes, as each body has settled them for itself; first: of its points on each

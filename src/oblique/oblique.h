@@ -85,6 +85,8 @@ typedef struct bvxi_oblique {
     const bvx_sections *given;
     bvx_sections_options options;
     bvx_sections_report report;
+    uint64_t handles_left, specks, apart; /* what contours leave open, for warnings */
+    double apart_at[3];                   /* the first place */
 
     /* Several bodies at once (joint.h): each by itself, on the same lattice; body_count is 0 for a body by
      * itself. Kinds are 0 outside and 1 inside then, else which of the bodies, from 1. */

@@ -31,7 +31,7 @@ typedef struct handle_work {
     int32_t *euler, *loops;
     bvxi_edge_map pair;
     uint64_t triangles;
-    uint64_t settled[2]; /* handles filled, cut */
+    uint64_t settled; /* handles filled or cut */
     /* what is looked at around a patch */
     uint32_t *number, *tetra, *member, *joined, *flip;
     uint64_t *loose; /* vertices that may change, by the size of their numbers */
@@ -457,7 +457,7 @@ static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
         BVXI_TRY(thin_side(w, inside));
         BVXI_TRY(cut_thread(w, inside, &gain));
         handles -= gain;
-        w->settled[inside] += (uint64_t)gain;
+        w->settled += (uint64_t)gain;
         if (gain == 0) k++;
     }
     return BVX_OK;
@@ -505,9 +505,7 @@ bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t
     w.triangles = o->triangle_count;
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
     BVXI_TRY(settle_handles(&w, owner, &found));
-    *settled = w.settled[0] + w.settled[1];
-    o->report.handles_filled += w.settled[0];
-    o->report.handles_cut += w.settled[1];
-    o->report.handles_left = found > *settled ? found - *settled : 0;
+    *settled = w.settled;
+    o->handles_left = found > *settled ? found - *settled : 0;
     return BVX_OK;
 }

@@ -257,7 +257,6 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
             o->report.gaps++;
             continue;
         }
-        if (gap > BVXI_OBLIQUE_NEAR) o->report.settled++;
         join_knots(o, before->knot, e->knot,
                    share_of_way(o, before->which == 0 ? a : b, o->knot[before->knot].at,
                                 e->which == 0 ? a : b, o->knot[e->knot].at));

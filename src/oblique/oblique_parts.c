@@ -7,7 +7,7 @@
 #include "oblique/oblique.h"
 #include "mesh/mesh.h"
 
-enum { PARTS_IN_CELL = 64, PARTS_LOCATED = 4 };
+enum { PARTS_IN_CELL = 64 };
 
 #define PARTS_ON_PLANE 1e-3 /* cells */
 
@@ -99,8 +99,7 @@ static void join_in_cell(bvxi_oblique *o, const part_work *w, const uint32_t *ce
             if (bvxi_root(joined, a->root) == bvxi_root(joined, b->root) ||
                 is_on_plane(w, cell, count, b->root, a->plane))
                 continue;
-            if (o->report.apart < PARTS_LOCATED) memcpy(o->report.apart_at[o->report.apart], a->at, 24);
-            o->report.apart++;
+            if (o->apart++ == 0) memcpy(o->apart_at, a->at, 24);
             bvxi_join(joined, a->root, b->root);
         }
     }

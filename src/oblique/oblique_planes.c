@@ -307,8 +307,7 @@ static bvx_status gather_oblique(bvxi_oblique *o, uint64_t *points, uint64_t *lo
         BVXI_TRY(place_points(o, &o->plane[i]));
         BVXI_TRY(ready_plane(o, &o->plane[i]));
         o->point_count += o->plane[i].plane.point_count;
-        if (loops[i] == 0) o->report.empty_sections++;
-        else o->report.sections++;
+        o->report.sections += loops[i] != 0;
     }
     return BVX_OK;
 }

@@ -325,13 +325,12 @@ static void mark_bodies(bvxi_oblique *o, const uint32_t *joined)
                 if (lead == 0) most = root;
                 lead = root == most ? lead + 1 : lead - 1;
             }
-            if (lead == 0) continue;
-            if (most == BVXI_NONE) o->report.lost_loops++;
-            else o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
+            if (lead == 0 || most == BVXI_NONE) continue;
+            o->kept[most] = o->kept[most] == 0 && is_small_loop(o, p, loop) ? 2 : 1;
         }
         first += p->point_count;
     }
-    for (uint64_t i = 0; i < o->position_count; i++) o->report.specks += o->kept[i] == 2;
+    for (uint64_t i = 0; i < o->position_count; i++) o->specks += o->kept[i] == 2;
 }
 
 /* Bodies with contours on them, their vertices numbered anew; joined becomes the new numbers. */

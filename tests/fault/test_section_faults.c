@@ -139,7 +139,7 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
                                            &o, &mesh);
     if (status == BVX_OK && report.mended_loops != (o.mend ? 6u : 0u)) run->wrong |= 4;
     if (status == BVX_OK && (report.joined_slabs == 1) != (run->kind == RUN_JOINED)) run->wrong |= 4;
-    if (status == BVX_OK && (report.added_sections != 0) != (run->kind == RUN_SHIFTED)) run->wrong |= 4;
+    if (status == BVX_OK && (report.shifted_parts != 0) != (run->kind == RUN_SHIFTED)) run->wrong |= 4;
     if (status != BVX_OK) run->wrong |= mesh.positions != NULL;
     else status = bvx_mesh_hash(ctx, &mesh, mark);
     bvx_mesh_free(ctx, &mesh);

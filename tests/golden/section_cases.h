@@ -23,10 +23,7 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
             o.report = &report;
             mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
             if (crossings != BVX_CROSSINGS_EXACT || caps != BVX_CAPS_TAPER) continue;
-            golden_u64(g, "crossings", report.crossings);
-            golden_u64(g, "split", report.split_cells);
             golden_u64(g, "unkept", report.unkept_edges + report.unkept_loops);
-            golden_u64(g, "ambiguous", report.ambiguous_faces);
         }
 }
 
@@ -215,7 +212,6 @@ static void shifted_values(golden *g)
         o.join = 5;
         o.report = &report;
         mesh_value(g, key[caps], bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
-        golden_u64(g, "added", report.added_sections);
         golden_u64(g, "shifted", report.shifted_parts);
     }
     golden_end(g);

@@ -325,7 +325,6 @@ static void test_sectors_of_a_ball(void)
             assert_bodies_on_planes(bodies, seed + 5, 12);
         }
     }
-    TEST_ASSERT_TRUE(report.settled > 0);
 }
 
 /* ---- the curve on the surface along which bodies meet ---- */

@@ -48,13 +48,12 @@ static uint64_t count_crossings(const bvx_mesh *mesh)
     return n;
 }
 
-/* Where all is kept and no cell is counted, no pair of triangles of the
- * whole body crosses; such bodies are nearly all. */
+/* Where all is kept, no pair of triangles crosses in nearly all bodies. */
 static void test_triangles_do_not_cross_where_all_is_kept(void)
 {
     static const int cells[] = {3, 6, 12, 24};
     int const rounds = quick ? 2 : 40;
-    uint64_t seed = 21, kept = 0, unkept = 0, crossed[2] = {0, 0}, branching = 0;
+    uint64_t seed = 21, kept = 0, unkept = 0, crossed[2] = {0, 0};
 
     for (int i = 0; i < 4; i++)
         for (int n = 0; n < rounds;) {
@@ -65,17 +64,15 @@ static void test_triangles_do_not_cross_where_all_is_kept(void)
             n++;
             if (report.unkept_edges + report.unkept_loops != 0) {
                 unkept++;
-                crossed[0] += report.crossed_cells != 0;
+                crossed[0] += count_crossings(&mesh) != 0;
             } else {
                 kept++;
-                crossed[1] += report.crossed_cells != 0;
-                branching += report.ambiguous_faces != 0;
-                TEST_ASSERT_TRUE((count_crossings(&mesh) != 0) == (report.crossed_cells != 0));
+                crossed[1] += count_crossings(&mesh) != 0;
             }
             bvx_mesh_free(ctx, &mesh);
         }
     /* the cases did occur */
-    if (rounds == 40) TEST_ASSERT_TRUE(kept > 80 && branching > 40 && unkept > 20 && crossed[0] > 10);
+    if (rounds == 40) TEST_ASSERT_TRUE(kept > 80 && unkept > 20 && crossed[0] > 10);
     TEST_ASSERT_TRUE(crossed[1] * 30 <= kept);
 }
 
@@ -89,7 +86,6 @@ static void test_triangles_of_the_classic_way_do_not_cross(void)
         bvx_mesh mesh = {0};
         if (!random_body(&seed, BVX_CROSSINGS_CLASSIC, BVX_CAPS_TAPER, 8, &mesh)) continue;
         n++;
-        TEST_ASSERT_EQUAL_UINT64(0, report.crossed_cells);
         TEST_ASSERT_EQUAL_UINT64(0, count_crossings(&mesh));
         bvx_mesh_free(ctx, &mesh);
     }

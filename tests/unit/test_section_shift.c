@@ -39,7 +39,6 @@ static void test_four_squares_become_one_slanted_bar(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * 48, 48, certificate.volume);
     TEST_ASSERT_EQUAL_DOUBLE(48, report.prismoid_volume);
     TEST_ASSERT_EQUAL_UINT64(3, report.shifted_parts);
-    TEST_ASSERT_EQUAL_UINT64(3 * 19, report.added_sections);
     /* What was given is counted as it was given. */
     TEST_ASSERT_EQUAL_UINT64(4, report.sections);
     TEST_ASSERT_EQUAL_UINT64(4, report.loops);
@@ -69,22 +68,18 @@ static void test_the_bar_is_straight(void)
 
 static void test_a_slanted_pipe_stays_hollow(void)
 {
-    for (int32_t nesting = BVX_NESTING_LEVELS; nesting <= BVX_NESTING_WHOLE; nesting++) {
-        stack_clear(&stack);
-        for (int k = 0; k < 3; k++) {
-            uint32_t const s = stack_section(&stack, 2.0 * k);
-            stack_round(&stack, s, 5.0 * k, 3.0 * k, 2, 2, 40, 0, 0, 0);
-            stack_round(&stack, s, 5.0 * k, 3.0 * k, 1, 1, 30, 0, 0, 1);
-        }
-        o.nesting = nesting;
-        o.join = 6;
-        build_good();
-        assert_points_kept();
-        TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
-        TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
-        TEST_ASSERT_DOUBLE_WITHIN(0.03 * report.prismoid_volume, report.prismoid_volume, certificate.volume);
-        TEST_ASSERT_EQUAL_UINT64(4, report.shifted_parts);
+    for (int k = 0; k < 3; k++) {
+        uint32_t const s = stack_section(&stack, 2.0 * k);
+        stack_round(&stack, s, 5.0 * k, 3.0 * k, 2, 2, 40, 0, 0, 0);
+        stack_round(&stack, s, 5.0 * k, 3.0 * k, 1, 1, 30, 0, 0, 1);
     }
+    o.join = 6;
+    build_good();
+    assert_points_kept();
+    TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
+    TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03 * report.prismoid_volume, report.prismoid_volume, certificate.volume);
+    TEST_ASSERT_EQUAL_UINT64(4, report.shifted_parts);
 }
 
 /* Each of two vessels goes to the nearer end, though both are within reach of either. */
@@ -142,7 +137,7 @@ static void test_parts_beyond_reach_stay_as_they_are(void)
     o.join = 9.99;
     build_good();
     TEST_ASSERT_EQUAL_HEX64(bits, mesh_bits());
-    TEST_ASSERT_EQUAL_UINT64(0, report.added_sections + report.shifted_parts);
+    TEST_ASSERT_EQUAL_UINT64(0, report.shifted_parts);
 }
 
 static void test_upright_bodies_stay_as_they_are(void)
@@ -159,7 +154,7 @@ static void test_upright_bodies_stay_as_they_are(void)
     o.join = 1;
     build_good();
     TEST_ASSERT_EQUAL_HEX64(bits, mesh_bits());
-    TEST_ASSERT_EQUAL_UINT64(0, report.added_sections);
+    TEST_ASSERT_EQUAL_UINT64(0, report.shifted_parts);
 }
 
 /* A part that splits is not shifted; what lies beside it is. */
@@ -207,7 +202,7 @@ static void test_points_off_their_plane(void)
     o.join = 10;
     build_good();
     assert_points_kept();
-    TEST_ASSERT_EQUAL_UINT64(3 * 5, report.added_sections);
+    TEST_ASSERT_EQUAL_UINT64(3, report.shifted_parts);
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
 }
 
@@ -244,7 +239,7 @@ static void test_random_stacks(void)
         o.crossings = i % 7 == 0 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
         build_good();
         if (o.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
-        joined += report.added_sections != 0;
+        joined += report.shifted_parts != 0;
         bits = mesh_bits();
         build_good();
         TEST_ASSERT_EQUAL_HEX64(bits, mesh_bits());

@@ -36,7 +36,7 @@ static int rounds(int full)
 
 static void test_random_stacks_are_closed_and_keep_all_points(void)
 {
-    uint64_t seed = 1, split = 0, unkept = 0, ambiguous = 0, inner = 0, empty = 0, good = 0;
+    uint64_t seed = 1, unkept = 0, good = 0;
     int const all = rounds(2000);
 
     for (int i = 0; i < all; i++) {
@@ -53,18 +53,13 @@ static void test_random_stacks_are_closed_and_keep_all_points(void)
         TEST_ASSERT_TRUE(certificate.volume > 0.0);
         TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
         if (i % 8 == 0) assert_points_kept();
-        split += report.split_cells;
         unkept += report.unkept_edges + report.unkept_loops;
-        ambiguous += report.ambiguous_faces;
-        inner += report.inner_loops;
-        empty += report.empty_sections;
         good++;
     }
     TEST_ASSERT_TRUE(good * 20 > (uint64_t)all * 19);
 
     /* the cases that matter did occur */
-    if (all == 2000)
-        TEST_ASSERT_TRUE(split > 1000 && unkept > 1000 && ambiguous > 1000 && inner > 500 && empty > 20);
+    if (all == 2000) TEST_ASSERT_TRUE(unkept > 1000);
 }
 
 static void test_random_stacks_in_the_fields_way_are_closed(void)
@@ -117,7 +112,7 @@ static void test_open_ends_have_the_contours_as_boundary(void)
     certify(0);
     TEST_ASSERT_TRUE(!certificate.closed && certificate.edge_manifold && certificate.vertex_manifold &&
                      certificate.oriented);
-    TEST_ASSERT_EQUAL_UINT64(report.points + report.crossings, certificate.boundary_edges);
+    TEST_ASSERT_TRUE(certificate.boundary_edges > report.points);
 }
 
 /* ---- analytic bodies ---- */
@@ -313,7 +308,7 @@ static void test_an_empty_section_parts_the_body(void)
     stack_round(&stack, stack_section(&stack, 3.0), 0, 0, 1, 1, 32, 0, 0, 0);
     stack_round(&stack, stack_section(&stack, 4.0), 0, 0, 1, 1, 32, 0, 0, 0);
     build_good();
-    TEST_ASSERT_EQUAL_UINT64(1, report.empty_sections);
+    TEST_ASSERT_EQUAL_UINT64(4, report.sections);
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
     double const volume = 2.0 * (pi + 0.5 * pi / 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * volume, volume, certificate.volume);
@@ -454,25 +449,6 @@ static void test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts(void)
     TEST_ASSERT_EQUAL_UINT64(stack.s.point_count, report.unkept_points);
     TEST_ASSERT_TRUE(exact < 1e-12);
     TEST_ASSERT_TRUE(paper > exact && paper < classic);
-}
-
-static void test_distances_are_skipped_where_nothing_needs_them(void)
-{
-    for (int i = 0; i < 8; i++)
-        stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
-    o.grid[0] = o.grid[1] = 60;
-    o.blend = BVX_BLEND_LINEAR; /* the cubic one needs those of four sections */
-    build_good();
-    TEST_ASSERT_EQUAL_UINT64(61 * 61 * 8, report.samples);
-    TEST_ASSERT_TRUE(report.distances > 100 && report.distances < report.samples / 8);
-    TEST_ASSERT_EQUAL_UINT64(report.samples - report.distances, report.skipped);
-
-    /* a prism needs none at all but where grid points lie on contours */
-    stack_clear(&stack);
-    for (int i = 0; i < 8; i++)
-        stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05, 0);
-    build_good();
-    TEST_ASSERT_EQUAL_UINT64(0, report.distances);
 }
 
 /* ---- frames, directions, order ---- */
@@ -834,7 +810,7 @@ static void test_threads_and_memory_change_nothing(void)
 {
     static const int32_t threads[] = {1, 2, 3, 8, 1, 2};
     static unsigned char arena[1 << 25];
-    uint64_t seed = 77, split = 0, triangles = 0;
+    uint64_t seed = 77, triangles = 0;
 
     make_long_stack(40);
     for (int i = 0; i < 6; i++) {
@@ -860,7 +836,6 @@ static void test_threads_and_memory_change_nothing(void)
             if (k == 0) {
                 hash = other;
                 first = report;
-                split += report.split_cells;
             }
             TEST_ASSERT_EQUAL_HEX64(hash, other);
             TEST_ASSERT_EQUAL_INT(0, memcmp(&first, &report, sizeof first));
@@ -874,7 +849,7 @@ static void test_threads_and_memory_change_nothing(void)
             bvx_context_destroy(c);
         }
     }
-    TEST_ASSERT_TRUE(split > 100 && triangles > 100000);
+    TEST_ASSERT_TRUE(triangles > 100000);
 }
 
 /* What is wrong with a section is said about the first one, whoever finds it. */
@@ -969,7 +944,6 @@ int main(void)
     RUN_TEST(test_a_thin_vein_does_not_end);
     RUN_TEST(test_double_torus);
     RUN_TEST(test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts);
-    RUN_TEST(test_distances_are_skipped_where_nothing_needs_them);
     RUN_TEST(test_any_axis_and_a_slanted_normal);
     RUN_TEST(test_direction_of_loops_and_order_of_sections_change_nothing);
     RUN_TEST(test_labels_are_bodies_by_themselves);

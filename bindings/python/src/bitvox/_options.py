@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Sequence, TypedDict
 
 if TYPE_CHECKING:
-    from ._words import (Axis, Blend, Crossings, ErrorKind, FaceRule, Fill, Interpolation, Nesting, RepairSign, Thin, ThinCheck, Topology, Vertices)
+    from ._words import (Axis, Blend, Crossings, ErrorKind, FaceRule, Fill, Interpolation, RepairSign, Thin, ThinCheck, Topology, Vertices)
 
 
 class VoxelizeOptions(TypedDict, total=False):
@@ -267,9 +267,6 @@ class SectionsOptions(TypedDict, total=False):
     blend
         from section to section: "linear", or "cubic" over four of them, as exact on the sections and smooth across them;
         "auto" (the default) is cubic from five sections on.
-    nesting
-        loops in loops between two sections: "levels" (the default) blends outlines and the holes in them each for themselves, so that
-        walls have no windows; "whole" blends sections as they are.
     crossings
         on the planes: "exact" (the default: by the contours themselves, all of whose points become vertices), "paper" (by
         interpolated distances with the contours' points put in) or "classic" (marching cubes).
@@ -294,7 +291,6 @@ class SectionsOptions(TypedDict, total=False):
     agree: float | None
     join: float | None
     blend: Blend
-    nesting: Nesting
     crossings: Crossings
     subdivide: int | None
     parts: int | None

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 CAPS = names_of("BVX_CAPS_")
 BLENDS = names_of("BVX_BLEND_")
-NESTING = names_of("BVX_NESTING_")
 CROSSINGS = names_of("BVX_CROSSINGS_")
 TOUCHING = ("apart", "shared")
 SECTION_FORMATS = formats_in(lib.BVX_SECTIONS_READ)
@@ -463,7 +462,7 @@ def from_sections(
         most triangles, or the distance to the body's whole surface, by edges that collapse: as for `repair`.
         Contour points are then no longer vertices; ``caps="open"`` cannot be collapsed.
     advanced
-        `SectionsOptions`: ``cells``, ``agree``, ``join``, ``blend``, ``nesting``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
+        `SectionsOptions`: ``cells``, ``agree``, ``join``, ``blend``, ``crossings``, ``subdivide``, ``parts``, ``genus``,
         ``error_kind``, ``dtype``.
 
     Returns
@@ -516,7 +515,6 @@ def from_sections(
     if join is not None:
         options.join = float(join)
     options.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
-    options.nesting = choice("nesting", advanced.get("nesting", "levels"), "BVX_NESTING_", NESTING)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
     options.crossings = choice("crossings", advanced.get("crossings", "exact"), "BVX_CROSSINGS_", CROSSINGS)
@@ -543,7 +541,7 @@ def from_sections(
                     why.args = (f"{why}; mend=True {'splits loops there' if why.reason.endswith('MEET') else 'leaves such loops out'}",)
                 raise
         mesh = Mesh._made(made)
-        _warn_of_wishes(mesh, parts, genus, report)
+        _warn_of_wishes(mesh, parts, genus)
         mesh = collapsed(mesh, targets, limits)
     mesh.report = record(report)
     return mesh
@@ -590,7 +588,7 @@ def _joint_bodies(stack: Sections, *, spacing: float | None = None, cells: int |
     return made
 
 
-def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: Any) -> None:
+def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None) -> None:
     """Of the body as it is made: collapsing keeps its topology."""
     if parts is None and genus is None:
         return
@@ -599,9 +597,7 @@ def _warn_of_wishes(mesh: Mesh, parts: int | None, genus: int | None, report: An
     if parts is not None and parts != checked.components:
         warnings.warn(f"parts={parts} is not met: the surface has {checked.components} pieces", stacklevel=4)
     if genus is not None and genus != handles:
-        told = ("" if report.planes == 0 else f"; of those that no contour needs {report.handles_filled} were filled, "
-                f"{report.handles_cut} cut, and {report.handles_left} are left")
-        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles{told}", stacklevel=4)
+        warnings.warn(f"genus={genus} is not met: the surface has {handles} handles", stacklevel=4)
 
 
 def slice_mesh(mesh: Any, *, axis: Axis | None = None, normal: Sequence[float] | None = None, spacing: float | None = None,
