@@ -423,7 +423,9 @@ static void warn_of_surface(levels_job *job)
     bvxi_repair_warn(job->ctx, &r->repair, &job->facts, r->resolution,
                      job->chain.count != 0 ? job->chain.levels[0].triangle_count : 0);
     /* What the surface and edges that collapsed have lost together, where the surface alone is as it should be. */
-    if (bvxi_has_own_size(&r->repair, &job->facts) && (bvxi_warned(job->ctx) >> BVX_WARN_VOLUME & 1) == 0)
+    if (bvxi_has_own_size(&r->repair, &job->facts) &&
+        r->repair.parts_dropped + r->repair.cavities_dropped == 0 &&
+        (bvxi_warned(job->ctx) >> BVX_WARN_VOLUME & 1) == 0)
         from.volume = r->repair.before.volume;
     /* The solid's crumbs are not in its surface. */
     from.components -= r->crumbs - r->repair.crumbs;

@@ -216,6 +216,9 @@ static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, in
                                  choose_job *job)
 {
     bvx_lattice fit;
+
+    if (mesh != NULL && mesh->triangle_count == 0)
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the mesh has no triangles", choose_name);
     BVXI_TRY(bvx_lattice_fit(ctx, mesh, resolution, &fit));
     job->view = mesh;
     job->scale = 1.0 / (fit.spacing[0] * resolution);

@@ -198,7 +198,7 @@ reports 'lod with a memory limit' '32 <= r["levels"]["resolution"] < r["levels"]
 refuses 1 'limit' lod "$knot" -o c.ply --triangles 400 --resolution 256 --memory-limit 20M --samples 0
 works 'a finer mesh for memory limits' repair "$knot" -o fine.ply --resolution 96 --quiet
 reports 'lod of a fine mesh' 'r["levels"]["solid"] is False' lod fine.ply -o c.ply --triangles 400 --samples 0
-refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 12M
+refuses 1 'bytes is too small for 64672 triangles; ' lod fine.ply -o c.ply --triangles 400 --samples 0 --memory-limit 9M
 holds 'what the file takes of the limit' grep -q 'suffice; the file takes 1228971 bytes of --memory-limit besides' err
 rm -f fine.ply
 reports 'parts that cross become one, as they should' 'r["meshes"][0]["components"] == 1 and [w["code"] for w in r["warnings"]] == ["BVX_WARN_LEVEL_VOLUME"]' lod two.obj -o c.ply --triangles 200 --samples 0 --solid

@@ -188,7 +188,6 @@ refuses 2 'has no use with --fill below' voxelize box.obj -o x.bvx --fill below 
 
 sets 16 ground.obj --spacing 1 --fill below --base 0
 sets 48 ground.obj --spacing 1 --fill below --base -2
-holds 'columns are told' says '^  columns +16 under the surface$'
 sets 0 ground.obj --spacing 1 --fill below --base 5
 sets 16 wall.obj --spacing 1 --fill below --base 0 --up x
 sets 32 ground.obj --spacing 1 --fill below --second upper.obj
@@ -196,7 +195,7 @@ holds 'fill is told' says '^  fill +32 voxels, volume 32$'
 sets 32 upper.obj --spacing 1 --fill below --second ground.obj
 holds 'cut is told' says '^  cut +32 voxels, volume 32$'
 sets 16 ground.obj --spacing 1 --fill below --second part.obj
-reports 'cut and fill in JSON' 'r["solid"]["columns"] == 32 and r["solid"]["cut_voxels"] == 0 and r["solid"]["fill_voxels"] == 128
+reports 'cut and fill in JSON' 'r["solid"]["cut_voxels"] == 0 and r["solid"]["fill_voxels"] == 128
     and r["solid"]["fill_volume"] == 16 and r["lattice"]["dims"] == [8, 8, 4] and r["warnings"] == []' \
     voxelize ground.obj -o x.bvx --spacing 0.5 --fill below --second part.obj
 reports 'the lattice goes down to the base' 'r["lattice"]["dims"] == [4, 4, 3] and r["lattice"]["origin"] == [0, 0, -2]' \

@@ -264,6 +264,7 @@ static void test_choices_and_reserved_fields(void)
 {
     bvx_mesh_view const view = tetrahedron();
     bvx_voxelize_options o = {.struct_size = sizeof o};
+    bvx_surface_options s = {.struct_size = sizeof s};
     bvx_lattice lattice;
     bvx_grid grid = {0};
 
@@ -273,11 +274,10 @@ static void test_choices_and_reserved_fields(void)
            "bvx_voxelize_solid");
     TEST_ASSERT_EQUAL_DOUBLE(99.0, error->value[0]);
     o.fill = BVX_FILL_PARITY;
-    o.reserved = 1;
-    failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_RESERVED,
-           "bvx_voxelize_solid");
+    s.reserved = 1;
+    failed(BVX_ERR_ARGUMENT, bvx_voxelize_surface(ctx, &view, &lattice, &s, &grid), BVX_REASON_RESERVED,
+           "bvx_voxelize_surface");
     TEST_ASSERT_EQUAL_STRING("reserved must be 0", error->text);
-    o.reserved = 0;
     o.struct_size = 2;
     failed(BVX_ERR_ARGUMENT, bvx_voxelize_solid(ctx, &view, &lattice, &o, &grid), BVX_REASON_OPTIONS,
            "bvx_voxelize_solid");
