@@ -67,7 +67,7 @@ makes 'the surface of a grid is half way' 720 0.1 g.ply convert box.bvx
 works 'walls' voxelize box.obj -o walls.bvx --spacing 1 --padding 2 --mode thin --quiet
 makes 'what they hold' 492.7 0.01 f.ply fill walls.bvx
 makes 'the same, by components' 720 0.1 k.ply components box.bvx --keep-largest 1
-makes 'with few triangles' 720 0.2 k.ply components box.bvx --keep-largest 1 --error 0.5%
+makes 'with few triangles' 720 0.2 k.ply components box.bvx --keep-largest 1 --error 0.2%
 works 'an octree' refine box.obj -o box_tree.bvx --base 4 --halvings 2 --quiet
 works 'its surface' convert box_tree.bvx -o tree.obj --quiet
 printf '%s\n' '0 0 0' '1 0 0' '2 0 0' '0 1 0' >points.xyz
