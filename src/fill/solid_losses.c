@@ -234,7 +234,8 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
 
 /* The same of a lattice of half the spacing, on which the mesh is snapped as on this one. */
 static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                                   const bvx_lattice *lattice, int32_t fill, double *volume)
+                                   const bvx_lattice *lattice, bvxi_voxelize_fn *voxelize, int32_t fill,
+                                   double *volume)
 {
     bvx_voxelize_options const o = {.struct_size = sizeof o, .fill = fill, .check_thin = BVX_CHECK_NEVER};
     bvx_lattice half = *lattice;
@@ -249,7 +250,7 @@ static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const
     if (half.fraction_bits > 4) half.fraction_bits--;
     solid.word_capacity = bvx_grid_bound(&half, NULL);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid.word_capacity * 8, "a finer solid", &solid.words));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvx_voxelize_solid(ctx, mesh, &half, &o, &solid)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, voxelize(ctx, mesh, &half, &o, &solid)));
     BVXI_TRY(bvx_grid_count(ctx, &solid, &voxels));
     BVXI_TRY(bvxi_walls_open(&walls));
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_walls_mark(&walls)));
@@ -258,7 +259,8 @@ static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const
 }
 
 bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                           const bvx_lattice *lattice, int32_t fill, double made, double *volume)
+                           const bvx_lattice *lattice, bvxi_voxelize_fn *voxelize, int32_t fill, double made,
+                           double *volume)
 {
     bvx_status status;
 
@@ -266,7 +268,7 @@ bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mes
     if (!(*volume > 0.0) || bvxi_absolute(made - *volume) <= LOSS_CLOSE * *volume ||
         bvx_grid_bound(lattice, NULL) > LOSS_WORDS / 8)
         return BVX_OK;
-    status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, fill, volume));
+    status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, voxelize, fill, volume));
     return status == BVX_ERR_BUDGET ? BVX_OK : status;
 }
 
@@ -296,7 +298,8 @@ static bvx_status advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh,
 }
 
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
+                             const bvx_grid *solid, bvxi_voxelize_fn *voxelize, const bvx_voxelize_options *o,
+                             bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
@@ -325,9 +328,9 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
     if (status == BVX_OK && whole && report->mesh_volume == 0 && bvxi_solid_is_closed(report))
-        status = BVXI_SHARE(
-            ctx, 0.95, 0.95,
-            bvxi_see_volume(ctx, function, mesh, l, o->fill, report->volume, &report->crossing_volume));
+        status = BVXI_SHARE(ctx, 0.95, 0.95,
+                            bvxi_see_volume(ctx, function, mesh, l, voxelize, o->fill, report->volume,
+                                            &report->crossing_volume));
     return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
 }
 

@@ -210,8 +210,9 @@ static bvx_status run_voxelize_solid(bvx_context *context, const bvx_mesh_view *
     if (status == BVX_OK && o.add_shell)
         status = BVXI_SHARE(context, 0.3, 0.45, BVXI_SCOPE(context, add_the_shell(context, mesh, &made)));
     if (status == BVX_OK && o.report != NULL)
-        status = BVXI_SHARE(context, 0.45, 1.0,
-                            bvxi_solid_losses(context, solid_name, mesh, &made, &o, &report));
+        status = BVXI_SHARE(
+            context, 0.45, 1.0,
+            bvxi_solid_losses(context, solid_name, mesh, &made, bvx_voxelize_solid, &o, &report));
     BVXI_TRY(bvxi_grid_put(context, status, &made, solid));
     if (o.report == NULL) return BVX_OK;
     bvxi_warn_of_solid(context, &made, &report);

@@ -537,7 +537,8 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
     for (int i = 0; i < count; i++)
         if (bvxi_known_volume(of[i]) == of[i]->crossing_volume && bvxi_solid_is_closed(of[i]))
             BVXI_TRY(bvxi_see_volume(job->ctx, boolean_name, job->body[i].mesh, &job->lattice,
-                                     job->options->fill, of[i]->crossing_volume + volume + shared - wanted,
+                                     bvx_voxelize_solid, job->options->fill,
+                                     of[i]->crossing_volume + volume + shared - wanted,
                                      &of[i]->crossing_volume));
     wanted = 0.0;
     for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
