@@ -67,8 +67,7 @@ static const cli_argument morph_rows[] = {
     {0}};
 
 typedef enum morph_action { DILATE, ERODE, OPEN, CLOSE, HOLLOW, DISTANCE, ACTIONS } morph_action;
-static const char *const action_names[ACTIONS + 1] = {"dilate", "erode",    "open", "close",
-                                                      "hollow", "distance", NULL};
+static const char *const action_names[ACTIONS + 1] = {BVX_MORPH_LIST(CLI_NAME_OF) "hollow", "distance", NULL};
 
 typedef struct morph_job {
     morph_action action;

@@ -31,7 +31,7 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
     return BVXI_SHARE(o->ctx, 0.8, 1.0, bvxi_oblique_surface(o, mesh));
 }
 
-static void warn_of_topology(const bvxi_oblique *o)
+static void warn_of_oblique(const bvxi_oblique *o)
 {
     if (o->apart != 0) {
         bvx_warning *const w = BVXI_WARN(o->ctx, BVX_WARN_OPEN_PARTS, (double)o->apart);
@@ -61,7 +61,7 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
     /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) {
         *report = o.report;
-        if (options->report != NULL) warn_of_topology(&o);
+        if (options->report != NULL) warn_of_oblique(&o);
     }
     return bvxi_scratch_end(ctx, mark, status);
 }

@@ -108,7 +108,7 @@ static triangle_box no_box(void)
 }
 
 /* Rounding down keeps order: what overlaps, overlaps in steps too. */
-static int16_t step_of(double at)
+static int16_t slant_step(double at)
 {
     double const above = at > 0 ? at : 0;
 
@@ -144,8 +144,8 @@ static triangle_box box_of(const crossing_tree *tree, const double *const p[3])
         double const least = less < z ? less : z, most = more > z ? more : z;
 
         far |= (a < 3) & ((least < -BOX_FAR) | (most > BOX_FAR));
-        box.bound[2 * a] = step_of(least - slack);
-        box.bound[2 * a + 1] = (int16_t)-step_of(most + slack);
+        box.bound[2 * a] = slant_step(least - slack);
+        box.bound[2 * a + 1] = (int16_t)-slant_step(most + slack);
     }
     return box;
 }

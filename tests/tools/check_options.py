@@ -179,7 +179,7 @@ for found in re.finditer(r"static bvx_status (\w+)\(const world \*w\)\s*\\?\n\{(
         CALLS.setdefault(kind.group(1), found.group(1))
     elif "RENDER_OPTIONS;" in found.group(2):
         CALLS.setdefault("render", found.group(1))
-CALLS |= {"levels": "build_levels", "morph": "grid_dilate", "extract": "extract_surface"}
+CALLS |= {"levels": "build_levels", "morph": "grid_morph", "extract": "extract_surface"}
 
 
 def literal(value):
@@ -368,8 +368,12 @@ def constant(node):
 def compare_function(where, of, node):
     spoken = 0
     arguments = list(zip(reversed(node.args.args), reversed(node.args.defaults))) + list(zip(node.args.kwonlyargs, node.args.kw_defaults))
-    for argument, value in arguments:
-        f = of.get(argument.arg)
+    told = [(argument.arg, value) for argument, value in arguments]
+    # Options beyond the signature: advanced.get("samples", 2).
+    told += [(c.args[0].value, c.args[1]) for c in ast.walk(node) if isinstance(c, ast.Call) and isinstance(c.func, ast.Attribute) and c.func.attr == "get"
+             and getattr(c.func.value, "id", "") == "advanced" and len(c.args) == 2]
+    for name, value in told:
+        f = of.get(name)
         if f is None or not isinstance(value, ast.Constant) or value.value is None or default_of(f) in (None, "NULL"):
             continue
         given, said = value.value, default_of(f)[0]
@@ -377,8 +381,8 @@ def compare_function(where, of, node):
             names = {text: v for rows in LISTS.values() for name, (v, text) in rows.items() if re.search(rf"BVX_{name.split('_')[1]}_", f.comment + " BVX_" + f.name.upper())}
             given = names.get(given)
         spoken += 1
-        if given is not None and given != said and (where.split("/")[-1], argument.arg) not in LATER:
-            wrong(where, f"{argument.arg}={value.value!r}, the header [Default: {f.default}]")
+        if given is not None and given != said and (where.split("/")[-1], name) not in LATER:
+            wrong(where, f"{name}={value.value!r}, the header [Default: {f.default}]")
     for call in ast.walk(node):
         if not (isinstance(call, ast.Assign) and isinstance(call.value, (ast.Call, ast.IfExp)) and isinstance(call.targets[0], ast.Attribute)):
             continue
