@@ -60,7 +60,8 @@ else:
 
 
 def __dir__() -> list[str]:
-    return sorted({*(name for name in globals() if name[0] != "_"), "__version__", "big", "formats", "reports"})
+    own = (name for name, value in globals().items() if name[0] != "_" and not isinstance(value, type(_typing)))
+    return sorted({*own, "__version__", "big", "formats", "reports"})
 
 
 __version__ = _version()
