@@ -737,7 +737,7 @@ enum { BVX_UP_LIST(BVX_LIST_ENUM) };
     X(BVX_CHECK_ALWAYS, 2, "always")
 enum { BVX_CHECK_LIST(BVX_LIST_ENUM) };
 
-/** Counts of one call, for its window (edges: of the mesh); those of other rules are 0. */
+/** Counts of one call, for its window; those of other rules are 0. */
 typedef struct bvx_solid_report {
     int32_t fill;             /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
     int32_t fill_reason;      /**< BVX_FILL_REASON_... */
@@ -760,7 +760,7 @@ typedef struct bvx_solid_report {
                                     spacing. Rounded to a float [Units: world] */
     int32_t volume_resolution; /**< resolution from which volume is within 1 % of mesh_volume (of
                                     crossing_volume where that is 0), by how far off it is now; 0: it is
-                                    within 1 %, or no resolution is. Not in bvx_boolean_report */
+                                    within 1 %, or no resolution is */
     int32_t thin_checked;      /**< 1: walls that the voxels lose were searched (check_thin) */
     uint64_t thin_voxels;      /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
     int32_t thin_resolution;   /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none
@@ -1071,16 +1071,16 @@ enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
-    uint64_t target;                    /**< triangles wanted of this level, halves too, or 0 */
-    double target_error;                /**< error target of this level, or 0 [Units: world] */
-    int32_t met;                        /**< 1: both are kept */
-    int32_t measured;                   /**< 1: distance is filled */
-    bvx_distance_report distance;       /**< a is the input, b the level; measured for target_errors, or where
-                                       measure_samples is not 0; else its distances are NaN */
-    bvx_certificate certificate;        /**< of the level */
-    uint64_t crossings;                 /**< pairs of triangles that cross: 0, or some that the mesh had */
-    double least_angle;                 /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;                   /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
+    uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
+    double target_error;          /**< error target of this level, or 0 [Units: world] */
+    int32_t met;                  /**< 1: both are kept */
+    int32_t measured;             /**< 1: distance is filled */
+    bvx_distance_report distance; /**< a is the input, b the level; measured for targets.errors, or where
+                                       targets.samples is not 0; else its distances are NaN */
+    bvx_certificate certificate;  /**< of the level */
+    uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
+    double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
     uint64_t handles_cut, holes_filled; /**< of the mesh, down to this level: BVX_TOPOLOGY_SIMPLIFY */
     double longest_closed;              /**< way around the largest of them, or 0 [Units: world] */
     uint64_t reserved[3];
@@ -1257,7 +1257,7 @@ typedef struct bvx_repair_options {
  *  [Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to
  *  the surface and what bvx_measure_field needs a triangle; parts inside out: 32 a crossing pair; with a
  *  report that of bvx_mesh_check on both meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512,
- *  with a report 36 and 155]
+ *  with a report 36 and 155, and up to 16 grids where its volume is looked at: docs/rules.md]
  *  [Cost: the solid, closest points of the centres next to the surface, the surface; target_triangles: the
  *  solid at each resolution tried]
  *  [Exact: any order of triangles, vertices and corners of a closed mesh, also inside out, gives the same
@@ -1292,7 +1292,7 @@ typedef struct bvx_levels_options {
     size_t struct_size;
     bvx_targets targets;   /**< as in bvx_simplify_options; halving starts from the input
                                 [Default: half the triangles of the one before] */
-    bvx_collapse collapse; /**< without solid: vertices, topology and attributes are of the mesh as it is
+    bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused
                                 [Default: all zero] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
                         crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
@@ -1387,7 +1387,7 @@ typedef struct bvx_boolean_options {
  *             Where b does not reach a, the difference is a's surface on the lattice
  *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the
  *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in bvx_extract_surface).
- *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them), 16 bytes a row,
+ *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them; with a report up to 16, docs/rules.md), 16 bytes a row,
  *  32 (sharp: 36) for each centre next to a mesh's part of the surface; in turns what bvx_voxelize_solid
  *  needs and what bvx_measure_field needs a triangle]
  *  [Cost: two solids, O(triangles log triangles), the closest points of these centres, the surface] */

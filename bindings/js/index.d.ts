@@ -368,6 +368,7 @@ export interface LevelsOptions extends ChainOptions {
     shell?: number | undefined;
     leastPart?: number | undefined;
     keepLargest?: number | undefined;
+    /** Number.MAX_SAFE_INTEGER fills all: what was `outer`. */
     leastCavity?: number | undefined;
 }
 /** [bvx_level_report] */

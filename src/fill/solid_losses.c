@@ -247,7 +247,7 @@ static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const
         half.spacing[a] *= 0.5;
         half.dims[a] *= 2;
     }
-    if (half.fraction_bits > 4) half.fraction_bits--;
+    half.fraction_bits--;
     solid.word_capacity = bvx_grid_bound(&half, NULL);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid.word_capacity * 8, "a finer solid", &solid.words));
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, voxelize(ctx, mesh, &half, &o, &solid)));
@@ -265,6 +265,9 @@ bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mes
     bvx_status status;
 
     /* Edges and thin bars put the sums off by the square of the spacing. */
+    for (int a = 0; a < 3; a++)
+        if (lattice->dims[a] > BVXI_MAX_SIDE / 2) return BVX_OK;
+    if (lattice->fraction_bits <= BVXI_MIN_FRACTION) return BVX_OK;
     if (!(*volume > 0.0) || bvxi_absolute(made - *volume) <= LOSS_CLOSE * *volume ||
         bvx_grid_bound(lattice, NULL) > LOSS_WORDS / 8)
         return BVX_OK;

@@ -215,7 +215,8 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
 {
     static const int32_t back[3] = {2, 0, 1};
     bvx_context *const ctx = r->source->ctx;
-    bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {grid->size[1], grid->size[2], 64}, BVXI_MIN_FRACTION};
+    int32_t const deep = grid->size[0] < 64 ? grid->size[0] : 64;
+    bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {grid->size[1], grid->size[2], deep}, BVXI_MIN_FRACTION};
     uint64_t const layer = r->dims[1] * r->dims[2];
     double const columns = (double)grid->words_per_row;
     binvox_cursor place = {r->data, 0};
@@ -224,7 +225,7 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
     binvox_decode(r, (uint64_t)part->low[0] * layer, NULL, NULL, &place);
     for (int32_t c = 0; c < grid->words_per_row; c++) {
         int32_t const left = grid->size[0] - 64 * c;
-        bvx_window const wanted = {{part->low[1], part->low[2], 0}, {part->size[1], part->size[2], 64}};
+        bvx_window const wanted = {{part->low[1], part->low[2], 0}, {part->size[1], part->size[2], deep}};
 
         memset(turned->words, 0, (size_t)bvxi_grid_words(turned) * 8);
         binvox_decode(r, (uint64_t)(left < 64 ? left : 64) * layer, &wanted, turned, &place);

@@ -41,7 +41,9 @@ bvx_status bvxi_check_blocks(const bvxi_dense *d, uint64_t *size)
     if (whole && blocks != 0) whole = take_number(d, &from, &block) && take_number(d, &from, &last);
     for (uint64_t i = 0; whole && i < blocks; i++) {
         whole = take_number(d, &from, &n);
-        if (whole && n > have) return fail_blocks(d, "packed blocks continue after the end of the file");
+        /* Sums that stay below what the file has do not wrap. */
+        if (whole && n > have - packed)
+            return fail_blocks(d, "packed blocks continue after the end of the file");
         if (whole) packed += n;
     }
     if (!whole) return fail_blocks(d, "the array ends within its head");

@@ -135,8 +135,8 @@ static bvx_status binvox_put_layers(bvx_context *ctx, binvox_writing *w, double 
 
 static bvx_status binvox_put(bvx_context *ctx, binvox_writing *w, bvx_buffer *file)
 {
-    bvx_lattice const box = {
-        {0, 0, 0}, {1, 1, 1}, {64, w->grid->size[1], w->grid->size[2]}, BVXI_MIN_FRACTION};
+    const int32_t *const n = w->grid->size;
+    bvx_lattice const box = {{0, 0, 0}, {1, 1, 1}, {n[0] < 64 ? n[0] : 64, n[1], n[2]}, BVXI_MIN_FRACTION};
     double corner[3], scale = 0;
 
     BVXI_TRY(binvox_corner(ctx, w->grid, corner, &scale));

@@ -574,6 +574,7 @@ static bvx_status add_piece_boxes(boolean_job *job, const bvx_mesh_view *mesh, c
         uint32_t c[3], *n;
 
         bvxi_view_triangle(mesh, t, c);
+        if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
         n = &number[piece[c[0]]];
         if (*n == 0) {
             if (*count == BOOLEAN_BOXES) return (*count)++, BVX_OK;
@@ -638,6 +639,9 @@ static bvx_status warn_of_operands_parts(boolean_job *job, uint64_t parts, doubl
     if (parts > 2 && parts > own) BVXI_WARN(job->ctx, BVX_WARN_PARTS, (double)parts, (double)own, finer);
     if (r->parts_dropped != 0 || !bvxi_solid_is_closed(&r->solid_a) || !bvxi_solid_is_closed(&r->solid_b))
         return BVX_OK;
+    /* Of bodies beyond the lattice pieces are missing, whatever its resolution is. */
+    for (int i = 0; i < 2; i++)
+        if (!bvxi_sides_on_lattice(&job->box[i], &job->lattice).whole) return BVX_OK;
     BVXI_TRY(BVXI_SCOPE(job->ctx, count_apart(job, &apart)));
     if (parts < apart) BVXI_WARN(job->ctx, BVX_WARN_JOINED, (double)parts, (double)apart, finer);
     return BVX_OK;

@@ -415,6 +415,7 @@ static void warn_of_surface(levels_job *job)
 {
     bvx_levels_report *const r = &job->report;
     bvx_certificate from = r->repair.after;
+    uint64_t const known = UINT64_C(1) << BVX_WARN_VOLUME | UINT64_C(1) << BVX_WARN_THICKER;
 
     if (r->resolution < r->planned_resolution)
         BVXI_WARN(job->ctx, BVX_WARN_LOWERED, r->planned_resolution, r->resolution);
@@ -424,8 +425,7 @@ static void warn_of_surface(levels_job *job)
                      job->chain.count != 0 ? job->chain.levels[0].triangle_count : 0);
     /* What the surface and edges that collapsed have lost together, where the surface alone is as it should be. */
     if (bvxi_has_own_size(&r->repair, &job->facts) &&
-        r->repair.parts_dropped + r->repair.cavities_dropped == 0 &&
-        (bvxi_warned(job->ctx) >> BVX_WARN_VOLUME & 1) == 0)
+        r->repair.parts_dropped + r->repair.cavities_dropped == 0 && (bvxi_warned(job->ctx) & known) == 0)
         from.volume = r->repair.before.volume;
     /* The solid's crumbs are not in its surface. */
     from.components -= r->crumbs - r->repair.crumbs;

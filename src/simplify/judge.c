@@ -512,7 +512,8 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
 bvx_status bvxi_collapse_crossings(bvxi_collapse *c, uint64_t *count)
 {
     /* Found when the level was judged, unless it has changed since. */
-    if (!c->judged || bvxi_any_marked(c->fresh, c->mesh.vertices)) BVXI_TRY(search_level(c, NULL, 0.0, 1.0));
+    if (!c->judged || !c->options.counted || bvxi_any_marked(c->fresh, c->mesh.vertices))
+        BVXI_TRY(search_level(c, NULL, 0.0, 1.0));
     *count = c->crossings;
     return BVX_OK;
 }

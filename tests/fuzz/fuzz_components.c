@@ -122,6 +122,7 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
     double low[3], high[3];
 
     fuzz_take_mesh(in, &m);
+    m.view.triangle_count = 0;
     fit.resolution = fuzz_range(in, 1, 40);
     if (!fuzz_good(ctx, bvx_lattice_fit_with(ctx, &m.view, &fit, &lattice))) return;
     for (int a = 0; a < 3; a++) {

@@ -351,6 +351,11 @@ def test_lod_without_options_halves(knot):
     assert copied == levels and copied.report == levels.report
 
 
+def test_flags_of_any_type(knot):
+    assert bitvox.lod(knot, triangles=500, local_frame=0, solid=np.False_) == bitvox.lod(knot, triangles=500)
+    assert len(bitvox.lod(knot, levels=(16,), lock_border=0, strict=np.False_)) == 1
+
+
 def test_lod_of_torn_meshes(knot):
     torn = bitvox.Mesh(knot.vertices, np.asarray(knot.faces)[400:])
     kept = bitvox.lod(torn, triangles=(4000, 1000), samples=5000)

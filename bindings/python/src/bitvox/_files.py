@@ -368,7 +368,7 @@ def write_levels(path: str | os.PathLike[str], levels: Iterable[Any], *, up: str
     """
     path = os.fsdecode(path)
     kind = format_of(path, None)
-    if kind not in MESH_OUTPUTS:
+    if kind != "glb":
         raise UnsupportedError(f"{path}: levels of detail are not written as {kind!r}; take .glb, or write one file a level")
     if isinstance(levels, Mesh):
         raise TypeError("levels are several meshes, not one; Mesh.save writes one")

@@ -29,6 +29,7 @@ METHODS = ("collapse", *names_of("BVX_LOD_"))
 ERROR_SAMPLES = 20000  # points a side that decide about an error, as in the library
 OF_SOLID = ("solid", "lattice", "sign", "sharp", "outer_hull", "shell", "least_part", "keep_largest", "least_cavity")
 OF_VOXELS = ("levels", "threshold", "edge_samples", "collapse", "fill", "close_gaps", "padding", "face_rule", "local_frame")
+_FLAGS = ("solid", "strict", "outer_hull", "lock_border", "local_frame")  # of any type that is true or false
 _USUAL = {"vertices": "placed", "topology": "keep"}
 HALVINGS, FEWEST = 4, 20  # levels by halving where none are requested, and triangles that the last one has at least
 
@@ -383,7 +384,8 @@ def lod(
     known(lod, LodOptions, advanced)
     given: dict[str, Any] = {"error": error, "count": count, "solid": solid, "strict": strict, "levels": levels, **advanced}
     given = {name: value for name, value in given.items()
-             if value is not None and (value is not False or name == "sharp") and not (name in _USUAL and value == _USUAL[name])}
+             if value is not None and (bool(value) if name in _FLAGS else value is not False or name == "sharp")
+             and not (name in _USUAL and value == _USUAL[name])}
     asked = {name: value for name, value in given.items() if name in OF_VOXELS}
     other = [name for name in given if name not in (*OF_VOXELS, "dtype")]
     if getattr(source, "ndim", 0) == 3 and tuple(source.shape[1:]) == (3, 3):
