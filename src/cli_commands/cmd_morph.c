@@ -218,7 +218,7 @@ static bvx_status change_voxels(cli_run *run, morph_job *job)
 
     m.neighbourhood = cli_given(run, "--radius") ? BVX_BALL : cli_neighbours[own->neighbourhood];
     m.beyond = own->distance.beyond == BVX_BEYOND_SET;
-    return bvx_grid_morph(run->context, &job->in.grid, job->action, &m, &job->out);
+    return bvx_grid_morph(run->context, &job->in.grid, (int32_t)job->action, &m, &job->out);
 }
 
 static bvx_status hollow_voxels(cli_run *run, morph_job *job)
