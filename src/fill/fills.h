@@ -48,13 +48,13 @@ bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *gri
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
                       const bvx_voxelize_options *options, bvx_grid *solid, bvx_solid_report *report);
 
-typedef bvx_status bvxi_voxelize_fn(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
-                                    const bvx_voxelize_options *options, bvx_grid *solid);
-/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled; voxelize is
- * bvx_voxelize_solid. Scratch: thin_walls.h where walls are looked for. */
+/* solid_losses.c: the report's volumes and thin walls of a solid that options have filled; the resolution at
+ * which the volume is right. Scratch: thin_walls.h where walls are looked for. */
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *solid, bvxi_voxelize_fn *voxelize,
-                             const bvx_voxelize_options *options, bvx_solid_report *report);
+                             const bvx_grid *solid, const bvx_voxelize_options *options,
+                             bvx_solid_report *report);
+bvx_status bvxi_advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                  bvx_solid_report *report);
 /* Warn of what a solid's report says, as its owner's whole result; of how a mesh was filled and of the walls that
  * are lost, as one of several inputs (-1: the only one). */
 void bvxi_warn_of_solid(bvx_context *ctx, const bvx_grid *solid, bvx_solid_report *report);

@@ -17,8 +17,6 @@ enum { LOSS_GRAIN = 4096 };
 #define LOSS_FLAT    256.0 /* a face that rises less than this once lies along the lattice */
 #define LOSS_MOST    0.01  /* of a volume that is as it should be */
 #define LOSS_LARGEST 1e6   /* times that no resolution is known for */
-#define LOSS_CLOSE   0.004 /* of a volume: nearer to what lines of centres see no look is worth it */
-#define LOSS_WORDS   (UINT64_C(1) << 24)
 
 /* Sums over some triangles: six times the volume, twice the shadows along each axis, and of these those of
  * faces along the lattice. */
@@ -232,53 +230,10 @@ static bvx_status look_for_walls(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-/* The same of a lattice of half the spacing, on which the mesh is snapped as on this one. */
-static bvx_status see_finer_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                                   const bvx_lattice *lattice, bvxi_voxelize_fn *voxelize, int32_t fill,
-                                   double *volume)
-{
-    bvx_voxelize_options const o = {.struct_size = sizeof o, .fill = fill, .check_thin = BVX_CHECK_NEVER};
-    bvx_lattice half = *lattice;
-    bvx_grid solid = {0};
-    bvxi_walls walls = {.ctx = ctx, .function = function, .mesh = mesh, .solid = &solid};
-    uint64_t voxels;
-
-    for (int a = 0; a < 3; a++) {
-        half.spacing[a] *= 0.5;
-        half.dims[a] *= 2;
-    }
-    half.fraction_bits--;
-    solid.word_capacity = bvx_grid_bound(&half, NULL);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid.word_capacity * 8, "a finer solid", &solid.words));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, voxelize(ctx, mesh, &half, &o, &solid)));
-    BVXI_TRY(bvx_grid_count(ctx, &solid, &voxels));
-    BVXI_TRY(bvxi_walls_open(&walls));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_walls_mark(&walls)));
-    *volume = bvxi_volume_by_crossings(&walls, (double)voxels * voxel_size(&half));
-    return BVX_OK;
-}
-
-bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                           const bvx_lattice *lattice, bvxi_voxelize_fn *voxelize, int32_t fill, double made,
-                           double *volume)
-{
-    bvx_status status;
-
-    /* Edges and thin bars put the sums off by the square of the spacing. */
-    for (int a = 0; a < 3; a++)
-        if (lattice->dims[a] > BVXI_MAX_SIDE / 2) return BVX_OK;
-    if (lattice->fraction_bits <= BVXI_MIN_FRACTION) return BVX_OK;
-    if (!(*volume > 0.0) || bvxi_absolute(made - *volume) <= LOSS_CLOSE * *volume ||
-        bvx_grid_bound(lattice, NULL) > LOSS_WORDS / 8)
-        return BVX_OK;
-    status = BVXI_SCOPE(ctx, see_finer_volume(ctx, function, mesh, lattice, voxelize, fill, volume));
-    return status == BVX_ERR_BUDGET ? BVX_OK : status;
-}
-
 /* From which resolution on the volume is right. What is off shrinks with the voxels; but faces along the
  * lattice may lie half a voxel off at any, where here they are lucky. */
-static bvx_status advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *l,
-                                    bvx_solid_report *report)
+bvx_status bvxi_advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh, const bvx_lattice *l,
+                                  bvx_solid_report *report)
 {
     double const wanted = report->mesh_volume > 0 ? report->mesh_volume : report->crossing_volume;
     double off = wanted > 0 ? bvxi_absolute(report->volume - wanted) / wanted : 0, flat = 0;
@@ -301,8 +256,7 @@ static bvx_status advise_for_volume(bvx_context *ctx, const bvx_mesh_view *mesh,
 }
 
 bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                             const bvx_grid *solid, bvxi_voxelize_fn *voxelize, const bvx_voxelize_options *o,
-                             bvx_solid_report *report)
+                             const bvx_grid *solid, const bvx_voxelize_options *o, bvx_solid_report *report)
 {
     const bvx_lattice *const l = &solid->lattice;
     int const whole = solid->size[0] == l->dims[0] && solid->size[1] == l->dims[1] &&
@@ -330,11 +284,7 @@ bvx_status bvxi_solid_losses(bvx_context *ctx, const char *function, const bvx_m
                   : BVX_OK;
     if (status == BVX_ERR_BUDGET && o->check_thin == BVX_CHECK_AUTO) status = BVX_OK;
     if (o->add_shell) report->crossing_volume = 0;
-    if (status == BVX_OK && whole && report->mesh_volume == 0 && bvxi_solid_is_closed(report))
-        status = BVXI_SHARE(ctx, 0.95, 0.95,
-                            bvxi_see_volume(ctx, function, mesh, l, voxelize, o->fill, report->volume,
-                                            &report->crossing_volume));
-    return status == BVX_OK ? BVXI_SHARE(ctx, 0.95, 1.0, advise_for_volume(ctx, mesh, l, report)) : status;
+    return status;
 }
 
 /* ---- Warnings ---- */

@@ -3,7 +3,6 @@
 #ifndef BVXI_THIN_WALLS_H
 #define BVXI_THIN_WALLS_H
 
-#include "fill/fills.h"
 #include "grid/grid.h"
 #include "nearest/closest.h"
 
@@ -98,12 +97,11 @@ void bvxi_tell_walls(bvxi_walls *walls, bvx_solid_report *report);
  * comes out exact. 0: it has none. */
 double bvxi_volume_by_crossings(const bvxi_walls *walls, double volume);
 
-/* Replace that volume of a closed mesh, which fill makes a solid, by what lines twice as dense see, where a result
+/* voxelize_solid.c: replace that volume of a closed mesh, which fill makes a solid, by what lines twice as dense see, where a result
  * of volume made leaves it by more than a little. A lattice that is large, or beyond the memory limit, keeps it.
  * Scratch: two grids of eight times the lattice's size, and what bvx_voxelize_solid needs. */
 bvx_status bvxi_see_volume(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
-                           const bvx_lattice *lattice, bvxi_voxelize_fn *voxelize, int32_t fill, double made,
-                           double *volume);
+                           const bvx_lattice *lattice, int32_t fill, double made, double *volume);
 
 /* Of a solid's report: the volume that it should have, 0 where nothing says; 1: a rule that goes by triangles alone
  * made it, without lids. */

@@ -202,7 +202,7 @@ static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t op
 
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     if (operation < BVX_MORPH_DILATE || operation > BVX_MORPH_CLOSE)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: operation is %d; it must be BVX_MORPH_...", function, (int64_t)operation);
     morph = morphs[operation];
     BVXI_TRY(take_morph_options(ctx, function, grid, options, &morph));

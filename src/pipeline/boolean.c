@@ -537,8 +537,7 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
     for (int i = 0; i < count; i++)
         if (bvxi_known_volume(of[i]) == of[i]->crossing_volume && bvxi_solid_is_closed(of[i]))
             BVXI_TRY(bvxi_see_volume(job->ctx, boolean_name, job->body[i].mesh, &job->lattice,
-                                     bvx_voxelize_solid, job->options->fill,
-                                     of[i]->crossing_volume + volume + shared - wanted,
+                                     job->options->fill, of[i]->crossing_volume + volume + shared - wanted,
                                      &of[i]->crossing_volume));
     wanted = 0.0;
     for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
@@ -553,14 +552,7 @@ enum { BOOLEAN_BOXES = 1024 };
 
 typedef struct piece_box {
     double low[3], high[3];
-    uint32_t group; /* an earlier one of the same group, or itself */
 } piece_box;
-
-static uint32_t group_of(piece_box *box, uint32_t i)
-{
-    while (box[i].group != i) i = box[i].group = box[box[i].group].group;
-    return i;
-}
 
 /* The boxes of one mesh's pieces, after those of the other; *count is more than BOOLEAN_BOXES where they do not
  * fit. */
@@ -578,7 +570,7 @@ static bvx_status add_piece_boxes(boolean_job *job, const bvx_mesh_view *mesh, c
         n = &number[piece[c[0]]];
         if (*n == 0) {
             if (*count == BOOLEAN_BOXES) return (*count)++, BVX_OK;
-            box[*count] = (piece_box){{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}, *count};
+            box[*count] = (piece_box){{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
             *n = ++*count;
         }
         for (int k = 0; k < 3; k++) {
@@ -595,10 +587,17 @@ static bvx_status add_piece_boxes(boolean_job *job, const bvx_mesh_view *mesh, c
     return BVX_OK;
 }
 
+static int boxes_meet(const piece_box *a, const piece_box *b)
+{
+    for (int k = 0; k < 3; k++)
+        if (a->low[k] > b->high[k] || b->low[k] > a->high[k]) return 0;
+    return 1;
+}
+
 /* Groups of pieces whose boxes meet: a union of closed meshes has no fewer parts. 0: too many to compare. */
 static bvx_status count_apart(boolean_job *job, uint64_t *groups)
 {
-    uint32_t *piece[2] = {NULL, NULL}, count = 0;
+    uint32_t *piece[2] = {NULL, NULL}, group[BOOLEAN_BOXES], count = 0;
     piece_box *box;
 
     BVXI_TRY(open_boolean_pieces(job, piece));
@@ -608,16 +607,9 @@ static bvx_status count_apart(boolean_job *job, uint64_t *groups)
         BVXI_TRY(add_piece_boxes(job, job->body[i].mesh, piece[i], box, &count));
     *groups = 0;
     for (uint32_t i = 0; i < count && count <= BOOLEAN_BOXES; i++) {
+        group[i] = i;
         ++*groups;
-        for (uint32_t k = 0; k < i; k++) {
-            int meet = 1;
-
-            for (int a = 0; a < 3; a++)
-                meet &= box[i].low[a] <= box[k].high[a] && box[k].low[a] <= box[i].high[a];
-            if (!meet || group_of(box, k) == group_of(box, i)) continue;
-            box[group_of(box, k)].group = group_of(box, i);
-            --*groups;
-        }
+        for (uint32_t k = 0; k < i; k++) *groups -= boxes_meet(&box[i], &box[k]) && bvxi_join(group, i, k);
     }
     return BVX_OK;
 }

@@ -309,7 +309,7 @@ static bvx_status simplify_measured_at(levels_job *job, int32_t resolution)
         job->report.triangles = view.triangle_count;
 
         /* Levels are made of the measured surface, in its type. */
-        job->chain.collapse.position_type = surface.position_type;
+        job->chain.collapse.given.position_type = surface.position_type;
         job->chain.collapse.simple = 1;
         status = BVXI_SHARE(job->ctx, 0.7, 1.0, bvxi_levels_make(job->ctx, &job->chain, &view, NULL));
     }

@@ -180,7 +180,7 @@ static bvx_status collapse_level(bvx_context *ctx, const lod_job *job, const bvx
         .original = &view,
         .targets.triangles = &target,
         .halve_from = fine->triangle_count,
-        .collapse = {.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
+        .collapse = {.given.position_type = fine->position_type, .even = BVXI_EVEN, .simple = 1},
         .count = 1,
         .levels = mesh};
 

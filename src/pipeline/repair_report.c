@@ -132,9 +132,8 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.25, 0.4, BVXI_SCOPE(job->ctx, count_overlaps(job))));
     if (is_closed(&job->report) && !bvxi_has_own_size(&job->report, &job->facts))
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
-                            bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice,
-                                            bvx_voxelize_solid, job->fill, job->report.after.volume,
-                                            &job->report.crossing_volume)));
+                            bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
+                                            job->report.after.volume, &job->report.crossing_volume)));
     if (!job->options->measure) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }

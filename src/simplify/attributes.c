@@ -88,7 +88,7 @@ static uint32_t row_of(bvxi_collapse *c, int32_t corner, uint64_t first)
 {
     bvxi_attributes *const s = &c->attributes;
     uint32_t const v = bvxi_given_vertex(c, corner), uv = uv_index(c, corner, v);
-    int const apart = c->options.vertices == BVX_VERTICES_KEPT &&
+    int const apart = c->options.given.vertices == BVX_VERTICES_KEPT &&
                       c->given->vertex_count < 3 * c->given->triangle_count;
 
     for (uint64_t r = s->rows; r > first && r + ROWS_COMPARED > s->rows; r--)
@@ -269,7 +269,7 @@ void bvxi_attributes_add(const bvxi_collapse *c, int32_t edge, const double offs
 
     for (int i = rows_of_edge(c, edge, u, v); i-- > 0;) {
         join_sums(s, u[i], v[i], offset, both);
-        add_cost(s, both, c->options.attribute_weight * c->options.attribute_weight, a, b, cost);
+        add_cost(s, both, c->options.given.attribute_weight * c->options.given.attribute_weight, a, b, cost);
     }
 }
 
@@ -342,7 +342,7 @@ bvx_status bvxi_attributes_open(bvxi_collapse *c)
             s->material[t] = m->materials[bvxi_given_triangle(c, (int32_t)(4 * t))];
     }
     if (m->uvs == NULL && m->uvs2 == NULL && m->normals == NULL && m->colours == NULL &&
-        c->options.vertices != BVX_VERTICES_KEPT)
+        c->options.given.vertices != BVX_VERTICES_KEPT)
         return BVX_OK;
     BVXI_TRY(find_rows(c));
     set_channels(c);

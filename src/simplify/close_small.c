@@ -278,7 +278,7 @@ static int place_side(const bvxi_collapse *c, loop_side *side)
     const bvxi_corner_vertex *const at = c->mesh.at;
     const collapse_star *const star = &side->star;
     const uint32_t *const v = side->loop;
-    int const kept = c->options.vertices == BVX_VERTICES_KEPT;
+    int const kept = c->options.given.vertices == BVX_VERTICES_KEPT;
 
     for (int k = 0; k < 3; k++) {
         double const middle = (at[v[0]].p[k] + at[v[1]].p[k] + at[v[2]].p[k]) / 3;

@@ -227,7 +227,7 @@ static int judge_elsewhere(const collapse_sweep *s, bvxi_edge_planned *plan, con
 {
     const double *const offset = plan->offset;
 
-    if (plan->still || s->c->options.vertices == BVX_VERTICES_KEPT) return 0;
+    if (plan->still || s->c->options.given.vertices == BVX_VERTICES_KEPT) return 0;
     for (int i = 0; i < 3; i++) {
         double const d[3] = {0.5 * i * offset[0], 0.5 * i * offset[1], 0.5 * i * offset[2]};
 

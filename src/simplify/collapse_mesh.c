@@ -135,7 +135,7 @@ static bvx_status collapse_judged(bvxi_collapse *c, uint64_t target, int last, d
     met = c->mesh.left <= target;
     BVXI_TRY(bvxi_collapse_judge(c, middle, to, &undone));
     if (undone != 0 && met) BVXI_TRY(collapse_edges(c, target, last, to, to));
-    if (c->options.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
+    if (c->options.given.topology != BVX_TOPOLOGY_KEEP) BVXI_TRY(close_small(c, target, last, to));
     bvxi_collapse_end_careful(c);
     return BVX_OK;
 }
@@ -153,7 +153,7 @@ bvx_status bvxi_collapse_to(bvxi_collapse *c, uint64_t target, double from, doub
 {
     uint64_t const begun = c->mesh.left;
     /* What is small is closed before the target, so that other triangles need not make up for those that go. */
-    uint64_t const near = c->options.topology != BVX_TOPOLOGY_KEEP ? target + target / 4 : target;
+    uint64_t const near = c->options.given.topology != BVX_TOPOLOGY_KEEP ? target + target / 4 : target;
     uint64_t const last = near < begun ? near : begun;
     uint64_t next = judged_next(c, begun, last);
 
@@ -495,12 +495,14 @@ static void mark_lines(bvxi_collapse *c)
             mark_line(c, corner, corner < bvxi_corner_opposite(m, corner));
     for (int32_t ghost = end; ghost < end + (int32_t)(4 * m->ghosts); ghost += 4) {
         mark_line(c, bvxi_corner_opposite(m, ghost), 1);
-        for (int k = 1; k < 3 && c->options.lock_border; k++) c->kind[m->triangle[ghost >> 2].vertex[k]] = 4;
+        for (int k = 1; k < 3 && c->options.given.lock_border; k++)
+            c->kind[m->triangle[ghost >> 2].vertex[k]] = 4;
     }
     for (uint64_t v = 0; v < m->vertices; v++) c->kind[v] = kinds[c->kind[v]];
 
-    for (int32_t corner = 0; corner < end && c->options.locked != NULL; corner += (corner & 3) == 2 ? 2 : 1)
-        if (c->options.locked[bvxi_given_vertex(c, corner)] != 0)
+    for (int32_t corner = 0; corner < end && c->options.given.locked != NULL;
+         corner += (corner & 3) == 2 ? 2 : 1)
+        if (c->options.given.locked[bvxi_given_vertex(c, corner)] != 0)
             c->kind[bvxi_corner_vertex_of(m, corner)] = VERTEX_LOCKED;
 }
 
@@ -577,7 +579,7 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options)
 {
     return mesh->uvs != NULL || mesh->uvs2 != NULL || mesh->normals != NULL || mesh->colours != NULL ||
-           mesh->materials != NULL || options->locked != NULL || options->vertices == BVX_VERTICES_KEPT;
+           mesh->materials != NULL || options->given.locked != NULL || options->given.vertices == BVX_VERTICES_KEPT;
 }
 
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,

@@ -111,7 +111,7 @@ struct bvxi_collapse {
 /* Nearest value of the type that positions have in the result. */
 static inline double bvxi_collapse_rounded(const bvxi_collapse *c, double x)
 {
-    return c->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
+    return c->options.given.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
 static inline int bvxi_collapse_is_gone(const bvxi_collapse *c, uint32_t v)

@@ -68,7 +68,8 @@ static int freedom(const bvxi_collapse *c, uint32_t v)
     if (kind == 0) return FREE_ALL;
     if (kind == VERTEX_LINE) return FREE_LINE;
     /* A junction takes attributes along that no vertex has which was given. */
-    return kind == VERTEX_JUNCTION && c->options.vertices != BVX_VERTICES_KEPT ? FREE_JUNCTION : FREE_NOWHERE;
+    return kind == VERTEX_JUNCTION && c->options.given.vertices != BVX_VERTICES_KEPT ? FREE_JUNCTION
+                                                                                     : FREE_NOWHERE;
 }
 
 /* Where an edge's ends may meet at all; 0: nowhere. */
@@ -93,7 +94,7 @@ static int plan_ends(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *pl
         if (!bvxi_collapse_is_feature(c, edge)) {
             /* Lines meet across the strip between them, which is a junction from then on. Vertices that were given
              * have no attributes of the other side. */
-            if (c->attributes.row == NULL || c->options.vertices == BVX_VERTICES_KEPT) return 0;
+            if (c->attributes.row == NULL || c->options.given.vertices == BVX_VERTICES_KEPT) return 0;
             plan->pinches = free_u == free_v && free_u == FREE_LINE;
         }
         if (c->attributes.row != NULL && !bvxi_attributes_match(c, edge)) return 0;
@@ -115,7 +116,7 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
     offset_between(c, plan->u, plan->v, plan->offset);
     join_quadrics(&c->mesh.at[plan->u].q, &c->mesh.at[plan->v].q, plan->offset, &plan->q);
     plan->all = plan->q;
-    if (c->attributes.channels > 0 && c->options.attribute_weight > 0)
+    if (c->attributes.channels > 0 && c->options.given.attribute_weight > 0)
         bvxi_attributes_add(c, plan->edge, plan->offset, plan->all.a, plan->all.b, &plan->all.c);
     memset(plan->d, 0, sizeof plan->d);
     plan->cost = plan->all.c > 0 ? plan->all.c : 0;
@@ -123,7 +124,7 @@ static void join_ends(const bvxi_collapse *c, bvxi_edge_planned *plan)
 
 int bvxi_edge_plan(const bvxi_collapse *c, int32_t edge, bvxi_edge_planned *plan)
 {
-    int const kept = c->options.vertices == BVX_VERTICES_KEPT;
+    int const kept = c->options.given.vertices == BVX_VERTICES_KEPT;
     double at_v;
 
     if (!plan_ends(c, edge, plan)) return 0;

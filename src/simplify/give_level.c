@@ -11,7 +11,7 @@ enum { PLACES_COMPARED = 16 }; /* of a vertex that has very many rows */
 static void put_position(const bvxi_collapse *c, bvx_mesh *level, uint64_t at, const double p[3])
 {
     for (uint64_t k = 0; k < 3; k++) {
-        if (c->options.position_type == BVX_F64) ((double *)level->positions)[3 * at + k] = p[k];
+        if (c->options.given.position_type == BVX_F64) ((double *)level->positions)[3 * at + k] = p[k];
         else ((float *)level->positions)[3 * at + k] = (float)p[k];
     }
 }
@@ -40,7 +40,8 @@ bvx_status bvxi_collapse_give_plain(bvxi_collapse *c, bvx_mesh *level)
     uint32_t *index;
 
     BVXI_TRY(bvxi_collapse_number(c, &index));
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, c->alive, m->left, level));
+    BVXI_TRY(
+        bvxi_mesh_open(c->ctx, c->function, c->options.given.position_type, 0, c->alive, m->left, level));
     give_triangles(c, index, 0, level->triangles);
     for (uint64_t v = 0; v < m->vertices; v++)
         if (!bvxi_collapse_is_gone(c, (uint32_t)v)) put_position(c, level, index[v], m->at[v].p);
@@ -80,7 +81,7 @@ static bvx_status give_kept(bvxi_collapse *c, int owned, bvx_mesh *level)
     const bvx_mesh_view *const given = c->given;
     uint64_t const n = given->vertex_count;
 
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0, n, c->mesh.left, level));
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.given.position_type, 0, n, c->mesh.left, level));
     give_triangles(c, c->attributes.vertex, 1, level->triangles);
     for (uint64_t v = 0; v < n; v++) {
         double p[3];
@@ -178,7 +179,7 @@ static bvx_status give_rows(bvxi_collapse *c, bvx_mesh *level)
     at = index + rows;
     place = apart ? at + rows : index;
     count = number_rows(c, index, at);
-    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.position_type, 0,
+    BVXI_TRY(bvxi_mesh_open(c->ctx, c->function, c->options.given.position_type, 0,
                             apart ? number_shared_rows(c, index, at, place) : count, c->mesh.left, level));
     BVXI_TRY(open_attributes(c, level, count));
 
@@ -206,7 +207,7 @@ bvx_status bvxi_collapse_give(bvxi_collapse *c, bvx_mesh *level)
     /* Arrays of an earlier level do not suit, and those of the caller's hold no attributes. */
     if (level->owned == 1 && bvxi_mesh_has_attributes(level)) bvx_mesh_free(c->ctx, level);
     owned = level->owned == 1 || level->positions == NULL;
-    if (c->options.vertices == BVX_VERTICES_KEPT) status = give_kept(c, owned, level);
+    if (c->options.given.vertices == BVX_VERTICES_KEPT) status = give_kept(c, owned, level);
     else if (c->attributes.row != NULL && owned) status = give_rows(c, level);
     else status = bvxi_collapse_give_plain(c, level);
     if (status != BVX_OK || c->attributes.material == NULL || level->owned != 1) return status;

@@ -504,7 +504,7 @@ bvx_status bvxi_collapse_judge(bvxi_collapse *c, double from, double to, uint64_
     c->counts.refused += *undone;
     c->judged = 1;
     bvxi_drop(c->ctx, list.pair);
-    return c->tree.node[0] != NULL || c->options.topology == BVX_TOPOLOGY_KEEP
+    return c->tree.node[0] != NULL || c->options.given.topology == BVX_TOPOLOGY_KEEP
                ? BVX_OK
                : open_tree(c, NULL, c->mesh.triangles);
 }

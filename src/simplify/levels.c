@@ -19,18 +19,18 @@ bvx_status bvxi_levels_check(bvx_context *ctx, const bvxi_level_chain *c)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: level_count is 0", c->function);
     if (c->targets.triangles != NULL && c->targets.errors != NULL)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                             "%s: target_triangles and target_errors exclude each other; set one of them",
+                             "%s: targets.triangles and targets.errors exclude each other; set one of them",
                              c->function);
 
     for (uint64_t i = 0; i < c->count; i++) {
         if (c->targets.triangles != NULL && c->targets.triangles[i] == 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: target_triangles[%i] is 0",
+            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE, "%s: targets.triangles[%i] is 0",
                                  c->function, i);
         if (c->targets.errors != NULL &&
             !(c->targets.errors[i] > 0 && c->targets.errors[i] - c->targets.errors[i] == 0))
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "%s: target_errors[%i] is %g; it must be above 0 and finite", c->function, i,
-                                 c->targets.errors[i]);
+                                 "%s: targets.errors[%i] is %g; it must be above 0 and finite", c->function,
+                                 i, c->targets.errors[i]);
     }
     return BVX_OK;
 }

@@ -27,15 +27,13 @@ enum {
 #define BVXI_WEIGHT 1.0 /* by default */
 
 typedef struct bvxi_collapse_options {
-    int32_t position_type; /* of the levels: new positions are rounded to it */
+    /* The caller's; the type is that of the levels, to which new positions are rounded, never AUTO; locked [Size:
+     * vertex_count of the mesh that bvxi_levels_make takes]. */
+    bvx_collapse given;
     double even; /* pull of every vertex towards the line along its normal: even triangles where it is flat */
     int32_t simple;  /* 1: the mesh is known to be welded, closed, manifold and oriented */
     int32_t borders; /* BVXI_BORDERS_...: what becomes of a mesh that is not closed */
-    /* As in bvx_collapse; locked [Size: vertex_count of the mesh that bvxi_levels_make takes]. */
-    double attribute_weight;
-    int32_t lock_border, vertices, topology;
     int32_t counted; /* 1: crossings are, those that were there before too */
-    const uint8_t *locked;
 } bvxi_collapse_options;
 
 /* Handles that were cut and holes that were filled, and the way around the longest of them. */
@@ -59,24 +57,18 @@ typedef struct bvxi_level_chain {
     bvxi_distance_tree kept;   /* the original's, from the first measure to the last level */
 } bvxi_level_chain;
 
-/* The targets and the collapse of a chain's options; AUTO becomes the mesh's type. */
+/* The targets and the collapse of a chain's options. Errors are measured against the mesh as it was given, not as it
+ * was welded. */
 static inline void bvxi_chain_take(bvxi_level_chain *chain, const bvx_mesh_view *original,
                                    const bvx_targets *targets, const bvx_collapse *collapse)
 {
-    bvxi_collapse_options *const c = &chain->collapse;
-
-    /* Errors are measured against the mesh as it was given, not as it was welded. */
     chain->original = original;
     chain->targets = *targets;
     chain->halve_from = original->triangle_count;
-    c->position_type = collapse->position_type != BVX_POSITION_AUTO ? collapse->position_type
-                                                                    : (int32_t)original->position_type;
-    c->even = targets->even;
-    c->attribute_weight = collapse->attribute_weight;
-    c->lock_border = collapse->lock_border;
-    c->locked = collapse->locked;
-    c->vertices = collapse->vertices;
-    c->topology = collapse->topology;
+    chain->collapse.even = targets->even;
+    chain->collapse.given = *collapse;
+    if (collapse->position_type == BVX_POSITION_AUTO)
+        chain->collapse.given.position_type = (int32_t)original->position_type;
 }
 
 /* What was done to a mesh before its edges collapse; cut_edge: the ends of the first edge that was cut. */

@@ -17,9 +17,9 @@ static inline bvxi_collapse_options collapse_options(void)
     bvxi_collapse_options o;
 
     memset(&o, 0, sizeof o);
-    o.position_type = BVX_F64;
+    o.given.position_type = BVX_F64;
     o.even = 1e-9;
-    o.attribute_weight = 1;
+    o.given.attribute_weight = 1;
     o.borders = BVXI_BORDERS_KEPT;
     return o;
 }

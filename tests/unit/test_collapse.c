@@ -165,7 +165,7 @@ static void test_open_mesh_is_refused(void)
     bvx_mesh_view const view = {
         .positions = positions, .vertex_count = 3, .triangle_count = 1, .position_type = BVX_F64};
     bvxi_sheets const sheets = {.view = view};
-    bvxi_collapse_options const options = {.position_type = BVX_F64};
+    bvxi_collapse_options const options = {.given.position_type = BVX_F64};
     bvxi_collapse *collapse = NULL;
 
     /* Within a call, whose end frees what a failure leaves behind. */

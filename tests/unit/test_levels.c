@@ -639,10 +639,10 @@ static void test_contradictions(void)
     refuse(BVX_ERR_ARGUMENT, &o, 1, "exclude each other");
     o.targets.errors = NULL;
     o.targets.triangles = &none;
-    refuse(BVX_ERR_ARGUMENT, &o, 1, "target_triangles[0] is 0");
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "targets.triangles[0] is 0");
     o.targets.triangles = NULL;
     o.targets.errors = &no_error;
-    refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
+    refuse(BVX_ERR_ARGUMENT, &o, 1, "targets.errors[0]");
     for (int way = 0; way < 11 * 3; way++) { /* a new surface has none of the mesh's vertices */
         static const uint8_t locked[1000] = {0};
 

@@ -809,13 +809,13 @@ static void test_simplify_refuses_options_out_of_range_or_exclusive(void)
     make_shape(shape_named("cube"));
     refuse(BVX_ERR_ARGUMENT, &o, 0, "level_count is 0");
     o.targets.triangles = triangles;
-    refuse(BVX_ERR_ARGUMENT, &o, 2, "target_triangles[1] is 0");
+    refuse(BVX_ERR_ARGUMENT, &o, 2, "targets.triangles[1] is 0");
     o.targets.errors = errors;
     refuse(BVX_ERR_ARGUMENT, &o, 1, "exclude each other");
     o = defaults();
     for (int i = 1; i < 5; i++) {
         o.targets.errors = errors + i;
-        refuse(BVX_ERR_ARGUMENT, &o, 1, "target_errors[0]");
+        refuse(BVX_ERR_ARGUMENT, &o, 1, "targets.errors[0]");
     }
     o = defaults();
     o.targets.even = (double)NAN;

@@ -84,11 +84,11 @@ static void open_way(int kind, int way, bvxi_collapse_options *o)
     make_kind(kind);
     *o = collapse_options();
     view = way == 0 || way == 4 ? maker_view(&mesh) : parted_view(way >= 2, way == 3 || way == 5);
-    if (way == 4) o->vertices = BVX_VERTICES_KEPT;
+    if (way == 4) o->given.vertices = BVX_VERTICES_KEPT;
     if (way == 5) {
-        o->lock_border = 1;
+        o->given.lock_border = 1;
         for (size_t v = 0; v < mesh.vertices; v++) locked[v] = maker_below(&seed, 20) == 0;
-        o->locked = locked;
+        o->given.locked = locked;
     }
     snprintf(where, sizeof where, "kind %d, way %d", kind, way);
     open_view(&view, o);
