@@ -579,7 +579,8 @@ static bvx_status open_steps(bvxi_collapse *c, const bvx_mesh_view *mesh)
 int bvxi_collapse_needs_sources(const bvx_mesh_view *mesh, const bvxi_collapse_options *options)
 {
     return mesh->uvs != NULL || mesh->uvs2 != NULL || mesh->normals != NULL || mesh->colours != NULL ||
-           mesh->materials != NULL || options->given.locked != NULL || options->given.vertices == BVX_VERTICES_KEPT;
+           mesh->materials != NULL || options->given.locked != NULL ||
+           options->given.vertices == BVX_VERTICES_KEPT;
 }
 
 bvx_status bvxi_collapse_open(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh,
