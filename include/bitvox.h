@@ -19,6 +19,7 @@
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
+ *     Surfaces of labels                                   segmentations to bodies that share faces
  * What holds for all stages: docs/exactness.md. How each decides, and its memory in detail: docs/rules.md.
  *
  * What holds for every function, unless its comment says otherwise
@@ -2559,6 +2560,71 @@ BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tre
  *  [Cost: O(surface + blocks of 256 x 256 x 256 voxels)] */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
+
+/* ---- Surfaces of labels -------------------------------------------------------------------------------- */
+
+/** The surfaces between all labels of a volume: each face is there once and has a label on either side.
+ *  Face f is the triangles 2f and 2f+1; seen from its front it turns counter-clockwise. */
+typedef struct bvx_complex {
+    bvx_mesh mesh; /**< its vertices and triangles; not manifold where three labels meet */
+    uint32_t
+        *sides; /**< of each face: back, front, as indices of labels, back < front [Size: face_count * 2] */
+    bvx_label *labels; /**< all but the background, ascending; index label_count is the background */
+    uint64_t *first;   /**< where each label's faces begin in faces [Size: label_count + 1] */
+    uint32_t *faces;   /**< indices of each label's faces, ascending [Size: first[label_count]] */
+    uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
+                             that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
+    uint8_t
+        *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
+                             that has three faces or four [Size: vertices] */
+    uint64_t face_count, label_count;
+    int32_t low[3], size[3]; /**< the volume's window */
+    int32_t owned;           /**< 1 when bvx_complex_free frees the arrays */
+    int32_t reserved[3];
+} bvx_complex;
+
+typedef struct bvx_labels_options {
+    size_t struct_size;
+    int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits
+                             [Limit: any] [Default: 0] */
+    int32_t staircase;  /**< 1: vertices stay at the corners of voxels [Limit: 0..1] [Default: 0, smoothed] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
+                                [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+    uint64_t reserved2[2];
+} bvx_labels_options;
+
+/** The surfaces of all labels at once, with shared faces. A face lies between two voxels that share a side and
+ *  have different labels; its corners are vertices of the four cells around that side, a cell being the box
+ *  between eight centres. Faces that meet in a side of a cell share the vertex in it. Vertices are in order of
+ *  (z, y, x) of their cell, faces of (z, y, x, axis) of their lower voxel. Beyond the window is background.
+ *
+ *  Smoothed, vertices go towards the mean of their neighbours, on junctions of three labels or more along these,
+ *  and stay in their cells, 0.49 voxels from the centre along each axis. What faces between two labels have swept by
+ *  that is undone along their normals, so labels keep the volume of their voxels to 0.1 %, but where most faces are at
+ *  junctions. Vertices of triangles that cross then go back towards the cell's centre until none does.
+ *  complex  brings no arrays of the caller's. Empty where there is no label
+ *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_ARGUMENT (also a background that samples cannot
+ *  have), BVX_ERR_RANGE (2^32 - 1 vertices or 2^30 faces; positions too coarse).
+ *  [Memory: the complex, 200 bytes a label, 8 bytes a row, a thread 14 bytes a voxel of a slice; smoothed: 48 bytes a
+ *  vertex and 24 a face more, 400 a face near junctions]
+ *  [Cost: O(samples), read five times, and O(faces)]
+ *  Source: Gibson. Constrained Elastic Surface Nets. 1998 */
+BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,
+                                      const bvx_labels_options *options, bvx_complex *complex);
+
+/** The body of one label: the faces of a complex that it has, outwards. Closed, edge- and vertex-manifold and
+ *  oriented, whatever the labels are: where a body touches itself along an edge or at a corner, vertices of equal
+ *  positions have one side's each. Positions are the complex's, bit for bit.
+ *  label  index of labels
+ *  Returns BVX_ERR_RANGE (label).
+ *  [Memory: the mesh and 96 bytes a face]
+ *  [Cost: O(faces of the label), a radix sort] */
+BVX_API bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label,
+                                  bvx_mesh *mesh);
+
+BVX_API void bvx_complex_free(bvx_context *context, bvx_complex *complex);
 
 #ifdef __cplusplus
 }

@@ -23,6 +23,7 @@ typedef struct label_table {
     label_entry *entries;
     uint32_t *slots;      /* entry and 1, 0 for none [Size: 2 * room]; NULL beside the tree */
     uint64_t count, room; /* room is a power of two */
+    uint64_t skip;        /* the value that is not listed */
     uint64_t searches, probes;
     bvxi_key_tree tree;
 } label_table;
@@ -111,28 +112,6 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
     return BVX_OK;
 }
 
-static uint64_t whole_sample(const uint8_t *p, int32_t type)
-{
-    uint16_t v16;
-    uint32_t v32;
-    uint64_t v64;
-
-    switch (type) {
-    case BVX_SAMPLE_U8: return *p;
-    case BVX_SAMPLE_I8: return (uint64_t)(int64_t)(*p < 128 ? *p : *p - 256);
-    case BVX_SAMPLE_U16:
-    /* Copied byte by byte: samples need not be aligned. */
-    case BVX_SAMPLE_I16:
-        memcpy(&v16, p, sizeof v16);
-        return type == BVX_SAMPLE_U16 || v16 < 32768 ? v16 : v16 | ~UINT64_C(0xffff);
-    case BVX_SAMPLE_U32:
-    case BVX_SAMPLE_I32:
-        memcpy(&v32, p, sizeof v32);
-        return type == BVX_SAMPLE_U32 || v32 < UINT32_C(0x80000000) ? v32 : v32 | ~UINT64_C(0xffffffff);
-    default: memcpy(&v64, p, sizeof v64); return v64;
-    }
-}
-
 static void add_label_run(label_entry *e, int32_t x, int32_t end, int32_t y, int32_t z)
 {
     int32_t const low[3] = {x, y, z}, high[3] = {end - 1, y, z};
@@ -149,11 +128,11 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
     int32_t const n = v->size[0];
 
     for (int32_t x = 0; x < n;) {
-        uint64_t const value = whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
+        uint64_t const value = bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
         /* The run goes on while the value does. */
-        while (++x < n && whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
-        if (value == 0) continue;
+        while (++x < n && bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type) == value) continue;
+        if (value == t->skip) continue;
         /* Mostly the value of the run before; only others are searched for. */
         if (*last >= t->count || t->entries[*last].value != value) BVXI_TRY(find_label(t, value, last));
         add_label_run(&t->entries[*last], begin, x, y, z);
@@ -201,6 +180,17 @@ static bvx_status give_labels(label_table *t, int is_signed, bvx_label *labels)
         }
     }
     return BVX_OK;
+}
+
+bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume, const int64_t stride[3],
+                                uint64_t skip, bvx_label **labels, uint64_t *count)
+{
+    label_table t = {.ctx = ctx, .skip = skip};
+
+    BVXI_TRY(list_volume(&t, volume, stride));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, t.count * sizeof **labels, "the labels", labels));
+    *count = t.count;
+    return t.count == 0 ? BVX_OK : give_labels(&t, volume->sample_type % 2 == 0, *labels);
 }
 
 static bvx_status run_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,

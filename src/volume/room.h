@@ -41,6 +41,29 @@ static inline double bvxi_sample_value(const uint8_t *p, int32_t type)
 #undef BVXI_VALUE_CASE
 }
 
+/* The bits of a sample that is a whole number, as 64. */
+static inline uint64_t bvxi_whole_sample(const uint8_t *p, int32_t type)
+{
+    uint16_t v16;
+    uint32_t v32;
+    uint64_t v64;
+
+    switch (type) {
+    case BVX_SAMPLE_U8: return *p;
+    case BVX_SAMPLE_I8: return (uint64_t)(int64_t)(*p < 128 ? *p : *p - 256);
+    case BVX_SAMPLE_U16:
+    /* Copied byte by byte: samples need not be aligned. */
+    case BVX_SAMPLE_I16:
+        memcpy(&v16, p, sizeof v16);
+        return type == BVX_SAMPLE_U16 || v16 < 32768 ? v16 : v16 | ~UINT64_C(0xffff);
+    case BVX_SAMPLE_U32:
+    case BVX_SAMPLE_I32:
+        memcpy(&v32, p, sizeof v32);
+        return type == BVX_SAMPLE_U32 || v32 < UINT32_C(0x80000000) ? v32 : v32 | ~UINT64_C(0xffffffff);
+    default: memcpy(&v64, p, sizeof v64); return v64;
+    }
+}
+
 /* n numbers, stride bytes apart, to (n + 63) / 64 words; bits after the
  * last are 0. tally is the piece's own. */
 typedef void bvxi_bits_fn(const void *rule, void *tally, const uint8_t *p, int64_t stride, int32_t n,
@@ -119,5 +142,9 @@ bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
 /* Threshold a checked view into an open grid; report may be NULL. */
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid);
+
+/* labels.c: bvx_list_labels of a checked view, less another value than 0; labels is a result, freed by callers. */
+bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume, const int64_t stride[3],
+                                uint64_t skip, bvx_label **labels, uint64_t *count);
 
 #endif

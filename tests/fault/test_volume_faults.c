@@ -120,6 +120,31 @@ static bvx_status do_labels(void *user, bvx_context *ctx)
     return status;
 }
 
+static bvx_status do_surfaces(void *user, bvx_context *ctx)
+{
+    bvx_complex complex_ = {0};
+    bvx_mesh mesh = {0};
+    bvx_volume_view part = whole_view;
+    uint64_t hash = 0;
+    bvx_status status;
+
+    (void)user;
+    for (int a = 0; a < 3; a++) part.size[a] = 8;
+    part.strides[0] = 2;
+    part.strides[1] = 2 * VOLUME_X;
+    part.strides[2] = 2 * VOLUME_X * VOLUME_Y;
+    status = bvx_label_surfaces(ctx, &part, NULL, &complex_);
+    left_behind |= status != BVX_OK && complex_.mesh.positions != NULL;
+    if (status == BVX_OK) status = bvx_label_mesh(ctx, &complex_, 1, &mesh);
+    left_behind |= status != BVX_OK && mesh.positions != NULL;
+    if (status == BVX_OK) status = bvx_mesh_hash(ctx, &mesh, &mark);
+    if (status == BVX_OK) status = bvx_mesh_hash(ctx, &complex_.mesh, &hash);
+    mark ^= hash;
+    bvx_mesh_free(ctx, &mesh);
+    bvx_complex_free(ctx, &complex_);
+    return status;
+}
+
 static int32_t unpack_nothing(void *user, const void *packed, uint64_t packed_bytes, void *plain,
                               uint64_t plain_bytes)
 {
@@ -157,9 +182,13 @@ static bvx_status do_packed(void *user, bvx_context *ctx)
 }
 
 static fault_row operations[] = {
-    {"threshold", do_threshold, 1, 1, 0}, {"threshold of integers", do_threshold_whole, 1, 1, 0},
-    {"surface", do_scalar, 1, 1, 0},      {"labels", do_labels, 1, 1, 0},
-    {"text", do_text, 1, 1, 0},           {"packed", do_packed, 1, 1, 0},
+    {"threshold", do_threshold, 1, 1, 0},
+    {"threshold of integers", do_threshold_whole, 1, 1, 0},
+    {"surface", do_scalar, 1, 1, 0},
+    {"labels", do_labels, 1, 1, 0},
+    {"surfaces of labels", do_surfaces, 1, 1, 0},
+    {"text", do_text, 1, 1, 0},
+    {"packed", do_packed, 1, 1, 0},
 };
 
 /* ---- Tests ---- */

@@ -262,6 +262,40 @@ static void fuzz_labels(bvx_context *ctx, const fuzz_volume *v)
     fuzz_require(all + zeros == fuzz_sample_count(v), "a label that is not listed");
 }
 
+/* Every body is closed and manifold, and has the volume of its voxels on the staircase; smoothed, nothing crosses. */
+static void fuzz_label_surfaces(bvx_context *ctx, bvx_context *other, fuzz_input *in, const fuzz_volume *v)
+{
+    bvx_labels_options o = {.struct_size = sizeof o};
+    bvx_complex complex_ = {0}, twin = {0};
+    bvx_mesh mesh = {0};
+    bvx_mesh_view view;
+    bvx_certificate c;
+    uint64_t count, hash[2];
+
+    if (v->floats) return;
+    o.staircase = fuzz_range(in, 0, 1);
+    o.local_frame = 1;
+    fuzz_must(ctx, bvx_label_surfaces(ctx, &v->view, &o, &complex_));
+    fuzz_must(other, bvx_label_surfaces(other, &v->view, &o, &twin));
+    fuzz_good_calls += 2;
+    fuzz_must(ctx, bvx_mesh_hash(ctx, &complex_.mesh, &hash[0]));
+    fuzz_must(other, bvx_mesh_hash(other, &twin.mesh, &hash[1]));
+    fuzz_require(hash[0] == hash[1], "another complex with more threads");
+    bvx_mesh_view_of(&complex_.mesh, &view);
+    fuzz_must(ctx, bvx_mesh_crossings(ctx, &view, &count, NULL, 0));
+    fuzz_require(count == 0, "faces of labels that cross");
+    for (uint64_t n = 0; n < complex_.label_count; n++) {
+        fuzz_must(ctx, bvx_label_mesh(ctx, &complex_, n, &mesh));
+        bvx_mesh_view_of(&mesh, &view);
+        fuzz_must(ctx, bvx_mesh_check(ctx, &view, 0, &c));
+        fuzz_require(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented && c.duplicates == 0,
+                     "a label's body that is not certified");
+    }
+    bvx_mesh_free(ctx, &mesh);
+    bvx_complex_free(ctx, &complex_);
+    bvx_complex_free(other, &twin);
+}
+
 /* ---- Surfaces ---- */
 
 static void fuzz_same_bytes(const bvx_mesh *a, const bvx_mesh *b, const char *what)
@@ -404,6 +438,7 @@ static void fuzz_one(fuzz_input *in)
     fuzz_take_volume(in, ctx, &v);
     fuzz_threshold(ctx, other, in, &v);
     fuzz_labels(ctx, &v);
+    fuzz_label_surfaces(ctx, other, in, &v);
     fuzz_scalar(ctx, other, in, &v);
     fuzz_raw_file(ctx, in, &v);
     fuzz_threshold_whole(ctx, other, in, &v);

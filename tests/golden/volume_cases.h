@@ -218,6 +218,33 @@ static void label_values(golden *g, uint8_t *memory)
     golden_end(g);
 }
 
+static void label_surface_values(golden *g, uint8_t *memory)
+{
+    golden_begin(g, "label surfaces");
+    for (int32_t type = 1; type <= BVX_SAMPLE_I64; type++) {
+        bvx_labels_options o = {.struct_size = sizeof o};
+        bvx_complex complex_ = {0};
+        bvx_mesh mesh = {0};
+        bvx_volume_view view;
+        uint64_t whole = 0, body = 0;
+
+        volume_of(g, type, type & 1, memory, &view);
+        o.staircase = type == BVX_SAMPLE_U16;
+        o.position_type = type == BVX_SAMPLE_I32 ? BVX_F64 : BVX_F32;
+        if (!golden_good(g, bvx_label_surfaces(g->context, &view, &o, &complex_)) ||
+            !golden_good(g, bvx_label_mesh(g->context, &complex_, complex_.label_count / 2, &mesh)) ||
+            !golden_good(g, bvx_mesh_hash(g->context, &complex_.mesh, &whole)) ||
+            !golden_good(g, bvx_mesh_hash(g->context, &mesh, &body)))
+            continue;
+        golden_u64(g, sample_names[type], complex_.face_count);
+        golden_hex(g, "whole", whole);
+        golden_hex(g, "body", body);
+        bvx_mesh_free(g->context, &mesh);
+        bvx_complex_free(g->context, &complex_);
+    }
+    golden_end(g);
+}
+
 /* ---- Files ---- */
 
 /* The numbers of a volume whatever its layout, and where they stand in the world. */
@@ -375,6 +402,7 @@ static void volume_cases(golden *g)
     threshold_values(g, memory);
     scalar_values(g, memory);
     label_values(g, memory);
+    label_surface_values(g, memory);
     read_values(g);
 }
 

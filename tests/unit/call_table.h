@@ -25,10 +25,23 @@ enum {
     SECOND = 8192,
     SLOT = 16384,
     RESERVED = 32768,
+    COMPLEX = 131072,
     INNER = 65536 /* a message may name the public function that the call makes in its turn */
 };
 /* Into what it writes. */
-enum { PLAIN, TO_GRID, TO_MESH, TO_BUFFER, TO_TREE, TO_FIELD, TO_SECTIONS, TO_IMAGE, TO_VOLUME, TO_CLOSEST };
+enum {
+    PLAIN,
+    TO_GRID,
+    TO_MESH,
+    TO_BUFFER,
+    TO_TREE,
+    TO_FIELD,
+    TO_SECTIONS,
+    TO_IMAGE,
+    TO_VOLUME,
+    TO_CLOSEST,
+    TO_COMPLEX
+};
 
 typedef union result {
     bvx_grid grid;
@@ -40,6 +53,7 @@ typedef union result {
     bvx_image image;
     bvx_volume volume;
     bvx_closest *closest;
+    bvx_complex complex_;
     unsigned char plain[4096];
 } result;
 
@@ -52,6 +66,7 @@ typedef struct world {
     const bvx_field *field;
     const bvx_sections *sections;
     const bvx_volume_view *volume;
+    const bvx_complex *complex_;
     const bvx_mesh *body;
     const bvx_image *image;
     const bvx_buffer *file, *lattice_file; /* bytes and size of the format that a reader wants */
@@ -381,6 +396,17 @@ static bvx_status list_labels(const world *w)
 {
     return bvx_list_labels(w->ctx, w->volume, NULL, 0, w->second);
 }
+static bvx_status label_surfaces(const world *w)
+{
+    TAKE_OPTIONS(labels, o);
+    TAKE_RESERVED(o.reserved2[1]);
+    SPOIL(o);
+    return bvx_label_surfaces(w->ctx, w->volume, &o, (bvx_complex *)w->out);
+}
+static bvx_status label_mesh(const world *w)
+{
+    return bvx_label_mesh(w->ctx, w->complex_, 0, (bvx_mesh *)w->out);
+}
 static bvx_status read_volume(const world *w)
 {
     TAKE_OPTIONS(read_volume, o);
@@ -642,6 +668,8 @@ static const call calls[] = {
     CALL(threshold_whole, VOLUME, TO_GRID),
     CALL(extract_scalar, VOLUME | OPTIONS | RESERVED, TO_MESH),
     CALL(list_labels, VOLUME | SECOND | SLOT, PLAIN),
+    CALL(label_surfaces, VOLUME | OPTIONS | RESERVED, TO_COMPLEX),
+    CALL(label_mesh, COMPLEX, TO_MESH),
     CALL(read_volume, BYTES | OPTIONS | RESERVED, TO_VOLUME),
     CALL(measure_field, INNER | MESH | LATTICE | OPTIONS | RESERVED, TO_FIELD),
     CALL(field_dense, FIELD, PLAIN),
@@ -690,6 +718,7 @@ static bvx_octree *tree;
 static bvx_field field;
 static bvx_sections sections;
 static bvx_volume_view volume;
+static bvx_complex complex_;
 static bvx_mesh body;
 static bvx_image image;
 static bvx_buffer npy, json;
@@ -709,6 +738,7 @@ static world right_world(bvx_context *ctx)
     w.field = &field;
     w.sections = &sections;
     w.volume = &volume;
+    w.complex_ = &complex_;
     w.body = &body;
     w.image = &image;
     w.file = &npy;
@@ -751,6 +781,7 @@ static void make_world(bvx_context *ctx)
     volume.sample_type = BVX_SAMPLE_U8;
     volume.lattice = lattice;
     for (int a = 0; a < 3; a++) volume.size[a] = 8;
+    MADE(bvx_label_surfaces(ctx, &volume, NULL, &complex_));
     e.keys = 1; /* for merging */
     MADE(bvx_extract_surface(ctx, &solid, &e, &body));
     MADE(bvx_extract_surface(ctx, &solid, NULL, &coloured));
@@ -765,6 +796,7 @@ static void free_world(bvx_context *ctx)
     bvx_buffer_free(ctx, &npy);
     bvx_buffer_free(ctx, &json);
     bvx_image_free(ctx, &image);
+    bvx_complex_free(ctx, &complex_);
     bvx_mesh_free(ctx, &body);
     bvx_mesh_free(ctx, &coloured);
     bvx_sections_free(ctx, &sections);
@@ -785,6 +817,7 @@ static void free_result(bvx_context *ctx, int to)
     case TO_SECTIONS: bvx_sections_free(ctx, &out.sections); break;
     case TO_IMAGE: bvx_image_free(ctx, &out.image); break;
     case TO_VOLUME: bvx_volume_free(ctx, &out.volume); break;
+    case TO_COMPLEX: bvx_complex_free(ctx, &out.complex_); break;
     case TO_CLOSEST: bvx_closest_free(ctx, out.closest); break;
     default: break;
     }

@@ -74,6 +74,7 @@ enum {
     VOLUME_TYPE,
     VOLUME_SAMPLES,
     VOLUME_RESERVED,
+    NO_COMPLEX,
     NO_BODY,
     BODY_TYPE,
     BODY_ARRAY,
@@ -126,6 +127,7 @@ static const char *const damage_name[DAMAGES] = {"no context",
                                                  "a volume of no type",
                                                  "a volume without samples",
                                                  "a volume with something reserved",
+                                                 "no complex",
                                                  "no body",
                                                  "a body of no type",
                                                  "a body without triangles",
@@ -148,7 +150,7 @@ static int do_damage(const call *c, int damage, world *w)
     case USED_OUT:
         memset(out.plain, 0x40, sizeof out);
         /* not zeroed and not the library's: owned is neither 0 nor 1 */
-        return c->to == TO_FIELD || c->to == TO_SECTIONS;
+        return c->to == TO_FIELD || c->to == TO_SECTIONS || c->to == TO_COMPLEX;
     case OPTIONS_SIZE: w->wrong_size = 1; return (takes & OPTIONS) != 0;
     case OPTIONS_RESERVED: w->wrong_reserved = 1; return (takes & RESERVED) != 0;
     case NO_MESH: w->mesh = NULL; return (takes & MESH) != 0;
@@ -160,6 +162,7 @@ static int do_damage(const call *c, int damage, world *w)
     case NO_FIELD: w->field = NULL; return (takes & FIELD) != 0;
     case NO_SECTIONS: w->sections = NULL; return (takes & SECTIONS) != 0;
     case NO_VOLUME: w->volume = NULL; return (takes & VOLUME) != 0;
+    case NO_COMPLEX: w->complex_ = NULL; return (takes & COMPLEX) != 0;
     case NO_BODY: w->body = NULL; return (takes & BODY) != 0;
     case NO_IMAGE: w->image = NULL; return (takes & IMAGE) != 0;
     case NO_BYTES:
@@ -275,6 +278,7 @@ static int32_t reason_of_damage(int damage)
     case NO_FIELD:
     case NO_SECTIONS:
     case NO_VOLUME:
+    case NO_COMPLEX:
     case NO_BODY: return BVX_REASON_NULL;
     case OPTIONS_SIZE: return BVX_REASON_OPTIONS;
     case OPTIONS_RESERVED:
@@ -434,6 +438,9 @@ static void test_choices_out_of_range(void)
         BAD(extract_scalar, scalar, open_sides, 64),
         BAD(extract_scalar, scalar, open_sides, -1),
         BAD_SWITCH(extract_scalar, scalar, keys),
+        BAD(label_surfaces, labels, position_type, 9),
+        BAD_SWITCH(label_surfaces, labels, local_frame),
+        BAD_SWITCH(label_surfaces, labels, staircase),
         BAD(measure_field, field, sign, 99),
         BAD(measure_field, field, sign, -1),
         BAD(measure_field, field, value_type, 9),

@@ -21,6 +21,7 @@ typedef struct model {
     bvx_octree *tree;
     bvx_sections sections;
     bvx_volume_view volume;
+    bvx_complex complex_;
     bvx_image image;
     bvx_buffer ply, npy, bvx, octree, csv, json;
     uint8_t *colours; /* of mesh */
@@ -38,6 +39,7 @@ typedef struct results {
     bvx_buffer file;
     bvx_image image;
     bvx_volume volume;
+    bvx_complex complex_;
 } results;
 
 static model models[2];
@@ -75,6 +77,14 @@ ROW(read_bvx, bvx_read_grid(c, m->bvx.bytes, m->bvx.size, BVX_FORMAT_BVX, NULL, 
 ROW(surface, bvx_extract_surface(c, &m->solid, NULL, &r->mesh[0]))
 ROW(faces, bvx_extract_faces(c, &m->solid, NULL, &r->mesh[0]))
 ROW(scalar, bvx_extract_scalar(c, &m->volume, NULL, &r->mesh[0]))
+static bvx_status label_surfaces(bvx_context *c, const model *m, results *r)
+{
+    bvx_labels_options const o = {.struct_size = sizeof o, .staircase = 1};
+    bvx_volume_view view = m->volume;
+    view.sample_type = BVX_SAMPLE_I32; /* the bits of floats */
+    return bvx_label_surfaces(c, &view, &o, &r->complex_);
+}
+ROW(label_mesh, bvx_label_mesh(c, &m->complex_, 0, &r->mesh[0]))
 ROW(field_surface, bvx_extract_field_surface(c, &m->field, NULL, NULL, &r->mesh[0]))
 ROW(octree_surface, bvx_extract_octree(c, m->tree, 0, NULL, &r->mesh[0]))
 ROW(merge, bvx_mesh_merge(c, m->parts, 1, &r->mesh[0]))
@@ -300,6 +310,8 @@ static const struct row {
     {"bvx_extract_surface", surface},
     {"bvx_extract_faces", faces},
     {"bvx_extract_scalar", scalar},
+    {"bvx_label_surfaces", label_surfaces},
+    {"bvx_label_mesh", label_mesh},
     {"bvx_extract_octree", octree_surface},
     {"bvx_extract_field_surface", field_surface},
     {"bvx_mesh_merge", merge},
@@ -354,11 +366,14 @@ static uint64_t signature(bvx_context *c, const results *r)
     h = bvx_hash(r->sections.points, (size_t)r->sections.point_count * 24, h);
     h = bvx_hash(r->file.bytes, (size_t)r->file.size, h);
     h = bvx_hash(r->image.pixels, (size_t)r->image.width * (size_t)r->image.height * 3, h);
-    return bvx_hash(r->volume.view.size, sizeof r->volume.view.size, h);
+    h = bvx_hash(r->volume.view.size, sizeof r->volume.view.size, h);
+    h = bvx_hash(r->complex_.mesh.triangles, (size_t)r->complex_.face_count * 24, h);
+    return bvx_hash(r->complex_.sides, (size_t)r->complex_.face_count * 8, h);
 }
 
 static void free_results(bvx_context *c, results *r)
 {
+    bvx_complex_free(c, &r->complex_);
     bvx_volume_free(c, &r->volume);
     bvx_image_free(c, &r->image);
     bvx_buffer_free(c, &r->file);
@@ -610,6 +625,12 @@ static void make_model(model *m, int32_t size)
     m->volume.lattice = m->lattice;
 
 #define MADE(call) TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, call, bvx_last_message(ctx))
+    {
+        bvx_volume_view view = m->volume;
+
+        view.sample_type = BVX_SAMPLE_I32; /* the bits of floats */
+        MADE(bvx_label_surfaces(ctx, &view, NULL, &m->complex_));
+    }
     MADE(bvx_threshold(ctx, &m->volume, 0, 1e9, NULL, &m->solid));
     MADE(bvx_extract_scalar(ctx, &m->volume, NULL, &m->mesh));
     {
@@ -639,6 +660,7 @@ static void make_model(model *m, int32_t size)
 
 static void free_model(model *m)
 {
+    bvx_complex_free(ctx, &m->complex_);
     bvx_buffer *const files[] = {&m->ply, &m->npy, &m->bvx, &m->octree, &m->csv, &m->json};
 
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) bvx_buffer_free(ctx, files[i]);

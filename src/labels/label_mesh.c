@@ -1,0 +1,257 @@
+/* label_mesh.c - the body of one label as a mesh: bvx_label_mesh.
+ *
+ * Source: Schaefer, Ju, Warren. Manifold Dual Contouring. 2007 (the case that makes a dual edge not manifold).
+ *
+ * Corners of the label's faces are sorted by vertex. Away from junctions the faces around a vertex are one fan. At
+ * a junction they are joined side by side of the vertex's cell: two faces of the body that meet in a side belong
+ * together; of four, those that share a voxel of the body do. Only a body that leads around such a side on both of
+ * its sides would have two edges between the same two vertices there: then those that share the other voxel belong
+ * together, which cuts both fans in two. A cell has one such side at most, since the way around it takes three of
+ * the four voxels beyond. Each fan has a vertex of its own.
+ * Guarantee: closed, edge- and vertex-manifold, oriented, for all 2^8 patterns of a cell and what lies beside. */
+#include "labels/labels.h"
+#include "mesh/mesh.h"
+
+static const char label_mesh_name[] = "bvx_label_mesh";
+
+typedef struct body_work {
+    const bvx_complex *complex;
+    uint64_t label, count; /* faces */
+    const uint32_t *faces;
+    uint64_t *vertex; /* of each corner, sorted; then the result's vertex of each corner [Size: 4 * count] */
+    uint32_t *corner; /* 4 * face + place in it */
+    uint64_t stride[3];
+} body_work;
+
+/* An edge with different ends in a cell, seen from the cell. */
+typedef struct cell_node {
+    int32_t axis, at[3]; /* at of the body's end; along the axis 1 where it is the high one */
+    uint32_t corner;
+} cell_node;
+
+static cell_node read_node(const body_work *w, uint32_t corner)
+{
+    const bvx_complex *const c = w->complex;
+    uint32_t const face = w->faces[corner / 4];
+    int32_t const first = bvxi_face_owner(c, face), place = ((int32_t)(corner % 4) - first) & 3;
+    cell_node node = {.corner = corner};
+    uint64_t const owner = c->cells[bvxi_face_vertex(c, face, first)];
+    uint64_t const to[2] = {owner - c->cells[bvxi_face_vertex(c, face, first + 1)],
+                            owner - c->cells[bvxi_face_vertex(c, face, first + 3)]};
+    int32_t way[2] = {0, 0};
+
+    for (int32_t n = 0; n < 2; n++)
+        for (int32_t a = 0; a < 3; a++)
+            if (to[n] == w->stride[a]) way[n] = a;
+    node.axis = 3 - way[0] - way[1];
+    node.at[way[0]] = place == 1 || place == 2;
+    node.at[way[1]] = place >= 2;
+
+    /* The back is at the low end where corners turn about the axis. */
+    int const forward = way[0] == (node.axis + 1) % 3, is_back = c->sides[2 * (size_t)face] == w->label;
+    node.at[node.axis] = forward != is_back;
+    return node;
+}
+
+static int in_side(const cell_node *n, int32_t side)
+{
+    return n->axis != side >> 1 && n->at[side >> 1] == (side & 1);
+}
+
+/* Whether they have the same voxel at the body's end, or with other at the other end. */
+static int share_end(const cell_node *a, const cell_node *b, int other)
+{
+    int same = 1;
+    for (int32_t d = 0; d < 3; d++) {
+        int32_t const p = a->at[d] ^ (other && a->axis == d), q = b->at[d] ^ (other && b->axis == d);
+        same &= p == q;
+    }
+    return same;
+}
+
+static int32_t list_side(const cell_node *nodes, uint32_t count, int32_t side, uint32_t in[4])
+{
+    int32_t n = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (in_side(&nodes[i], side)) in[n++ & 3] = i;
+    return n;
+}
+
+/* Join the nodes of one vertex to fans; turned is the side whose four belong together by their other ends, or -1. */
+static void join_fans(const cell_node *nodes, uint32_t count, int32_t turned, uint32_t *parent)
+{
+    for (uint32_t i = 0; i < count; i++) parent[i] = i;
+    for (int32_t side = 0; side < 6; side++) {
+        uint32_t in[4];
+        int32_t const n = list_side(nodes, count, side, in);
+        for (int32_t i = 0; i < n; i++)
+            for (int32_t k = 0; k < i; k++)
+                if (n == 2 || share_end(&nodes[in[i]], &nodes[in[k]], side == turned))
+                    bvxi_join(parent, in[i], in[k]);
+    }
+}
+
+/* The side through which one fan runs twice, or -1. */
+static int32_t double_side(const cell_node *nodes, uint32_t count)
+{
+    uint32_t parent[12], in[4];
+
+    join_fans(nodes, count, -1, parent);
+    for (int32_t side = 0; side < 6; side++) {
+        int same = list_side(nodes, count, side, in) == 4;
+        for (int32_t i = 1; same && i < 4; i++) same = bvxi_root(parent, in[i]) == bvxi_root(parent, in[0]);
+        if (same) return side;
+    }
+    return -1;
+}
+
+static uint32_t read_nodes(const body_work *w, uint64_t from, cell_node nodes[12])
+{
+    uint64_t const corners = 4 * w->count;
+    uint32_t count = 0;
+    for (uint64_t i = from; i < corners && w->vertex[i] == w->vertex[from] && count < 12; i++)
+        nodes[count++] = read_node(w, w->corner[i]);
+    return count;
+}
+
+/* The first of a vertex's corners. */
+static uint64_t find_vertex(const body_work *w, uint64_t vertex)
+{
+    uint64_t low = 0, high = 4 * w->count;
+    while (low < high) {
+        uint64_t const middle = (low + high) / 2;
+        if (w->vertex[middle] < vertex) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* The vertex on the other side of a cell's side, along a face that has an edge through it. */
+static uint64_t vertex_beyond(const body_work *w, const cell_node *node, int32_t side)
+{
+    const bvx_complex *const c = w->complex;
+    uint32_t const face = w->faces[node->corner / 4];
+    int32_t const place = (int32_t)(node->corner % 4);
+    uint64_t const step = w->stride[side >> 1];
+    uint32_t const next = bvxi_face_vertex(c, face, place + 1), last = bvxi_face_vertex(c, face, place + 3);
+    uint64_t const own = c->cells[bvxi_face_vertex(c, face, place)];
+    uint64_t const beyond = (side & 1) != 0 ? own + step : own - step;
+    return c->cells[next] == beyond ? next : last;
+}
+
+/* Fans of the vertex whose corners begin at from, as roots of parent. */
+static uint32_t find_fans(const body_work *w, uint64_t from, uint32_t parent[12])
+{
+    cell_node nodes[12], others[12];
+    uint32_t const count = read_nodes(w, from, nodes);
+    int32_t turned = double_side(nodes, count);
+
+    if (turned >= 0) {
+        uint32_t in[4];
+        (void)list_side(nodes, count, turned, in);
+        uint64_t const beyond = find_vertex(w, vertex_beyond(w, &nodes[in[0]], turned));
+        if (double_side(others, read_nodes(w, beyond, others)) != (turned ^ 1)) turned = -1;
+    }
+    join_fans(nodes, count, turned, parent);
+    return count;
+}
+
+/* The end of the corners of one vertex, whose fans get numbers from next on. */
+static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, uint32_t number[12])
+{
+    uint64_t const vertex = w->vertex[from], corners = 4 * w->count;
+    uint64_t end = from;
+
+    if (w->complex->junctions[vertex] == 0) {
+        while (end < corners && w->vertex[end] == vertex) end++;
+        number[0] = (*next)++;
+        return end;
+    }
+    uint32_t parent[12];
+    uint32_t const count = find_fans(w, from, parent);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t const root = bvxi_root(parent, i);
+        number[i] = root == i ? (*next)++ : number[root];
+    }
+    return from + count;
+}
+
+static bvx_status sort_corners(bvx_context *ctx, body_work *w)
+{
+    uint64_t const corners = 4 * w->count;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 8, "the corners' vertices", &w->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, corners * 4, "the corners", &w->corner));
+    for (uint64_t i = 0; i < corners; i++) {
+        w->vertex[i] = bvxi_face_vertex(w->complex, w->faces[i / 4], (int32_t)(i % 4));
+        w->corner[i] = (uint32_t)i;
+    }
+    return bvxi_radix_sort(ctx, w->vertex, w->corner, corners);
+}
+
+static void copy_position(const bvx_mesh *from, uint64_t vertex, bvx_mesh *to, uint64_t index)
+{
+    size_t const bytes = from->position_type == BVX_F64 ? 24 : 12;
+    memcpy((uint8_t *)to->positions + index * bytes, (const uint8_t *)from->positions + vertex * bytes,
+           bytes);
+}
+
+static void put_body(const body_work *w, const uint32_t *number, bvx_mesh *mesh)
+{
+    for (uint64_t f = 0; f < w->count; f++) {
+        const uint32_t *const n = number + 4 * f;
+        uint32_t *const t = mesh->triangles + 6 * f;
+        /* Faces look away from their back. */
+        int const outwards = w->complex->sides[2 * (size_t)w->faces[f]] == w->label;
+
+        t[0] = t[3] = n[0];
+        t[1] = n[outwards ? 1 : 2];
+        t[2] = n[outwards ? 2 : 1];
+        t[4] = n[outwards ? 2 : 3];
+        t[5] = n[outwards ? 3 : 2];
+    }
+}
+
+static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
+{
+    const bvx_mesh *const from = &w->complex->mesh;
+    uint32_t *number, vertices = 0, fan[12] = {0};
+    int const mine = mesh->owned || mesh->positions == NULL;
+
+    BVXI_TRY(sort_corners(ctx, w));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 16, "the body's vertices", &number));
+    for (uint64_t i = 0, end; i < 4 * w->count; i = end) {
+        end = number_fans(w, i, &vertices, fan);
+        int const single = w->complex->junctions[w->vertex[i]] == 0;
+        for (uint64_t k = i; k < end; k++) number[w->corner[k]] = fan[single ? 0 : k - i];
+    }
+
+    BVXI_TRY(bvxi_mesh_open(ctx, label_mesh_name, from->position_type, 0, vertices, 2 * w->count, mesh));
+    memcpy(mesh->frame, from->frame, sizeof mesh->frame);
+    for (uint64_t i = 0; i < 4 * w->count; i++) copy_position(from, w->vertex[i], mesh, number[w->corner[i]]);
+    put_body(w, number, mesh);
+    return bvxi_mesh_made(ctx, bvxi_progress(ctx, "body", 1.0), mine, mesh);
+}
+
+static bvx_status run_label_mesh(bvx_context *ctx, const bvx_complex *complex, uint64_t label, bvx_mesh *mesh)
+{
+    body_work w = {.complex = complex, .label = label};
+
+    if (complex == NULL) return bvxi_fail_null(ctx, label_mesh_name, "complex");
+    if (mesh == NULL) return bvxi_fail_null(ctx, label_mesh_name, "mesh");
+    BVXI_TRY(bvxi_mesh_check_reserved(ctx, label_mesh_name, mesh));
+    if (label >= complex->label_count)
+        return bvxi_fail(ctx, BVX_ERR_RANGE, "%s: label %i, the complex has %u", label_mesh_name, label,
+                         complex->label_count);
+    w.count = complex->first[label + 1] - complex->first[label];
+    w.faces = complex->faces + complex->first[label];
+    w.stride[0] = 1;
+    w.stride[1] = (uint64_t)complex->size[0] + 1;
+    w.stride[2] = w.stride[1] * ((uint64_t)complex->size[1] + 1);
+    return make_body(ctx, &w, mesh);
+}
+
+bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label, bvx_mesh *mesh)
+{
+    return BVXI_CALL(context, run_label_mesh(context, complex, label, mesh));
+}

@@ -1,0 +1,581 @@
+/* label_surfaces.c - the faces between the labels of a volume as one complex: bvx_label_surfaces.
+ *
+ * Source: Gibson. Constrained Elastic Surface Nets. 1998 (a vertex in each cell, a face across each edge).
+ *
+ * Idea: whether neighbouring voxels differ is a bit an edge, so cells without a face are passed by 64 at a time.
+ * A slice's bits are made from rows of samples when the cells beneath need them, and kept for two slices. A first
+ * pass counts vertices and faces of each row of cells, prefix sums give every row its place, a second pass writes;
+ * a face looks for the vertices of its other three cells in what the last two slices have numbered.
+ * A layer of background lies around the window, so voxel (i,j,k) here is (i-1,j-1,k-1) of the window.
+ * Guarantee: canonical order; no thread and no order of labels' values shows in which vertices are joined. */
+#include "bits/bits.h"
+#include "labels/labels.h"
+#include "mesh/mesh.h"
+#include "surface/march.h"
+#include "volume/room.h"
+
+static const char surfaces_name[] = "bvx_label_surfaces";
+
+enum { SLICE_GRAIN = 16, POSITION_GRAIN = 4096, RANKS_BY_TABLE = 1 << 20 };
+
+static const bvxi_option labels_rows[] = {
+    BVXI_SWITCH(bvx_labels_options, staircase),
+    BVXI_CHOICE(bvx_labels_options, position_type, BVX_POSITION_AUTO, BVX_F64),
+    BVXI_SWITCH(bvx_labels_options, local_frame),
+    BVXI_RESERVED(bvx_labels_options, reserved),
+    BVXI_RESERVED(bvx_labels_options, reserved2),
+};
+
+typedef struct cell_row {
+    uint32_t vertex, face; /* counts, then first indices */
+} cell_row;
+
+typedef struct label_work {
+    bvx_context *ctx;
+    const bvx_volume_view *volume;
+    int64_t stride[3];
+    bvx_labels_options options;
+    uint64_t background;
+    uint32_t sample;        /* bytes */
+    int32_t n[3];           /* cells */
+    int32_t words;          /* of a row of edges */
+    const uint8_t *outside; /* a row of background */
+    bvxi_split *splits;
+    uint32_t *rank_table; /* of a value less the lowest, or NULL */
+    uint64_t rank_low, rank_size;
+    cell_row *rows; /* [Size: n[1] * n[2] + 1] */
+    uint64_t row_count;
+    uint8_t *scratch; /* of each worker */
+    uint64_t scratch_bytes;
+    int32_t pieces, emit;
+    bvx_complex *made;
+    bvxi_net net;
+} label_work;
+
+/* One worker's slices of edges: of voxels k & 1, and between the two. */
+typedef struct label_scan {
+    const label_work *w;
+    uint8_t *line[3];      /* rows of samples */
+    uint64_t *x[2], *y[2]; /* [Size: (n[1] + 1) * words] each */
+    uint64_t *z;
+    uint32_t *first[2];   /* of cells with vertices, the first one */
+    uint16_t *pattern[2]; /* 0: none */
+} label_scan;
+
+/* ---- Rows of samples, and where they differ ---- */
+
+#define DEFINE_DIFFER(type)                                                                    \
+    static void differ_##type(const void *first, const void *second, int32_t n, uint64_t *out) \
+    {                                                                                          \
+        const type *const a = first, *const b = second;                                        \
+        for (int32_t i = 0; i < n; i += 64) {                                                  \
+            int32_t const m = n - i < 64 ? n - i : 64;                                         \
+            uint8_t flags[64] = {0};                                                           \
+            /* Mostly nothing differs, which comparing bytes finds at once. */                 \
+            if (memcmp(a + i, b + i, (size_t)m * sizeof *a) == 0) {                            \
+                out[i / 64] = 0;                                                               \
+                continue;                                                                      \
+            }                                                                                  \
+            for (int32_t t = 0; t < m; t++) flags[t] = a[i + t] != b[i + t];                   \
+            out[i / 64] = bvxi_flags_to_word(flags);                                           \
+        }                                                                                      \
+    }
+DEFINE_DIFFER(uint8_t)
+DEFINE_DIFFER(uint16_t)
+DEFINE_DIFFER(uint32_t)
+DEFINE_DIFFER(uint64_t)
+
+static void differ(const label_work *w, const uint8_t *a, const uint8_t *b, int32_t n, uint64_t *out)
+{
+    switch (w->sample) {
+    case 1: differ_uint8_t(a, b, n, out); break;
+    case 2: differ_uint16_t(a, b, n, out); break;
+    case 4: differ_uint32_t(a, b, n, out); break;
+    default: differ_uint64_t(a, b, n, out); break;
+    }
+}
+
+static const uint8_t *sample_at(const label_work *w, int32_t i, int32_t j, int32_t k)
+{
+    return (const uint8_t *)w->volume->samples +
+           (ptrdiff_t)((i - 1) * w->stride[0] + (j - 1) * w->stride[1] + (k - 1) * w->stride[2]);
+}
+
+static int is_outside(const label_work *w, int32_t j, int32_t k)
+{
+    return j < 1 || k < 1 || j >= w->n[1] || k >= w->n[2];
+}
+
+/* A row with a voxel of background at either end; line has them already. */
+static const uint8_t *load_line(const label_work *w, int32_t j, int32_t k, uint8_t *line)
+{
+    size_t const size = w->sample;
+    size_t const count = (size_t)w->volume->size[0];
+
+    if (is_outside(w, j, k)) return w->outside;
+    const uint8_t *p = sample_at(w, 1, j, k);
+    if (w->stride[0] == (int64_t)size) memcpy(line + size, p, count * size);
+    else
+        for (size_t i = 1; i <= count; i++, p += (ptrdiff_t)w->stride[0]) memcpy(line + i * size, p, size);
+    return line;
+}
+
+/* The edges of slice k of voxels, and with between those from slice k - 1 to it. */
+static void scan_slice(label_scan *s, int32_t k, int between)
+{
+    const label_work *const w = s->w;
+    size_t const words = (size_t)w->words;
+    const uint8_t *last = w->outside;
+
+    for (int32_t j = 0; j <= w->n[1]; j++) {
+        const uint8_t *const row = load_line(w, j, k, s->line[j & 1]);
+        uint64_t *const x = s->x[k & 1] + (size_t)j * words;
+
+        /* Bits from the last cell on belong to no edge along x. */
+        x[words - 1] = 0;
+        differ(w, row, row + w->sample, w->n[0], x);
+        if (j > 0) differ(w, last, row, w->n[0] + 1, s->y[k & 1] + (size_t)(j - 1) * words);
+        if (between)
+            differ(w, load_line(w, j, k - 1, s->line[2]), row, w->n[0] + 1, s->z + (size_t)j * words);
+        last = row;
+    }
+}
+
+/* ---- Cells ---- */
+
+/* A word of a row of cells: its edges as in a pattern. */
+static uint64_t cell_word(const label_scan *s, int32_t j, int32_t k, int32_t word, uint64_t edge[12])
+{
+    size_t const words = (size_t)s->w->words, at = (size_t)j * words + (size_t)word;
+    int const more = word + 1 < s->w->words;
+    uint64_t any = 0;
+
+    for (int32_t n = 0; n < 2; n++) {
+        const uint64_t *const x = s->x[(k + n) & 1] + at, *const y = s->y[(k + n) & 1] + at;
+        const uint64_t *const z = s->z + at + (size_t)n * words;
+
+        edge[2 * n] = x[0];
+        edge[2 * n + 1] = x[words];
+        edge[4 + 2 * n] = y[0];
+        edge[5 + 2 * n] = y[0] >> 1 | (more ? y[1] << 63 : 0);
+        edge[8 + 2 * n] = z[0];
+        edge[9 + 2 * n] = z[0] >> 1 | (more ? z[1] << 63 : 0);
+    }
+    for (int32_t e = 0; e < 12; e++) any |= edge[e];
+    return any;
+}
+
+static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
+{
+    uint32_t pattern = 0;
+    for (int32_t e = 0; e < 12; e++) pattern |= (uint32_t)(edge[e] >> bit & 1) << e;
+    return pattern;
+}
+
+static void count_row(const label_scan *s, int32_t j, int32_t k, cell_row *row)
+{
+    uint64_t edge[12];
+
+    row->vertex = row->face = 0;
+    for (int32_t word = 0; word < s->w->words; word++) {
+        uint64_t any = cell_word(s, j, k, word, edge);
+        /* A face belongs to the cell of its edge's low end. */
+        row->face += bvxi_popcount(edge[0]) + bvxi_popcount(edge[4]) + bvxi_popcount(edge[8]);
+        for (; any != 0; any &= any - 1)
+            row->vertex += s->w->splits[pattern_at(edge, bvxi_lowest(any))].count;
+    }
+}
+
+/* ---- Labels by rank ---- */
+
+static uint64_t ordered(const label_work *w, uint64_t value)
+{
+    return w->volume->sample_type % 2 == 0 ? value ^ UINT64_C(1) << 63 : value;
+}
+
+static uint64_t listed(const label_work *w, uint64_t index)
+{
+    return ordered(w, (uint64_t)w->made->labels[index].value);
+}
+
+static uint32_t rank_at(const label_work *w, int32_t i, int32_t j, int32_t k)
+{
+    uint64_t value, low = 0, high = w->made->label_count;
+
+    if (is_outside(w, j, k) || i < 1 || i >= w->n[0]) return (uint32_t)high;
+    value = bvxi_whole_sample(sample_at(w, i, j, k), w->volume->sample_type);
+    if (value == w->background) return (uint32_t)high;
+    value = ordered(w, value);
+    if (w->rank_table != NULL) return w->rank_table[value - w->rank_low];
+    while (high - low > 1) {
+        uint64_t const middle = (low + high) / 2;
+        if (listed(w, middle) <= value) low = middle;
+        else high = middle;
+    }
+    return (uint32_t)low;
+}
+
+/* Values that lie close together have a table. */
+static bvx_status make_ranks(label_work *w)
+{
+    uint64_t const count = w->made->label_count;
+
+    if (count == 0) return BVX_OK;
+    w->rank_low = listed(w, 0);
+    w->rank_size = listed(w, count - 1) - w->rank_low;
+    if (w->rank_size >= RANKS_BY_TABLE) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, (w->rank_size + 1) * 4, "the labels' ranks", &w->rank_table));
+    for (uint64_t i = 0; i < count; i++) w->rank_table[listed(w, i) - w->rank_low] = (uint32_t)i;
+    return BVX_OK;
+}
+
+/* ---- Vertices and faces ---- */
+
+static size_t cell_index(const label_work *w, int32_t i, int32_t j)
+{
+    return (size_t)j * (size_t)w->n[0] + (size_t)i;
+}
+
+/* Low sides of a new cell: whoever has an edge through it is linked with the cell beyond. */
+static void link_cell(label_scan *s, const int32_t c[3], uint32_t first, const bvxi_split *split)
+{
+    const label_work *const w = s->w;
+    uint32_t *const links = w->net.links;
+    uint32_t const pattern = s->pattern[c[2] & 1][cell_index(w, c[0], c[1])];
+
+    for (int32_t a = 0; a < 3; a++) {
+        int32_t edge = -1;
+        for (int32_t e = 0; e < 12; e++)
+            if (e >> 2 != a && bvxi_edge_offset(e, a) == 0 && (pattern >> e & 1) != 0) edge = e;
+        if (edge < 0) continue;
+
+        /* The same edge is on the high side of the cell before, its offset along the axis 1. */
+        int32_t const other_edge = edge + ((edge >> 2 == 0 ? 1 : 0) == a ? 1 : 2);
+        size_t const at = cell_index(w, c[0] - (a == 0), c[1] - (a == 1));
+        int const slice = (c[2] - (a == 2)) & 1;
+        uint32_t const own = first + split->of[edge];
+        uint32_t const other = s->first[slice][at] + w->splits[s->pattern[slice][at]].of[other_edge];
+        links[6 * (size_t)own + 2 * (size_t)a] = other;
+        links[6 * (size_t)other + 2 * (size_t)a + 1] = own;
+    }
+}
+
+/* Vertices of cells of one row, numbered; written where they are the piece's own. */
+static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
+{
+    const label_work *const w = s->w;
+    uint32_t next = w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j].vertex;
+    uint64_t edge[12];
+
+    for (int32_t word = 0; word < w->words; word++) {
+        uint64_t any = cell_word(s, j, k, word, edge);
+        for (; any != 0; any &= any - 1) {
+            int32_t const bit = bvxi_lowest(any), c[3] = {64 * word + bit, j, k};
+            uint32_t const pattern = pattern_at(edge, bit);
+            const bvxi_split *const split = &w->splits[pattern];
+            size_t const at = cell_index(w, c[0], j);
+
+            s->first[k & 1][at] = next;
+            s->pattern[k & 1][at] = (uint16_t)pattern;
+            for (uint32_t v = 0; own && v < split->count; v++) {
+                w->made->cells[next + v] = (uint64_t)k * (uint64_t)w->n[0] * (uint64_t)w->n[1] + at;
+                w->made->junctions[next + v] = split->junction[v];
+                if (w->net.offset != NULL)
+                    memcpy(w->net.offset + 3 * (size_t)(next + v), split->start[v], sizeof split->start[v]);
+            }
+            if (w->net.links != NULL && own) link_cell(s, c, next, split);
+            next += split->count;
+        }
+    }
+}
+
+/* The face across the edge from voxel c along an axis. */
+static void put_face(const label_scan *s, const int32_t c[3], int32_t axis, uint32_t face)
+{
+    const label_work *const w = s->w;
+    int32_t const u = (axis + 1) % 3, v = (axis + 2) % 3;
+    uint32_t corner[4];
+    uint32_t const low = rank_at(w, c[0], c[1], c[2]);
+    uint32_t const high = rank_at(w, c[0] + (axis == 0), c[1] + (axis == 1), c[2] + (axis == 2));
+
+    /* Counter-clockwise about the axis. */
+    for (int32_t n = 0; n < 4; n++) {
+        int32_t const du = n == 1 || n == 2, dv = n >> 1;
+        int32_t p[3] = {c[0], c[1], c[2]};
+        p[u] -= du;
+        p[v] -= dv;
+        int32_t const first = u < v ? du : dv, second = u < v ? dv : du;
+        size_t const at = cell_index(w, p[0], p[1]);
+        const bvxi_split *const split = &w->splits[s->pattern[p[2] & 1][at]];
+        corner[n] = s->first[p[2] & 1][at] + split->of[4 * axis + first + 2 * second];
+    }
+
+    uint32_t *const t = w->made->mesh.triangles + 6 * (size_t)face;
+    uint32_t *const side = w->made->sides + 2 * (size_t)face;
+    int const forward = low < high;
+    t[0] = t[3] = corner[0];
+    t[1] = forward ? corner[1] : corner[3];
+    t[2] = t[4] = corner[2];
+    t[5] = forward ? corner[3] : corner[1];
+    side[0] = forward ? low : high;
+    side[1] = forward ? high : low;
+}
+
+static void put_faces(const label_scan *s, int32_t j, int32_t k)
+{
+    const label_work *const w = s->w;
+    uint32_t face = w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j].face;
+    uint64_t edge[12];
+
+    for (int32_t word = 0; word < w->words; word++) {
+        (void)cell_word(s, j, k, word, edge);
+        for (uint64_t any = edge[0] | edge[4] | edge[8]; any != 0; any &= any - 1) {
+            int32_t const bit = bvxi_lowest(any), c[3] = {64 * word + bit, j, k};
+            for (int32_t a = 0; a < 3; a++)
+                if ((edge[4 * a] >> bit & 1) != 0) put_face(s, c, a, face++);
+        }
+    }
+}
+
+/* ---- The passes ---- */
+
+static uint64_t round_up(uint64_t bytes)
+{
+    return (bytes + 63) / 64 * 64;
+}
+
+/* A worker's arrays in one block, or its size where the block is NULL. */
+static uint64_t lay_out(const label_work *w, uint8_t *block, label_scan *s)
+{
+    uint64_t const line = round_up(((uint64_t)w->n[0] + 1) * w->sample);
+    uint64_t const bits = round_up(((uint64_t)w->n[1] + 1) * (uint64_t)w->words * 8);
+    uint64_t const cells = (uint64_t)w->n[0] * (uint64_t)w->n[1];
+    uint64_t at = 0;
+
+#define TAKE(type, bytes)                                \
+    (type *)(void *)(block == NULL ? NULL : block + at); \
+    at += (bytes)
+    for (int n = 0; n < 3; n++) { s->line[n] = TAKE(uint8_t, line); }
+    for (int n = 0; n < 2; n++) {
+        s->x[n] = TAKE(uint64_t, bits);
+        s->y[n] = TAKE(uint64_t, bits);
+    }
+    s->z = TAKE(uint64_t, bits);
+    for (int n = 0; n < 2; n++) {
+        s->first[n] = TAKE(uint32_t, round_up(cells * 4));
+        s->pattern[n] = TAKE(uint16_t, round_up(cells * 2));
+    }
+#undef TAKE
+    s->w = w;
+    return at;
+}
+
+static void work_piece(void *user, int32_t piece, int32_t worker)
+{
+    label_work *const w = user;
+    uint64_t begin, end;
+    label_scan s;
+
+    bvxi_piece((uint64_t)w->n[2], w->pieces, piece, &begin, &end);
+    (void)lay_out(w, w->scratch + (size_t)worker * w->scratch_bytes, &s);
+    /* Ends of lines are background, which loading leaves alone. */
+    for (int n = 0; n < 3; n++) memcpy(s.line[n], w->outside, ((size_t)w->n[0] + 1) * w->sample);
+
+    /* Faces reach the slice of cells before theirs. */
+    int32_t const from = (int32_t)begin - (w->emit && begin > 0);
+    scan_slice(&s, from, 0);
+    for (int32_t k = from; k < (int32_t)end; k++) {
+        scan_slice(&s, k + 1, 1);
+        for (int32_t j = 0; j < w->n[1]; j++) {
+            if (!w->emit) {
+                count_row(&s, j, k, &w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j]);
+                continue;
+            }
+            put_vertices(&s, j, k, k >= (int32_t)begin);
+            if (k >= (int32_t)begin) put_faces(&s, j, k);
+        }
+    }
+}
+
+static bvx_status place_rows(label_work *w, uint64_t *vertices, uint64_t *faces)
+{
+    *vertices = *faces = 0;
+    for (uint64_t i = 0; i < w->row_count; i++) {
+        cell_row const own = w->rows[i];
+        w->rows[i].vertex = (uint32_t)*vertices;
+        w->rows[i].face = (uint32_t)*faces;
+        *vertices += own.vertex;
+        *faces += own.face;
+    }
+    if (*vertices < UINT32_MAX && *faces < UINT32_C(1) << 30) return BVX_OK;
+    return bvxi_fail_for(
+        w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+        "%s: the complex has %u vertices and %u faces; 2^32 - 2 and 2^30 - 1 are possible, take "
+        "windows",
+        surfaces_name, *vertices, *faces);
+}
+
+/* Faces of each label, by counting. */
+static bvx_status list_faces(label_work *w)
+{
+    bvx_complex *const c = w->made;
+    uint64_t const labels = c->label_count;
+
+    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_RESULT, (labels + 1) * 8, "the labels' faces", &c->first));
+    for (uint64_t i = 0; i < 2 * c->face_count; i++)
+        if (c->sides[i] < labels) c->first[c->sides[i]]++;
+    uint64_t const count = bvxi_place_counts(c->first, labels + 1);
+    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_RESULT, count * 4, "the labels' faces", &c->faces));
+    for (uint64_t i = 0; i < 2 * c->face_count; i++)
+        if (c->sides[i] < labels) c->faces[c->first[c->sides[i]]++] = (uint32_t)(i / 2);
+    /* Each begins where the one before has ended. */
+    for (uint64_t i = labels; i > 0; i--) c->first[i] = c->first[i - 1];
+    c->first[0] = 0;
+    return BVX_OK;
+}
+
+static void put_positions(void *user, uint64_t begin, uint64_t end)
+{
+    for (uint64_t v = begin; v < end; v++) bvxi_net_put(user, v);
+}
+
+static bvx_status open_arrays(label_work *w, uint64_t vertices, uint64_t faces)
+{
+    bvx_complex *const c = w->made;
+    bvx_context *const ctx = w->ctx;
+
+    c->face_count = faces;
+    BVXI_TRY(bvxi_mesh_open(ctx, surfaces_name, w->options.position_type, 0, vertices, 2 * faces, &c->mesh));
+    if (w->options.local_frame) memcpy(c->mesh.frame, w->volume->lattice.origin, sizeof c->mesh.frame);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, faces * 8, "the faces' labels", &c->sides));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices * 8, "the vertices' cells", &c->cells));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, vertices, "the junctions", &c->junctions));
+    if (w->options.staircase) return BVX_OK;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the vertices' offsets", &w->net.offset));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 24, "the vertices' links", &w->net.links));
+    memset(w->net.links, 0xff, vertices * 24);
+    return BVX_OK;
+}
+
+static bvx_status make_complex(label_work *w)
+{
+    bvx_context *const ctx = w->ctx;
+    bvx_complex *const c = w->made;
+    uint64_t vertices, faces, line = ((uint64_t)w->n[0] + 1) * w->sample;
+    uint8_t *outside;
+    label_scan unused;
+
+    BVXI_TRY(BVXI_SHARE(
+        ctx, 0.0, 0.2,
+        bvxi_make_label_list(ctx, w->volume, w->stride, w->background, &c->labels, &c->label_count)));
+    BVXI_TRY(make_ranks(w));
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, line, "a row of background", &outside));
+    for (uint64_t i = 0; i < line; i += w->sample) {
+        uint8_t const v8 = (uint8_t)w->background;
+        uint16_t const v16 = (uint16_t)w->background;
+        uint32_t const v32 = (uint32_t)w->background;
+        const void *const value = w->sample == 1   ? (const void *)&v8
+                                  : w->sample == 2 ? (const void *)&v16
+                                  : w->sample == 4 ? (const void *)&v32
+                                                   : (const void *)&w->background;
+        memcpy(outside + i, value, w->sample);
+    }
+    w->outside = outside;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, BVXI_PATTERNS * sizeof *w->splits, "the patterns", &w->splits));
+    for (uint32_t p = 0; p < BVXI_PATTERNS; p++) bvxi_split_pattern(p, &w->splits[p]);
+    w->row_count = (uint64_t)w->n[1] * (uint64_t)w->n[2];
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->row_count * sizeof *w->rows, "the rows of cells", &w->rows));
+    w->scratch_bytes = lay_out(w, NULL, &unused);
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->scratch_bytes * (uint64_t)bvxi_threads(ctx),
+                        "slices of each thread", &w->scratch));
+    w->pieces = bvxi_piece_count((uint64_t)w->n[2], SLICE_GRAIN);
+
+    BVXI_TRY(bvxi_parallel(ctx, "count", 0.2, 0.4, w->pieces, work_piece, w));
+    BVXI_TRY(place_rows(w, &vertices, &faces));
+    BVXI_TRY(open_arrays(w, vertices, faces));
+    w->emit = 1;
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.4, 0.6, w->pieces, work_piece, w));
+    bvxi_drop(ctx, w->scratch);
+    BVXI_TRY(list_faces(w));
+    w->net.complex = c;
+    if (!w->options.staircase) BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+    BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
+    return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
+}
+
+static bvx_status check_labels(label_work *w)
+{
+    bvx_context *const ctx = w->ctx;
+    bvx_labels_options *const o = &w->options;
+    bvx_grid shape = {.lattice = w->volume->lattice};
+
+    BVXI_TRY(bvxi_check_options(ctx, surfaces_name, o, BVXI_OPTIONS(labels_rows)));
+    if (w->volume->sample_type >= BVX_SAMPLE_F32)
+        return bvxi_fail(ctx, BVX_ERR_UNSUPPORTED, "%s: the samples are floats; labels are whole numbers",
+                         surfaces_name);
+    w->sample = bvxi_type_size(w->volume->sample_type);
+    w->background = (uint64_t)o->background;
+    if (w->sample < 8) {
+        int64_t const span = INT64_C(1) << (8 * w->sample);
+        int64_t const low = w->volume->sample_type % 2 == 0 ? -span / 2 : 0;
+        if (o->background < low || o->background >= low + span)
+            return bvxi_fail(ctx, BVX_ERR_ARGUMENT, "%s: background is %d, samples are %d to %d",
+                             surfaces_name, o->background, low, low + span - 1);
+    }
+    for (int a = 0; a < 3; a++) {
+        w->made->low[a] = shape.low[a] = w->volume->low[a];
+        w->made->size[a] = shape.size[a] = w->volume->size[a];
+        w->n[a] = w->volume->size[a] + 1;
+        w->net.spacing[a] = w->volume->lattice.spacing[a];
+        w->net.origin[a] = o->local_frame ? 0.0 : w->volume->lattice.origin[a];
+    }
+    w->words = w->n[0] / 64 + 1;
+    BVXI_TRY(bvxi_choose_position_type(ctx, surfaces_name, &shape, w->net.origin, &o->position_type));
+    return o->position_type == BVX_F64 ? bvxi_check_f64(ctx, surfaces_name, &shape, w->net.origin) : BVX_OK;
+}
+
+static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *volume,
+                                     const bvx_labels_options *options, bvx_complex *complex)
+{
+    bvx_complex made = {.owned = 1};
+    label_work w = {.ctx = ctx, .volume = volume, .made = &made};
+    bvx_status status;
+
+    if (complex == NULL) return bvxi_fail_null(ctx, surfaces_name, "complex");
+    if (complex->owned != 1 && (complex->mesh.positions != NULL || complex->sides != NULL))
+        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY, "%s: the complex brings arrays",
+                             surfaces_name);
+    BVXI_TRY(bvxi_take_options(ctx, surfaces_name, options, &w.options, sizeof w.options));
+    BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
+    BVXI_TRY(check_labels(&w));
+    status = make_complex(&w);
+    if (status == BVX_OK) {
+        bvx_complex_free(ctx, complex);
+        *complex = made;
+    } else bvx_complex_free(ctx, &made);
+    return status;
+}
+
+bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_view *volume,
+                              const bvx_labels_options *options, bvx_complex *complex)
+{
+    return BVXI_CALL(context, run_label_surfaces(context, volume, options, complex));
+}
+
+void bvx_complex_free(bvx_context *context, bvx_complex *complex)
+{
+    if (context == NULL || complex == NULL) return;
+    /* What the caller brought is the caller's to free. */
+    if (complex->owned == 1) {
+        uint64_t const vertices = complex->mesh.vertex_count, labels = complex->label_count;
+        bvxi_free(context, complex->faces, complex->faces == NULL ? 0 : complex->first[labels] * 4);
+        bvxi_free(context, complex->first, (labels + 1) * 8);
+        bvxi_free(context, complex->junctions, vertices);
+        bvxi_free(context, complex->cells, vertices * 8);
+        bvxi_free(context, complex->sides, complex->face_count * 8);
+        bvxi_free(context, complex->labels, labels * sizeof *complex->labels);
+        bvx_mesh_free(context, &complex->mesh);
+    }
+    memset(complex, 0, sizeof *complex);
+}

@@ -1,0 +1,60 @@
+/* labels.h - cells of a label map split into vertices, and what the steps of bvx_label_surfaces share. Not
+ * installed.
+ *
+ * A cell lies between eight centres. Bit e of its pattern is set where lattice edge e has different labels at its
+ * ends: edges 0..3 run along x, 4..7 along y, 8..11 along z, each four by the offsets of the two other axes, in
+ * the order x, y, z, the first one fastest. Sides are -x, +x, -y, +y, -z, +z. */
+#ifndef BVXI_LABELS_H
+#define BVXI_LABELS_H
+
+#include "core/core.h"
+
+enum { BVXI_PATTERNS = 4096 };
+
+/* The vertices of a pattern: edges that meet in a side of the cell share one, so each has three edges at least. */
+typedef struct bvxi_split {
+    uint8_t count, of[12]; /* vertex of each edge */
+    uint8_t junction[4];   /* sides of each vertex in which three or four of its edges meet */
+    float start[4][3];     /* mean of the edges' middles, from the cell's centre [Units: voxels] */
+} bvxi_split;
+
+void bvxi_split_pattern(uint32_t pattern, bvxi_split *split);
+
+/* The offset of edge e along an axis that is not its own. */
+static inline int32_t bvxi_edge_offset(int32_t e, int32_t axis)
+{
+    int32_t const own = e >> 2, first = own == 0 ? 1 : 0;
+    return axis == first ? e & 1 : e >> 1 & 1;
+}
+
+/* The corners of a face in their order, of which the first and the third are on its diagonal. */
+static inline uint32_t bvxi_face_vertex(const bvx_complex *complex, uint32_t face, int32_t place)
+{
+    static const uint8_t at[4] = {0, 1, 2, 5};
+    return complex->mesh.triangles[6 * (size_t)face + at[place & 3]];
+}
+
+/* The place of the corner in the highest of the four cells: the next corner and the last lie one cell before it. */
+static inline int32_t bvxi_face_owner(const bvx_complex *complex, uint32_t face)
+{
+    const uint64_t *const cells = complex->cells;
+    return cells[bvxi_face_vertex(complex, face, 0)] > cells[bvxi_face_vertex(complex, face, 3)] ? 0 : 3;
+}
+
+/* What smoothing needs of vertices. */
+typedef struct bvxi_net {
+    bvx_complex *complex;
+    float *offset;   /* from the cell's centre [Size: vertices * 3] [Units: voxels] */
+    uint32_t *links; /* the vertex beyond each side of the cell, or UINT32_MAX [Size: vertices * 6] */
+    double origin[3], spacing[3]; /* of positions: origin 0 in a local frame */
+} bvxi_net;
+
+/* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
+void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
+/* Move the offsets. Memory: 28 bytes a vertex and 40 a face. */
+bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net);
+/* untangle.c: move offsets back until no two triangles cross, and write their positions; the others are written.
+ * Memory: 5 bytes a vertex, a byte for 64 voxels, 200 bytes a face near a junction and 32 a crossing. */
+bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net);
+
+#endif

@@ -1,0 +1,282 @@
+/* smooth.c - smooth the vertices of a complex inside their cells.
+ *
+ * Source: Gibson. Constrained Elastic Surface Nets. 1998 (towards the mean of the neighbours, no vertex leaves its
+ * cell).
+ *
+ * Steps go from one buffer to another, so no order of vertices shows. On a junction only neighbours along it count.
+ * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
+ * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
+ * sweep cancel; so it comes back without a system of equations over labels. */
+#include "labels/labels.h"
+#include "mesh/mesh.h"
+
+#include <math.h>
+
+enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
+
+static float const step = 0.7F; /* below 1: vertices of two colours would take turns */
+static float const limit = 0.49F;
+static double const longest = 0.25;   /* move of a round [Units: voxels] */
+static double const tolerance = 1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
+
+typedef struct net_work {
+    bvxi_net *net;
+    float *other;    /* the second buffer; area vectors afterwards */
+    uint64_t *pairs; /* of faces, sorted; then where each pair's faces begin */
+    uint32_t *faces; /* in the order of pairs */
+    uint64_t pair_count;
+} net_work;
+
+static float clamp(float x)
+{
+    return x < -limit ? -limit : x > limit ? limit : x;
+}
+
+static void relax_range(void *user, uint64_t begin, uint64_t end)
+{
+    static const float inverse[7] = {0.0F, 1.0F, 0.5F, 1.0F / 3.0F, 0.25F, 0.2F, 1.0F / 6.0F};
+    const net_work *const w = user;
+    const bvxi_net *const net = w->net;
+
+    for (uint64_t v = begin; v < end; v++) {
+        const uint32_t *const link = net->links + 6 * v;
+        const float *const own = net->offset + 3 * v;
+        uint32_t const junction = net->complex->junctions[v], mask = junction != 0 ? junction : 63;
+        float sum[3] = {0.0F, 0.0F, 0.0F};
+        int32_t count = 0;
+
+        for (int32_t side = 0; side < 6; side++) {
+            if ((mask >> side & 1) == 0 || link[side] == UINT32_MAX) continue;
+            const float *const o = net->offset + 3 * (size_t)link[side];
+            sum[0] += o[0];
+            sum[1] += o[1];
+            sum[2] += o[2];
+            sum[side >> 1] += (side & 1) != 0 ? 1.0F : -1.0F;
+            count++;
+        }
+        for (int a = 0; a < 3; a++) {
+            float const to = count == 0 ? own[a] : sum[a] * inverse[count];
+            w->other[3 * v + (uint64_t)a] = clamp(own[a] + step * (to - own[a]));
+        }
+    }
+}
+
+/* ---- Volumes between pairs of labels ---- */
+
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* A face on the staircase, from its first corner, and how its corners have moved. */
+typedef struct net_face {
+    uint32_t vertex[4];
+    double at[4][3], moved[4][3];
+} net_face;
+
+static void read_face(const net_work *w, uint32_t face, net_face *f)
+{
+    const bvx_complex *const c = w->net->complex;
+    const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
+    uint64_t const row = (uint64_t)c->size[0] + 1;
+    int32_t const owner = bvxi_face_owner(c, face);
+
+    f->vertex[0] = t[0];
+    f->vertex[1] = t[1];
+    f->vertex[2] = t[2];
+    f->vertex[3] = t[5];
+    memset(f->at, 0, sizeof f->at);
+    for (int32_t n = 1; n < 4; n += 2) {
+        int32_t const place = (owner + n) & 3;
+        uint64_t const to = c->cells[f->vertex[owner]] - c->cells[f->vertex[place]];
+        int32_t const axis = to == 1 ? 0 : to == row ? 1 : 2;
+        f->at[place][axis] = f->at[(owner + 2) & 3][axis] = -1.0;
+    }
+    for (int32_t n = 0; n < 4; n++)
+        for (int32_t a = 0; a < 3; a++)
+            f->moved[n][a] = (double)w->net->offset[3 * (size_t)f->vertex[n] + (size_t)a];
+}
+
+/* Twice the area vector of corners a, b, c when they have moved a share t of their way. */
+static void area_at(const net_face *f, int32_t a, int32_t b, int32_t c, double t, double area[3])
+{
+    double p[3], q[3];
+
+    for (int32_t d = 0; d < 3; d++) {
+        p[d] = f->at[b][d] - f->at[a][d] + t * (f->moved[b][d] - f->moved[a][d]);
+        q[d] = f->at[c][d] - f->at[a][d] + t * (f->moved[c][d] - f->moved[a][d]);
+    }
+    area[0] = p[1] * q[2] - p[2] * q[1];
+    area[1] = p[2] * q[0] - p[0] * q[2];
+    area[2] = p[0] * q[1] - p[1] * q[0];
+}
+
+static double diagonal(const net_face *f, int32_t from)
+{
+    double way[3];
+    for (int32_t d = 0; d < 3; d++)
+        way[d] = f->at[from + 2][d] + f->moved[from + 2][d] - f->at[from][d] - f->moved[from][d];
+    return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+}
+
+/* Split faces along the shorter diagonal: beside a junction that has become straight the longer one would lie on it. */
+static void split_faces(void *user, uint64_t begin, uint64_t end)
+{
+    const net_work *const w = user;
+
+    for (uint64_t i = begin; i < end; i++) {
+        uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)i;
+        net_face f;
+
+        read_face(w, (uint32_t)i, &f);
+        if (diagonal(&f, 1) >= diagonal(&f, 0)) continue;
+        t[0] = t[3] = f.vertex[1];
+        t[1] = f.vertex[2];
+        t[2] = t[4] = f.vertex[3];
+        t[5] = f.vertex[0];
+    }
+}
+
+/* The volume that a triangle sweeps: its area vector is a quadratic in t, so Simpson's rule is exact. */
+static double swept(const net_face *f, int32_t b, int32_t c, double last[3])
+{
+    double begin[3], middle[3], sum = 0.0;
+
+    area_at(f, 0, b, c, 0.0, begin);
+    area_at(f, 0, b, c, 0.5, middle);
+    area_at(f, 0, b, c, 1.0, last);
+    for (int32_t d = 0; d < 3; d++)
+        sum += (f->moved[0][d] + f->moved[b][d] + f->moved[c][d]) * (begin[d] + 4.0 * middle[d] + last[d]);
+    return sum / 36.0;
+}
+
+static int is_free(const net_work *w, uint32_t vertex)
+{
+    return w->net->complex->junctions[vertex] == 0;
+}
+
+/* What a pair's faces have swept; other gets the area vectors of its free vertices, to which those of the faces
+ * around them add up, and *area what they would sweep by moving 1 along their normals. */
+static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area)
+{
+    double volume = 0.0;
+
+    *area = 0.0;
+    for (uint64_t i = begin; i < end; i++) {
+        double half[2][3];
+        net_face f;
+
+        read_face(w, w->faces[i], &f);
+        volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
+        double const size[2] = {length(half[0]), length(half[1])};
+        for (int32_t n = 0; n < 4; n++) {
+            if (!is_free(w, f.vertex[n])) continue;
+            float *const sum = w->other + 3 * (size_t)f.vertex[n];
+            int const first = n != 3, second = n != 1;
+            for (int32_t d = 0; d < 3; d++)
+                sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
+            *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / 6.0;
+        }
+    }
+    return volume;
+}
+
+/* Move a pair's free vertices along their normals, each once: its area vector becomes 0. */
+static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double distance)
+{
+    for (uint64_t i = begin; i < end; i++) {
+        const uint32_t *const t = w->net->complex->mesh.triangles + 6 * (size_t)w->faces[i];
+        uint32_t const vertex[4] = {t[0], t[1], t[2], t[5]};
+
+        for (int32_t n = 0; n < 4; n++) {
+            float *const sum = w->other + 3 * (size_t)vertex[n], *const o = w->net->offset +
+                                                                            3 * (size_t)vertex[n];
+            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]}, size = length(area);
+            if (!is_free(w, vertex[n]) || size == 0.0) continue;
+            for (int32_t d = 0; d < 3; d++) {
+                o[d] = clamp((float)((double)o[d] + distance * area[d] / size));
+                sum[d] = 0.0F;
+            }
+        }
+    }
+}
+
+/* Free vertices have one pair's faces around them, so pairs are corrected apart from each other. */
+static void correct_pairs(void *user, uint64_t first, uint64_t last)
+{
+    const net_work *const w = user;
+
+    for (uint64_t p = first; p < last; p++) {
+        uint64_t const begin = w->pairs[p], end = w->pairs[p + 1];
+        for (int32_t round = 0; round < CORRECTIONS; round++) {
+            double const faces = (double)(end - begin);
+            double area, volume = measure_pair(w, begin, end, &area);
+            if (area == 0.0 || bvxi_absolute(volume) <= tolerance * faces) break;
+
+            /* What has shrunk to nearly nothing has no area to divide by. */
+            double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
+            move_pair(w, begin, end, way < -longest ? -longest : way > longest ? longest : way);
+        }
+    }
+}
+
+static bvx_status sort_faces(bvx_context *ctx, net_work *w)
+{
+    const bvx_complex *const c = w->net->complex;
+    uint64_t const faces = c->face_count;
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (faces + 1) * 8, "the faces' pairs", &w->pairs));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 4, "the faces by pair", &w->faces));
+    for (uint64_t f = 0; f < faces; f++) {
+        w->pairs[f] = (uint64_t)c->sides[2 * f] << 32 | c->sides[2 * f + 1];
+        w->faces[f] = (uint32_t)f;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, w->pairs, w->faces, faces));
+
+    /* Keys become the places where they begin; the last key read is always beyond the last place written. */
+    uint64_t key = 0;
+    for (uint64_t f = 0; f < faces; f++) {
+        uint64_t const own = w->pairs[f];
+        if (f == 0 || own != key) w->pairs[w->pair_count++] = f;
+        key = own;
+    }
+    w->pairs[w->pair_count] = faces;
+    return BVX_OK;
+}
+
+void bvxi_net_put(const bvxi_net *net, uint64_t vertex)
+{
+    const bvx_complex *const c = net->complex;
+    uint64_t const n = (uint64_t)c->size[0] + 1, row = c->cells[vertex] / n, rows = (uint64_t)c->size[1] + 1;
+    uint64_t const cell[3] = {c->cells[vertex] % n, row % rows, row / rows};
+
+    for (uint64_t a = 0; a < 3; a++) {
+        double const offset = net->offset != NULL ? (double)net->offset[3 * vertex + a] : 0.0;
+        double const p = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
+        if (c->mesh.position_type == BVX_F32) ((float *)c->mesh.positions)[3 * vertex + a] = (float)p;
+        else ((double *)c->mesh.positions)[3 * vertex + a] = p;
+    }
+}
+
+bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
+{
+    uint64_t const vertices = net->complex->mesh.vertex_count;
+    net_work w = {.net = net};
+
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the moved offsets", &w.other));
+    for (int32_t i = 0; i < STEPS; i++) {
+        float *const offset = net->offset;
+
+        BVXI_TRY(bvxi_for_ranges(ctx, "smooth", 0.7 * (double)i / (double)STEPS,
+                                 0.7 * (double)(i + 1) / (double)STEPS,
+                                 bvxi_piece_count(vertices, VERTEX_GRAIN), vertices, relax_range, &w));
+        net->offset = w.other;
+        w.other = offset;
+    }
+
+    BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
+    BVXI_TRY(sort_faces(ctx, &w));
+    memset(w.other, 0, vertices * 12);
+    return bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
+                           correct_pairs, &w);
+}

@@ -1,0 +1,402 @@
+/* test_labels.c - surfaces of labels: every pattern of labels in a cell and every pair of cells of two labels,
+ * held against faces found voxel by voxel; bodies against the certificate; types, layouts, threads; smoothing's
+ * bounds, volumes and crossings. */
+#include "suite.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static bvx_complex complex_, twin;
+static bvx_mesh mesh;
+static uint64_t state;
+
+void setUp(void)
+{
+    suite_open(1);
+    state = 77;
+}
+
+void tearDown(void)
+{
+    bvx_complex_free(ctx, &complex_);
+    bvx_complex_free(ctx, &twin);
+    bvx_mesh_free(ctx, &mesh);
+    suite_close();
+}
+
+static uint32_t below(uint32_t n)
+{
+    state = state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)(state >> 33) % n;
+}
+
+static bvx_volume_view view_of(const void *samples, int32_t type, int32_t nx, int32_t ny, int32_t nz)
+{
+    static const double origin[3] = {0, 0, 0}, spacing[3] = {1, 1, 1};
+    int32_t const size[3] = {nx, ny, nz};
+    bvx_volume_view v = {.samples = samples, .sample_type = type};
+
+    memcpy(v.size, size, sizeof size);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, size, &v.lattice));
+    return v;
+}
+
+static void make(const bvx_volume_view *v, int staircase, int64_t background)
+{
+    bvx_labels_options o = {.struct_size = sizeof o, .background = background};
+    o.staircase = staircase;
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_label_surfaces(ctx, v, &o, &complex_), bvx_last_message(ctx));
+}
+
+/* The body of a label, closed, manifold and outwards. */
+static bvx_certificate body(uint64_t label)
+{
+    bvx_certificate c;
+    bvx_mesh_view view;
+
+    TEST_ASSERT_EQUAL_INT32_MESSAGE(BVX_OK, bvx_label_mesh(ctx, &complex_, label, &mesh),
+                                    bvx_last_message(ctx));
+    bvx_mesh_view_of(&mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_check(ctx, &view, 0, &c));
+    TEST_ASSERT_TRUE(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented);
+    TEST_ASSERT_EQUAL_UINT64(0, c.duplicates + c.collapsed + c.unused_vertices);
+    TEST_ASSERT_EQUAL_UINT64(2 * (complex_.first[label + 1] - complex_.first[label]), c.triangles);
+    return c;
+}
+
+static uint64_t crossings(void)
+{
+    bvx_mesh_view view;
+    uint64_t count;
+
+    bvx_mesh_view_of(&complex_.mesh, &view);
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_crossings(ctx, &view, &count, NULL, 0));
+    return count;
+}
+
+static void check_bodies(int staircase)
+{
+    for (uint64_t i = 0; i < complex_.label_count; i++) {
+        double const volume = body(i).volume, voxels = (double)complex_.labels[i].voxels;
+        if (staircase) TEST_ASSERT_EQUAL_DOUBLE(voxels, volume);
+    }
+    TEST_ASSERT_EQUAL_UINT64(0, crossings());
+}
+
+/* ---- All patterns ---- */
+
+/* Blocks of voxels with a layer of background between them. */
+enum { BLOCKS = 18 };
+static uint32_t field[BLOCKS * 4 * BLOCKS * 3 * BLOCKS * 3];
+
+static uint32_t *block_voxel(int32_t block, int32_t wide, int32_t x, int32_t y, int32_t z)
+{
+    int32_t const side = BLOCKS * (wide + 1), rows = BLOCKS * 3;
+    int32_t const bx = block % BLOCKS, by = block / BLOCKS % BLOCKS, bz = block / BLOCKS / BLOCKS;
+    return &field[((bz * 3 + z) * rows + by * 3 + y) * side + bx * (wide + 1) + x];
+}
+
+/* Labels that are equal where those of a pattern are: each set partition of eight corners once. With zero, the
+ * pattern's first label is background. */
+static int32_t fill_partitions(int zero)
+{
+    int32_t part[8] = {0}, most[8] = {0}, block = 0, i = 7;
+
+    memset(field, 0, sizeof field);
+    for (;; block++) {
+        for (int32_t n = 0; n < 8; n++)
+            *block_voxel(block, 2, n & 1, n >> 1 & 1,
+                         n >> 2) = zero && part[n] == 0 ? 0 : (uint32_t)(block * 8 + part[n] + 1);
+        for (i = 7; i > 0 && part[i] > most[i - 1]; i--) part[i] = 0;
+        if (i == 0) return block + 1;
+        part[i]++;
+        most[i] = part[i] > most[i - 1] ? part[i] : most[i - 1];
+        for (int32_t n = i + 1; n < 8; n++) most[n] = most[i];
+    }
+}
+
+static void test_labels_of_all_partitions_of_a_cell_are_bodies(void)
+{
+    for (int zero = 0; zero < 2; zero++) {
+        bvx_volume_view const v = view_of(field, BVX_SAMPLE_U32, BLOCKS * 3, BLOCKS * 3, BLOCKS * 3);
+
+        TEST_ASSERT_EQUAL_INT32(4140, fill_partitions(zero)); /* Bell's number of 8 */
+        make(&v, 1, 0);
+        check_bodies(1);
+    }
+}
+
+/* Two cells that share a side: where a body leads around it in both, its faces must be parted. */
+static void test_labels_of_all_pairs_of_cells_are_bodies(void)
+{
+    bvx_volume_view const v = view_of(field, BVX_SAMPLE_U32, BLOCKS * 4, BLOCKS * 3, BLOCKS * 3);
+
+    memset(field, 0, sizeof field);
+    for (int32_t block = 0; block < 4096; block++)
+        for (int32_t n = 0; n < 12; n++)
+            if ((block >> n & 1) != 0) *block_voxel(block, 3, n % 3, n / 3 % 2, n / 6) = (uint32_t)block;
+    make(&v, 1, 0);
+    TEST_ASSERT_EQUAL_UINT64(4095, complex_.label_count);
+    check_bodies(1);
+}
+
+/* ---- Held against faces found voxel by voxel ---- */
+
+static void check_faces(const uint8_t *samples, const int32_t n[3])
+{
+    uint64_t face = 0;
+
+    for (int32_t z = -1; z < n[2]; z++)
+        for (int32_t y = -1; y < n[1]; y++)
+            for (int32_t x = -1; x < n[0]; x++)
+                for (int axis = 0; axis < 3; axis++) {
+                    int32_t const p[2][3] = {{x, y, z}, {x + (axis == 0), y + (axis == 1), z + (axis == 2)}};
+                    uint32_t rank[2];
+                    for (int e = 0; e < 2; e++) {
+                        int in = 1;
+                        for (int a = 0; a < 3; a++) in = in && p[e][a] >= 0 && p[e][a] < n[a];
+                        int64_t const value = in ? samples[(p[e][2] * n[1] + p[e][1]) * n[0] + p[e][0]] : 0;
+                        rank[e] = 0;
+                        while (rank[e] < complex_.label_count && complex_.labels[rank[e]].value != value)
+                            rank[e]++;
+                    }
+                    if (rank[0] == rank[1]) continue;
+                    TEST_ASSERT_TRUE(face < complex_.face_count);
+                    TEST_ASSERT_EQUAL_UINT32(rank[0] < rank[1] ? rank[0] : rank[1], complex_.sides[2 * face]);
+                    TEST_ASSERT_EQUAL_UINT32(rank[0] < rank[1] ? rank[1] : rank[0],
+                                             complex_.sides[2 * face + 1]);
+
+                    /* Its corners are those of the square between the voxels, to the front counter-clockwise. */
+                    const uint32_t *const t = complex_.mesh.triangles + 6 * face;
+                    const float *const q = complex_.mesh.positions;
+                    double mean[3] = {0}, way[2][3], normal[3];
+                    for (int a = 0; a < 3; a++) {
+                        mean[a] = 0.25 * ((double)q[3 * t[0] + (size_t)a] + (double)q[3 * t[1] + (size_t)a] +
+                                          (double)q[3 * t[2] + (size_t)a] + (double)q[3 * t[5] + (size_t)a]);
+                        way[0][a] = (double)(q[3 * t[2] + (size_t)a] - q[3 * t[0] + (size_t)a]);
+                        way[1][a] = (double)(q[3 * t[5] + (size_t)a] - q[3 * t[1] + (size_t)a]);
+                    }
+                    for (int a = 0; a < 3; a++) {
+                        int const b = (a + 1) % 3, c = (a + 2) % 3;
+                        normal[a] = 0.5 * (way[0][b] * way[1][c] - way[0][c] * way[1][b]);
+                        TEST_ASSERT_EQUAL_DOUBLE((double)p[1][a] + (a == axis ? 0.0 : 0.5), mean[a]);
+                        TEST_ASSERT_EQUAL_DOUBLE(a != axis ? 0.0 : rank[0] < rank[1] ? 1.0 : -1.0, normal[a]);
+                    }
+                    face++;
+                }
+    TEST_ASSERT_EQUAL_UINT64(face, complex_.face_count);
+}
+
+static void test_labels_of_noise_are_the_faces_of_its_voxels(void)
+{
+    uint8_t samples[5 * 6 * 70];
+
+    for (int trial = 0; trial < 12; trial++) {
+        /* Rows around the ends of words too. */
+        static const int32_t sizes[4][3] = {{5, 5, 5}, {62, 2, 3}, {63, 3, 2}, {70, 5, 6}};
+        const int32_t *const n = sizes[trial % 4];
+        int32_t const count = n[0] * n[1] * n[2];
+        for (int32_t i = 0; i < count; i++) samples[i] = (uint8_t)below(trial % 3 == 0 ? 2 : 5);
+        bvx_volume_view const v = view_of(samples, BVX_SAMPLE_U8, n[0], n[1], n[2]);
+
+        make(&v, 1, 0);
+        check_faces(samples, n);
+        check_bodies(1);
+        make(&v, 0, 0);
+        check_bodies(0);
+    }
+}
+
+/* ---- Values, layouts, threads ---- */
+
+static void same_complex(const bvx_complex *a, const bvx_complex *b)
+{
+    TEST_ASSERT_EQUAL_UINT64(a->mesh.vertex_count, b->mesh.vertex_count);
+    TEST_ASSERT_EQUAL_UINT64(a->face_count, b->face_count);
+    TEST_ASSERT_EQUAL_MEMORY(a->mesh.positions, b->mesh.positions, a->mesh.vertex_count * 12);
+    TEST_ASSERT_EQUAL_MEMORY(a->mesh.triangles, b->mesh.triangles, a->face_count * 24);
+    TEST_ASSERT_EQUAL_MEMORY(a->sides, b->sides, a->face_count * 8);
+    TEST_ASSERT_EQUAL_MEMORY(a->cells, b->cells, a->mesh.vertex_count * 8);
+    TEST_ASSERT_EQUAL_MEMORY(a->first, b->first, (a->label_count + 1) * 8);
+    TEST_ASSERT_EQUAL_MEMORY(a->faces, b->faces, a->first[a->label_count] * 4);
+}
+
+/* A few cells of Voronoi's, and noise in a corner. */
+enum { SIDE = 48 };
+static uint8_t cells[SIDE * SIDE * SIDE];
+static void fill_cells(void)
+{
+    int32_t seeds[12][3];
+
+    for (int i = 0; i < 12; i++)
+        for (int a = 0; a < 3; a++) seeds[i][a] = (int32_t)below(SIDE);
+    for (int32_t n = 0; n < SIDE * SIDE * SIDE; n++) {
+        int32_t const p[3] = {n % SIDE, n / SIDE % SIDE, n / SIDE / SIDE};
+        int32_t best = INT32_MAX;
+        for (int i = 0; i < 12; i++) {
+            int32_t far = 0;
+            for (int a = 0; a < 3; a++) far += (p[a] - seeds[i][a]) * (p[a] - seeds[i][a]);
+            if (far >= best) continue;
+            best = far;
+            cells[n] = (uint8_t)i;
+        }
+        if (p[0] + p[1] + p[2] < 24) cells[n] = (uint8_t)below(12);
+    }
+}
+
+static void test_labels_are_the_same_for_all_threads(void)
+{
+    fill_cells();
+    bvx_volume_view const v = view_of(cells, BVX_SAMPLE_U8, SIDE, SIDE, SIDE);
+
+    make(&v, 0, 0);
+    for (int32_t threads = 2; threads <= 4; threads += 2) {
+        bvx_context *const other = suite_context(threads, BVX_CPU_BEST);
+        TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_surfaces(other, &v, NULL, &twin));
+        same_complex(&complex_, &twin);
+        bvx_complex_free(other, &twin);
+        bvx_context_destroy(other);
+    }
+}
+
+static void test_labels_of_any_type_order_and_sign(void)
+{
+    static int64_t wide[9 * 8 * 7];
+    static int8_t narrow[9 * 8 * 7];
+
+    for (int32_t i = 0; i < 9 * 8 * 7; i++) {
+        narrow[i] = (int8_t)((int32_t)below(4) - 2);
+        wide[(i % 9) * 56 + i / 9 % 8 * 7 + i / 72] = narrow[i] < 0 ? INT64_MIN + narrow[i] + 2 : narrow[i];
+    }
+    bvx_volume_view v = view_of(narrow, BVX_SAMPLE_I8, 9, 8, 7);
+    make(&v, 0, -1);
+    TEST_ASSERT_EQUAL_UINT64(3, complex_.label_count);
+    TEST_ASSERT_EQUAL_INT64(-2, complex_.labels[0].value);
+
+    bvx_labels_options const o = {.struct_size = sizeof o, .background = INT64_MIN + 1};
+    v = view_of(wide, BVX_SAMPLE_I64, 9, 8, 7);
+    v.strides[0] = 56 * 8;
+    v.strides[1] = 7 * 8;
+    v.strides[2] = 8;
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_label_surfaces(ctx, &v, &o, &twin));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, twin.labels[0].value);
+    same_complex(&complex_, &twin);
+}
+
+static void test_labels_of_a_window_lie_in_the_world(void)
+{
+    static const double origin[3] = {10, -20, 30}, spacing[3] = {0.5, 2, 1};
+    static const int32_t dims[3] = {100, 100, 100}, low[3] = {7, 8, 9};
+    uint8_t const one = 3;
+    bvx_volume_view v = {.samples = &one, .sample_type = BVX_SAMPLE_U8};
+
+    for (int a = 0; a < 3; a++) {
+        v.size[a] = 1;
+        v.low[a] = low[a];
+    }
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, origin, spacing, dims, &v.lattice));
+    make(&v, 1, 0);
+    bvx_certificate c = body(0);
+    for (int a = 0; a < 3; a++) {
+        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + low[a] * spacing[a], c.low[a]);
+        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + (low[a] + 1) * spacing[a], c.high[a]);
+    }
+    make(&v, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001, 1.0, body(0).volume);
+    make(&v, 0, 3); /* all of it is background */
+    TEST_ASSERT_EQUAL_UINT64(0, complex_.label_count + complex_.face_count + complex_.mesh.vertex_count);
+}
+
+/* ---- Smoothing ---- */
+
+static void check_bounds(const bvx_volume_view *v)
+{
+    const float *const p = complex_.mesh.positions;
+
+    for (uint64_t i = 0; i < complex_.mesh.vertex_count; i++) {
+        uint64_t rest = complex_.cells[i];
+        for (uint64_t a = 0; a < 3; a++) {
+            uint64_t const n = (uint64_t)v->size[a] + 1;
+            double const from = fabs((double)p[3 * i + a] - (double)(a < 2 ? rest % n : rest));
+            TEST_ASSERT_TRUE(from < 0.4901);
+            rest /= n;
+        }
+    }
+}
+
+static void test_labels_smoothed_stay_in_cells_and_keep_volumes(void)
+{
+    fill_cells();
+    for (int32_t n = 0; n < SIDE * SIDE * SIDE; n++) /* without the noise */
+        if (n % SIDE + n / SIDE % SIDE + n / SIDE / SIDE < 24) cells[n] = 0;
+    bvx_volume_view const v = view_of(cells, BVX_SAMPLE_U8, SIDE, SIDE, SIDE);
+
+    make(&v, 0, 0);
+    check_bounds(&v);
+    TEST_ASSERT_EQUAL_UINT64(0, crossings());
+    for (uint64_t i = 0; i < complex_.label_count; i++) {
+        double const voxels = (double)complex_.labels[i].voxels;
+        TEST_ASSERT_DOUBLE_WITHIN(0.001 * voxels, voxels, body(i).volume);
+    }
+}
+
+static void test_labels_smoothed_are_a_ball(void)
+{
+    enum { N = 72 };
+    static uint8_t ball[N * N * N];
+    double const pi = 3.14159265358979323846;
+
+    for (int32_t n = 0; n < N * N * N; n++) {
+        double const x = n % N + 0.5 - 36, y = n / N % N + 0.5 - 36, z = n / N / N + 0.5 - 36;
+        ball[n] = x * x + y * y + z * z <= 35 * 35;
+    }
+    bvx_volume_view const v = view_of(ball, BVX_SAMPLE_U8, N, N, N);
+    make(&v, 0, 0);
+    bvx_certificate const c = body(0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * 4 * pi * 35 * 35, 4 * pi * 35 * 35, c.area);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5 * c.volume, (double)complex_.labels[0].voxels, c.volume);
+    TEST_ASSERT_EQUAL_INT64(2, c.euler);
+}
+
+/* ---- Refusals ---- */
+
+static void test_labels_refuse(void)
+{
+    float const real = 1;
+    uint8_t const whole = 1;
+    bvx_volume_view v = view_of(&real, BVX_SAMPLE_F32, 1, 1, 1);
+    bvx_labels_options o = {.struct_size = sizeof o};
+
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_UNSUPPORTED, bvx_label_surfaces(ctx, &v, NULL, &complex_));
+    v = view_of(&whole, BVX_SAMPLE_U8, 1, 1, 1);
+    o.background = 256;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
+    o.background = -1;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, &o, &complex_));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, NULL, NULL));
+    make(&v, 1, 0);
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_RANGE, bvx_label_mesh(ctx, &complex_, 1, &mesh));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_mesh(ctx, NULL, 0, &mesh));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_mesh(ctx, &complex_, 0, NULL));
+
+    /* Arrays that the library did not make. */
+    bvx_complex const brought = {.sides = complex_.sides};
+    bvx_complex given = brought;
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_label_surfaces(ctx, &v, NULL, &given));
+    TEST_ASSERT_EQUAL_PTR(brought.sides, given.sides);
+}
+
+int main(void)
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_labels_of_all_partitions_of_a_cell_are_bodies);
+    RUN_TEST(test_labels_of_all_pairs_of_cells_are_bodies);
+    RUN_TEST(test_labels_of_noise_are_the_faces_of_its_voxels);
+    RUN_TEST(test_labels_are_the_same_for_all_threads);
+    RUN_TEST(test_labels_of_any_type_order_and_sign);
+    RUN_TEST(test_labels_of_a_window_lie_in_the_world);
+    RUN_TEST(test_labels_smoothed_stay_in_cells_and_keep_volumes);
+    RUN_TEST(test_labels_smoothed_are_a_ball);
+    RUN_TEST(test_labels_refuse);
+    return UNITY_END();
+}
