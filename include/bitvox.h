@@ -178,19 +178,36 @@ typedef void bvx_parallel_fn(void *user, int32_t count, bvx_task_fn *task, void 
 
 enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
+/** Where memory comes from; user is the first argument of both. */
+typedef struct bvx_allocator {
+    bvx_alloc_fn *alloc; /**< set together with free [Default: NULL] */
+    bvx_free_fn *free;   /**< [Default: NULL] */
+    void *user;          /**< [Default: NULL] */
+} bvx_allocator;
+
+/** Memory to live in: results at its low end, scratch at its high end. */
+typedef struct bvx_arena {
+    void *memory;  /**< of any alignment: up to 63 bytes of it are skipped [Default: NULL] */
+    uint64_t size; /**< [Units: bytes] [Limit: any] [Default: 0] */
+} bvx_arena;
+
+typedef struct bvx_parallel {
+    bvx_parallel_fn *call; /**< [Default: NULL] */
+    void *user;            /**< its first argument [Default: NULL] */
+} bvx_parallel;
+
+typedef struct bvx_progress {
+    bvx_progress_fn *call; /**< [Default: NULL] */
+    void *user;            /**< its first argument [Default: NULL] */
+} bvx_progress;
+
 typedef struct bvx_context_options {
     size_t struct_size;
-    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; BVX_FREESTANDING: alloc or arena] */
-    bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
-    void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
-    void *arena; /**< memory to live in: results at its low end, scratch at its high end; of any alignment, up
-                      to 63 bytes of it are skipped [Default: NULL] */
-    uint64_t arena_size;       /**< [Units: bytes] [Limit: any] [Default: 0] */
-    uint64_t memory_limit;     /**< [Units: bytes] [Limit: any] [Default: 0, none] */
-    bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: the library's threads] */
-    void *parallel_user;       /**< first argument of parallel [Default: NULL] */
-    bvx_progress_fn *progress; /**< [Default: NULL, never called] */
-    void *progress_user;       /**< first argument of progress [Default: NULL] */
+    bvx_allocator allocator; /**< [Default: the C library's heap; BVX_FREESTANDING: this or arena] */
+    bvx_arena arena;         /**< in place of allocator [Default: all zero, none] */
+    uint64_t memory_limit;   /**< [Units: bytes] [Limit: any] [Default: 0, none] */
+    bvx_parallel parallel;   /**< the caller's own parallel-for [Default: the library's threads] */
+    bvx_progress progress;   /**< [Default: all zero, never called] */
     int32_t threads; /**< workers [Limit: 0..1024] [Default: 0, see below; 1 with the caller's parallel] */
     int32_t cpu;     /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
 } bvx_context_options;
@@ -492,6 +509,10 @@ BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uin
  *  meshes: docs/exactness.md. */
 BVX_API uint64_t bvx_hash(const void *bytes, size_t size, uint64_t seed);
 
+typedef struct bvx_box {
+    double low[3], high[3];
+} bvx_box;
+
 /** What a mesh is. With weld 1, vertices at equal positions count as one (for files without indices). */
 typedef struct bvx_certificate {
     int32_t closed;          /**< 1: every edge has two or more triangles, none is a boundary */
@@ -513,7 +534,7 @@ typedef struct bvx_certificate {
     int64_t euler;       /**< vertices - edges + triangles */
     double volume;       /**< signed, by the divergence theorem about the bounds' centre [Units: world^3] */
     double area;         /**< [Units: world^2] */
-    double low[3], high[3]; /**< bounds of the used vertices [Units: world] */
+    bvx_box box;         /**< bounds of the used vertices [Units: world] */
     uint64_t reserved[4];
 } bvx_certificate;
 
@@ -1207,7 +1228,7 @@ typedef struct bvx_repair_report {
     uint64_t cavities_dropped;
     uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
                           parts_dropped and cavities_dropped too */
-    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
+    bvx_distance_report distance; /**< with samples: a is the input, b the result */
     double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh (of a
                                  closed one whose result is then off, at half the spacing): what volume the
                                  result should have, overlaps counted once, whatever was wrong with the input.
@@ -1221,20 +1242,20 @@ typedef struct bvx_repair_options {
     bvx_fit fit;         /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
     int32_t sign;        /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default:
                                 BVX_SIGN_AUTO: WINDING, or VOTE where flipped triangles cannot be turned] */
-    int32_t measure;     /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
-                          [Default: 0] */
+    int32_t thin;        /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     bvx_placing placing; /**< of the surface [Default: all zero] */
     double shell;    /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts; /**< that are kept [Default: all zero] */
     uint64_t target_triangles; /**< at most so many: the largest resolution, up to resolution, that a
                                     bisection finds [Limit: any] [Default: 0, none] */
-    uint64_t measure_samples;  /**< [Limit: any; with measure 1..2^31-1] [Default: 100000] */
+    uint64_t samples;          /**< points a side for the report's distances [Limit: 0..2^31-1]
+                           [Default: 0, not measured] */
     bvx_repair_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
     int32_t if_needed;         /**< 1: copy a mesh that needs nothing (the report's needs): same positions and
                                     triangles, vertices at one position once, its own position_type and no
                                     frame, whatever the other options are [Limit: 0..1] [Default: 0] */
-    int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
+    int32_t reserved;
 } bvx_repair_options;
 
 /** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
@@ -1401,21 +1422,22 @@ typedef struct bvx_lod_report {
     int32_t reserved;
     double ratio[3]; /**< voxels a sample along each axis */
     uint64_t vertices, triangles;
-    uint64_t searched;      /**< resolutions that the search for a triangle count tried */
-    int32_t exceeds_source; /**< 1: more triangles than source_triangles */
-    int32_t reserved2;
+    uint64_t searched; /**< resolutions that the search for a triangle count tried */
 } bvx_lod_report;
 
-typedef struct bvx_lod_options {
-    size_t struct_size;
+/** How a level's samples are taken. */
+typedef struct bvx_sampling {
     int32_t method; /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
     int32_t edge_samples; /**< edge ratio: steps along an edge [Limit: 0..65536] [Default: 0, by the ratio] */
     double threshold;     /**< inside means above it [Limit: > 0, < 1; kept to 2^-16] [Default: 0.5] */
+} bvx_sampling;
+
+typedef struct bvx_lod_options {
+    size_t struct_size;
+    bvx_sampling sampling;      /**< [Default: all zero] */
     const int32_t *resolutions; /**< samples along the longest axis [Size: level_count] [Default: NULL] */
     const int32_t *axis_resolutions;  /**< samples along x, y, z [Size: level_count * 3] [Default: NULL] */
     const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    uint64_t source_triangles;        /**< of the solid's mesh, for exceeds_source [Limit: any]
-                                           [Default: 0, unknown] */
     int32_t face_rule;                /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t position_type;            /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
                                 [Default: BVX_POSITION_AUTO] */
@@ -2286,35 +2308,44 @@ typedef struct bvx_sections_report {
     uint64_t warnings;  /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_sections_report;
 
-typedef struct bvx_sections_options {
-    size_t struct_size;
+/** What is between parallel planes. Planes of any direction take none of it. */
+typedef struct bvx_slabs {
     int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] [Default: 0, 0] */
-    double spacing;  /**< side of a square cell [Units: world] [Limit: >= 0] [Default: 0; with no grid either:
-                          twice the contours' mean segment, 16 to 512 cells along the longer side] */
     int32_t layers;  /**< cells from section to section [Limit: 1..64] [Default: 1] */
-    int32_t caps;    /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
     int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
     int32_t depth;     /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t label;     /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
-    int32_t position_type;       /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
-                                contours' points are doubles and are kept [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
-    int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
-                        what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
-                        borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
-    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
-    int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours'
-                        box; spacing replaces it [Limit: 0, or 8..1024] [Default: 0; with no spacing either:
-                        64] */
-    double agree;  /**< planes that are not parallel: contours at most this far apart where two planes cross
-                        are moved to agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of that side] */
+    int32_t blend;     /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
+    double join; /**< loops of neighbouring sections that share no area are joined by shifting where their
+                            centroids are at most this far apart (docs/rules.md) [Units: world] [Limit: >= 0]
+                            [Default: 0, none are] */
+} bvx_slabs;
+
+typedef struct bvx_sections_options {
+    size_t struct_size;
+    double
+        spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0; by slabs.grid or cells, and with
+                          neither: of parallel planes twice the contours' mean segment, 16 to 512 cells along the
+                          longer side; of others 64 cells] */
+    bvx_slabs slabs; /**< parallel planes [Default: all zero] */
+    int32_t
+        cells; /**< planes that are not parallel: lattice cells along the longest side of the contours' box;
+                          spacing replaces it [Limit: 0, or 8..1024] [Default: 0] */
+    int32_t mend; /**< 1: loops that touch or cross themselves or each other are split there; inside stays
+                          what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
+                          borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
+    double agree; /**< planes that are not parallel: contours at most this far apart where two planes cross
+                          are moved to agree [Units: world] [Limit: >= 0]
+                          [Default: 0, 1/100 of the longest side] */
     double thickness; /**< of a body with one section only, which is refused without: half to either side, as
                            a slab with flat caps, a lens with tapered ones. Other bodies ignore it
                            [Units: world] [Limit: >= 0] [Default: 0] */
-    double join;      /**< parallel planes: loops of neighbouring sections that share no area are joined by
-                           shifting where their centroids are at most this far apart (docs/rules.md)
-                           [Units: world] [Limit: >= 0] [Default: 0, none are] */
+    int32_t caps;     /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
+    int32_t label;    /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
+                                      contours' points are doubles and are kept [Limit: 0..2]
+                                      [Default: BVX_POSITION_AUTO] */
+    int32_t reserved;
+    bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
 } bvx_sections_options;
 
 /** The closed surface of a body through all of its section contours. On a section plane the contour decides:

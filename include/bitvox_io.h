@@ -395,24 +395,36 @@ typedef struct bvx_image {
 
 BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
 
+/** Where a picture is seen from. */
+typedef struct bvx_camera {
+    double direction[3]; /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
+    double up[3];        /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
+    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
+                              and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
+                              [Default: 0, 0: the model fills it] */
+} bvx_camera;
+
+/** What is cut away. */
+typedef struct bvx_cut {
+    int32_t sides; /**< on which, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
+    int32_t reserved;
+    double low[3];  /**< what lies below, on low sides [Units: world] [Limit: any] [Default: 0] */
+    double high[3]; /**< what lies above, on high sides; grids by whole voxels [Units: world] [Limit: any]
+                         [Default: 0] */
+} bvx_cut;
+
 typedef struct bvx_render_options {
     size_t struct_size;
     int32_t width, height; /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
-    double direction[3];   /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
-    double up[3];          /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
+    bvx_camera camera;     /**< [Default: all zero] */
     uint8_t colour[4];     /**< of the surface: red, green, blue, and any number that makes black not all zero
                                 [Limit: any] [Default: 200, 196, 188] */
     uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth;     /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
-    int32_t samples;    /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe;  /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t cut;        /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
-    double cut_low[3];  /**< what lies below, on low sides in cut [Units: world] [Limit: any] [Default: 0] */
-    double cut_high[3]; /**< what lies above, on the high sides; grids by whole voxels [Units: world]
-                             [Limit: any] [Default: 0] */
-    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
-                         and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
-                         [Default: 0, 0: the model fills it] */
+    int32_t smooth;    /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
+    int32_t samples;   /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+    int32_t wireframe; /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+    bvx_cut cut; /**< [Default: all zero, nothing] */
 } bvx_render_options;
 
 /** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from
@@ -437,8 +449,8 @@ BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *b
 /** A sheet of count slices across an axis (0, 1, 2), evenly spaced from the lowest voxel to the highest, in
  *  reading order [Limit: count 1..1024]. Set voxels are in options.colour; up is y (axis 2) or z, and the
  *  spacing gives the voxels' shape. A pixel that covers several voxels shows the share that is set, at least
- *  a quarter of the colour when one is. options.cut applies; direction, up, smooth, wireframe
- *  are ignored.
+ *  a quarter of the colour when one is. options.cut applies; camera, smooth and wireframe are
+ *  ignored.
  *  Returns BVX_ERR_EMPTY (nothing is set). */
 BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
                                      const bvx_render_options *options, bvx_image *image);

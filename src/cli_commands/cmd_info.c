@@ -44,8 +44,8 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
                  " duplicate triangles\n",
                  c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
-        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
-                 c->high[a] - c->low[a]);
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->box.low[a], c->box.high[a],
+                 c->box.high[a] - c->box.low[a]);
     cli_tell(made, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));

@@ -65,7 +65,7 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 void cli_scene_view(const cli_run *run, double direction[3], double up[3])
 {
     const cli_render_options *const own = run->own;
-    const bvx_render_options *const usual = &own->picture;
+    const bvx_camera *const usual = &own->picture.camera;
 
     memcpy(direction, own->from.given ? own->from.value : usual->direction, sizeof usual->direction);
     memcpy(up, own->up.given ? own->up.value : usual->up, sizeof usual->up);
@@ -80,8 +80,8 @@ static void take_cut(const cli_run *run, bvx_render_options *r)
     cli_scene_view(run, direction, up);
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;
-        r->cut |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
-        (direction[a] < 0.0 ? r->cut_low : r->cut_high)[a] = cut->value[a];
+        r->cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
+        (direction[a] < 0.0 ? r->cut.low : r->cut.high)[a] = cut->value[a];
     }
 }
 
@@ -108,8 +108,8 @@ static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], 
     /* Cuts make the box smaller, but the middle of a grid stays where its window has it. */
     for (int a = 0; a < 3; a++) {
         double const at = run->options->cut.value[a];
-        if ((r.cut & 3 << 2 * a) != 0 && at > low[a] && at < high[a])
-            *((r.cut & BVX_OPEN_X_LOW << 2 * a) != 0 ? &low[a] : &high[a]) = at;
+        if ((r.cut.sides & 3 << 2 * a) != 0 && at > low[a] && at < high[a])
+            *((r.cut.sides & BVX_OPEN_X_LOW << 2 * a) != 0 ? &low[a] : &high[a]) = at;
         if (s->input[0].kind == CLI_MESH) middle[a] = low[a] * 0.5 + high[a] * 0.5;
     }
 }
@@ -138,9 +138,9 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
 
     r.width = width;
     r.height = height;
-    cli_scene_view(run, unused, r.up);
-    memcpy(r.direction, direction, sizeof r.direction);
-    memcpy(r.show, show, sizeof r.show);
+    cli_scene_view(run, unused, r.camera.up);
+    memcpy(r.camera.direction, direction, sizeof r.camera.direction);
+    memcpy(r.camera.show, show, sizeof r.camera.show);
     take_cut(run, &r);
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);

@@ -47,13 +47,13 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     o.normal[1] = fuzz_range(in, -2, 2);
     o.spacing = fuzz_range(in, 2, 32) / 8.0;
     if (!fuzz_good(ctx, bvx_slice_mesh(ctx, &view, &o, &sections))) return;
-    b.grid[0] = fuzz_range(in, 2, 20);
-    b.grid[1] = fuzz_range(in, 2, 20);
-    b.layers = fuzz_range(in, 1, 3);
-    b.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
+    b.slabs.grid[0] = fuzz_range(in, 2, 20);
+    b.slabs.grid[1] = fuzz_range(in, 2, 20);
+    b.slabs.layers = fuzz_range(in, 1, 3);
+    b.slabs.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
-    b.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
-    b.depth = fuzz_range(in, BVX_NONE, 5);
+    b.slabs.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
+    b.slabs.depth = fuzz_range(in, BVX_NONE, 5);
     { /* contours of voxel surfaces may touch themselves, which is refused in words */
         bvx_status const status = bvx_build_sections(ctx, &sections, &b, &body);
         if (status == BVX_ERR_FORMAT) fuzz_require(bvx_last_message(ctx)[0] != 0, "a failure without words");
@@ -156,10 +156,10 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     o.samples = fuzz_range(in, 1, 2);
     o.smooth = fuzz_range(in, 0, 1);
     o.wireframe = fuzz_range(in, 0, 1);
-    o.direction[0] = fuzz_range(in, -4, 4);
+    o.camera.direction[0] = fuzz_range(in, -4, 4);
     int const cut = fuzz_range(in, 0, 2);
-    o.cut = BVX_OPEN_X_LOW << 2 * cut;
-    o.cut_low[cut] = fuzz_range(in, -8, 64) / 8.0;
+    o.cut.sides = BVX_OPEN_X_LOW << 2 * cut;
+    o.cut.low[cut] = fuzz_range(in, -8, 64) / 8.0;
     for (int turn = 0; turn < 2; turn++) {
         bvx_context *const c = turn == 0 ? ctx : other;
         bvx_image *const i = turn == 0 ? &image : &twin;
