@@ -55,24 +55,16 @@ BVXI_VECTOR_INLINE void combine_rows(const algebra_job *job, size_t from, size_t
     }
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void combine_rows_avx2(const algebra_job *job, size_t from, size_t n)
-{
-    combine_rows(job, from, n);
-}
-#endif
+BVXI_AVX2_COPY(combine_rows_avx2, (const algebra_job *job, size_t from, size_t n), combine_rows(job, from, n))
 
 static void combine_piece(void *user, uint64_t begin, uint64_t end)
 {
     const algebra_job *const job = user;
-    size_t const row = (size_t)job->a->words_per_row;
+    size_t const row = (size_t)job->a->words_per_row, from = (size_t)begin * row;
+    size_t const words = (size_t)(end - begin) * row;
     uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
 
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) combine_rows_avx2(job, (size_t)begin * row, (size_t)(end - begin) * row);
-    else
-#endif
-        combine_rows(job, (size_t)begin * row, (size_t)(end - begin) * row);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, combine_rows(job, from, words), combine_rows_avx2(job, from, words));
 
     /* Only the complement sets bits past the end of a row. */
     if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
