@@ -95,26 +95,6 @@ static uint64_t add_strip(uint64_t e, uint64_t f, bvxi_holes *strips, uint64_t *
     return n;
 }
 
-/* The area of the sheet over loops. */
-static bvx_status area_over(bvx_context *ctx, const strip_work *w, const bvxi_holes *holes, double *area)
-{
-    uint32_t *corner = NULL;
-    double p[3][3], n[3];
-
-    *area = 0;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 12, "the sheet's triangles", &corner));
-    for (uint64_t t = bvxi_sheet_triangles(holes, corner); t-- > 0;) {
-        for (int i = 0; i < 9; i++)
-            p[i / 3][i % 3] = w->snapped->xyz[3 * (uint64_t)holes->vertex[corner[3 * t + (uint64_t)(i / 3)]] +
-                                              (uint64_t)(i % 3)] *
-                              w->scale[i % 3];
-        bvxi_sheet_normal(p[0], p[1], p[2], n);
-        *area += bvxi_vec_length(n);
-    }
-    bvxi_drop(ctx, corner);
-    return BVX_OK;
-}
-
 static bvx_status part_loops(bvx_context *ctx, strip_work *w, const bvxi_holes *holes, bvxi_holes *strips)
 {
     uint64_t const most = 3 * w->count; /* a pair has four points in its strip and two edges in the rest */
@@ -133,7 +113,8 @@ static bvx_status part_loops(bvx_context *ctx, strip_work *w, const bvxi_holes *
 
     BVXI_TRY(pair_along(ctx, w, 0));
     BVXI_TRY(pair_along(ctx, w, 0x55555555u));
-    if (w->pairs < w->count / 8) return BVX_OK;
+    /* Loops of many edges without another one lead far: their sheet may be larger than it was. */
+    if (40 * w->pairs < 19 * w->count) return BVX_OK;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * 4, "the strips' points", &strips->vertex));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, 2 * w->count * 8, "the strips' ends", &strips->loop_end));
@@ -154,14 +135,6 @@ bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bv
     memset(strips, 0, sizeof *strips);
     if (holes->points < STRIP_EDGES) return BVX_OK;
     BVXI_TRY(part_loops(ctx, &w, holes, strips));
-
-    /* Edges without another one may lead far: then the sheet is better as it was. */
-    if (strips->loops > 0) {
-        double before, after;
-        BVXI_TRY(area_over(ctx, &w, holes, &before));
-        BVXI_TRY(area_over(ctx, &w, strips, &after));
-        if (after > strip_area * before) bvxi_holes_close(ctx, strips);
-    }
     bvxi_drop(ctx, w.other);
     bvxi_drop(ctx, w.order);
     bvxi_drop(ctx, w.key);
