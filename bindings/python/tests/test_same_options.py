@@ -31,7 +31,7 @@ REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
     "refine": {"--leaves", "--cut"}, "render": {"--turntable"},  # a mesh of boxes and a row of pictures: of the program alone
-    "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings"},
+    "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
 }
 
 
