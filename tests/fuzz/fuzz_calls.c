@@ -90,6 +90,23 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
         fuzz_require(surface->colours != NULL, "colours that were not carried");
 }
 
+/* Bounds are finite and not negative, the tensor is one of a body, and more threads change no byte. */
+static void fuzz_measure(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    bvx_measure_options const o = {.struct_size = sizeof o, .resolution = fuzz_range(in, 1, 24)};
+    bvx_measure_report r, twin;
+
+    if (!fuzz_good(ctx, bvx_measure(ctx, view, &o, &r))) return;
+    fuzz_require(r.volume >= 0 && r.volume_error >= 0 && r.center_error >= 0 && r.inertia_error >= 0 &&
+                     r.inertia_error <= 1e300,
+                 "a bound that is none");
+    for (int a = 0; a < 3; a++)
+        fuzz_require(r.inertia[a] <= r.inertia[(a + 1) % 3] + r.inertia[(a + 2) % 3] + 4 * r.inertia_error,
+                     "a tensor that no body has");
+    fuzz_must(other, bvx_measure(other, view, &o, &twin));
+    fuzz_require(memcmp(&r, &twin, sizeof r) == 0, "another mass with more threads");
+}
+
 /* In order, each once, and the same pairs with more threads. */
 static void fuzz_crossings(bvx_context *ctx, bvx_context *other, const bvx_mesh_view *view)
 {
@@ -238,6 +255,7 @@ static void fuzz_one(fuzz_input *in)
         case 6:
             fuzz_normals(ctx, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
+            fuzz_measure(ctx, other, &in, &m.view);
             break;
         default: fuzz_parts(ctx, &solid);
         }

@@ -26,7 +26,7 @@ OWN = {
     ("morph", "--value-type"): "an argument of bvx_grid_distance", ("sections", "--block-model"): "names a file", ("sections", "--block"): "of the block model",
     ("sections", "--parts"): "of the result, a wish", ("sections", "--genus"): "of the result, a wish",
     ("sections", "--touching"): "a call of its own, bvx_build_bodies",
-    ("info", "--crossings"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_camera.direction",
+    ("info", "--crossings"): "another call", ("info", "--measure"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_camera.direction",
     ("render", "--slices"): "another call", ("render", "--voxels"): "the resolution of a solid",
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
     ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
