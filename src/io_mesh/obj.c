@@ -485,9 +485,7 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 
 /* ---- Written ---- */
 
-/* A mesh to Wavefront OBJ.
- *
- * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
+/* Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
  * or a frame. Colours follow the coordinates as fractions of 1, without alpha, which the format does not
  * know. Normals, where requested, are one a vertex, with its index. */
 

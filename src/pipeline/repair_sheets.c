@@ -13,11 +13,8 @@
 
 /* ---- Triangles of a body ---- */
 
-/* Which triangles lie on the border of a body that the whole mesh makes: faces of a part
- * that do not touch, triangles torn apart.
- *
- * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding
- * Numbers. 2013.
+/* Which triangles lie on the border of a body that the whole mesh makes: faces of a part that do not touch,
+ * triangles torn apart.
  *
  * Across a triangle the winding number steps by 1. On a body's border it steps from about 0 to about 1, on a
  * lone sheet from a half below 0 to a half above. So the fraction of it tells, which is the same on either

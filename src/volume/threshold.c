@@ -48,11 +48,9 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 /* ---- Runs of samples to words of bits: in range or not, and what there is to count ---- */
 
-/* 64 samples make a word. The loops have no branch on a sample and are made vectors by compilers; samples
- * that lie apart, and those of a row's end, are brought together first. Infinite samples need no comparison
+/* Compilers make vectors of the loops; samples that lie apart, and those of a row's end, are brought together first. Infinite samples need no comparison
  * of their own, as the range has finite ends. Counts are taken while the samples are at hand: a block without
- * NaN and infinity, the usual one, by the extremes of all of it, any other sample by sample. The portable
- * path is the specification. */
+ * NaN and infinity, the usual one, by the extremes of all of it, any other sample by sample. */
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>
