@@ -15,7 +15,7 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     fit.resolution = resolution;
-    return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
+    return cli_fit_box(run->context, &box, &fit, lattice);
 }
 
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)

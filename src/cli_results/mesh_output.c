@@ -355,13 +355,14 @@ static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshe
 static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int number, const char *path)
 {
     bvx_write_report *const report = calloc((size_t)count, sizeof *report);
-    bvx_write_options const o = write_options(run, placed, count);
+    bvx_write_options o = write_options(run, placed, count);
     bvx_status status;
     int result = CLI_DONE;
 
+    o.reports = report;
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
-    status = bvx_check_written(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), report);
+    status = bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), NULL);
     cli_stage_end(run);
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 
