@@ -143,6 +143,43 @@ def window_of(lattice: Lattice, window: WindowLike) -> Window:
     return found
 
 
+# ---- the tree of chunks ----
+
+
+def stride(level: int) -> int:
+    """Chunks along the side of a piece. Level 1 collapses between the cuts of the finest one: so a piece with twice its side has no
+    triangle across its middle planes either, as viewers want it."""
+    return 1 << max(0, level - 1)
+
+
+def indices(cut: Chunks, level: int) -> list[Index]:
+    """All pieces of a level, x fastest."""
+    counts = [-(-n // stride(level)) for n in cut.counts]
+    return [(x, y, z) for z, y, x in itertools.product(*map(range, counts[::-1]))]
+
+
+def joins(cut: Chunks, level: int, index: Index) -> list[Index]:
+    """The pieces of the level before that a piece is made of."""
+    if level < 2:
+        return [index]
+    ends = [-(-n // stride(level - 1)) for n in cut.counts]
+    return [(x, y, z) for z, y, x in itertools.product(*(range(2 * i, min(2 * i + 2, n)) for i, n in zip(index[::-1], ends[::-1])))]
+
+
+def planes(cut: Chunks, level: int, index: Index) -> tuple[list[float], list[float]]:
+    """The cuts around a piece; none at the sides of the whole."""
+    low, high = [], []
+    for i, n, m, a, corner, edge in zip(index, cut.size, cut.counts, cut.box.low, cut.lattice.corner, cut.lattice.spacing):
+        ends = [i * stride(level), (i + 1) * stride(level)]
+        found = [corner + (a + end * n + 0.5) * edge for end in ends]
+        low.append(found[0] if i > 0 else float("-inf"))
+        high.append(found[1] if ends[1] < m else float("inf"))
+    return low, high
+
+
+# ---- windows ----
+
+
 def overlap(a: Window, b: Window) -> Window | None:
     """What two windows share."""
     low = [max(p, q) for p, q in zip(a.low, b.low)]

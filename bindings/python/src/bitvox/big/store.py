@@ -124,8 +124,10 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
         pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
         chunks = tuple(pieces[len(lead):][::-1])
     cut = Chunks(lattice, chunks, box)
-    read = need("dask", "big").delayed(_read, pure=False)
-    return Volume(cut, {index: read(path_of(path), place, lead, threshold, cut, index) for index in cut})
+    system, root = need("fsspec.core", "big").url_to_fs(path_of(path))
+    state = need("dask.base", "big").tokenize([(name, str(known)) for name, known in sorted(system.find(root, detail=True).items())])
+    read = need("dask", "big").delayed(_read, pure=True)
+    return Volume(cut, {index: read(path_of(path), place, lead, threshold, cut, index, state) for index in cut})
 
 
 def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str, Window]:
@@ -194,7 +196,8 @@ def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: 
     return chosen["path"], (scale, shift)
 
 
-def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index) -> Grid:
+def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index, state: str) -> Grid:
+    """A chunk; ``state`` of the files is part of the task's name alone, so that what was computed before they changed is not taken."""
     zarr = need("zarr", "big")
     found = zarr.open(name, mode="r")
     array = found[place] if place else found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from typing import Any, Callable, Sequence
 
 from .. import _arrays as arrays
@@ -665,10 +666,14 @@ def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequenc
     cut = place_chunks(source, lattice, chunks, where)
     held = source if isinstance(source, str) else dask.delayed(source, pure=True)
     make = dask.delayed(_voxelized, pure=True)
-    return Volume(cut, {index: make(held, cut, index, options) for index in cut})
+    state = None
+    if isinstance(source, str) and os.path.exists(source):  # tasks of a file that has changed are others
+        known = os.stat(source)
+        state = known.st_size, known.st_mtime_ns
+    return Volume(cut, {index: make(held, cut, index, options, state) for index in cut})
 
 
-def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any]) -> Grid:
+def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any], state: Any) -> Grid:
     return voxelize_window(load(source), cut.lattice, cut.window(index), options)
 
 
