@@ -304,7 +304,7 @@ def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_r
     for level in range(count) if show else ():
         show(f"level {level}: {pieces.n_faces(level)} triangles in {len(found[level])} pieces, at most {pieces.error(level):.3g} from the finest")  # type: ignore[misc]
     if show:
-        show(f"{time.perf_counter() - begin:.0f} s")
+        show(f"in {time.perf_counter() - begin:.0f} s")
     return pieces
 
 
@@ -322,7 +322,7 @@ def _sample(cut: Chunks, made: dict[Any, Any], client: Any, show: Callable[[str]
     bits = 3 * cut.size[0] * cut.size[1] * cut.size[2] / 8
     memory, disk = 2**27 + max(bits, 300 * max(record.triangles for record in found)), 40 * faces * len(cut)
     show(f"by {len(chosen)} chunks: {faces:.0f} triangles and {seconds:.2g} s each; {memory / 2**30:.2g} GiB a thread of a worker, "
-         f"{disk / 2**30:.2g} GiB on the disk, {seconds * len(left) / 60:.2g} minutes for the finest level")
+         f"{disk / 2**30:.2g} GiB on the disk, about {seconds * len(left):.0f} s for the finest level")
 
 
 def _collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> Mesh:

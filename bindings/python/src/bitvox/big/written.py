@@ -118,13 +118,14 @@ def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[In
     every, faces, count = [], [], 0
     for mesh in (read_piece(source, level, i)[0] for i in held):
         at = (mesh.in_world() - cut.lattice.corner) / cut.lattice.spacing
-        every.append(np.clip(np.rint((at - begin) / size * most), 0, most).astype(np.uint32))
+        x, y, z = np.clip(np.rint((at - begin) / size * most), 0, most).astype(np.uint64).T
+        every.append(x << np.uint64(32) | y << np.uint64(16) | z)
         faces.append(np.asarray(mesh.faces, np.int64) + count)
         count += mesh.n_vertices
-    points, number = np.unique(np.concatenate(every), axis=0, return_inverse=True)
-    corners = number.ravel()[np.concatenate(faces)]
+    packed, number = np.unique(np.concatenate(every), return_inverse=True)
+    points, corners = np.stack([packed >> np.uint64(32), packed >> np.uint64(16) & np.uint64(0xFFFF), packed & np.uint64(0xFFFF)], axis=1), number[np.concatenate(faces)]
     flat = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
-    data = draco.encode(points, corners[~flat].astype(np.uint32), compression_level=7) if not flat.all() else b""
+    data = draco.encode(points.astype(np.uint32), corners[~flat].astype(np.uint32), compression_level=7) if not flat.all() else b""
     put(place, name, data)
     return len(data)
 
