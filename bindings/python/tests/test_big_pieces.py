@@ -113,6 +113,25 @@ def test_a_run_that_was_stopped_continues(tmp_path):
         assert f"18 pieces, {there} of them there" in said[-3 if there else -4]
 
 
+def test_a_disk_that_is_full(tmp_path, monkeypatch):
+    cut, written, replace = volume((40, 90, 20)), [], os.replace
+
+    def full(source, target):
+        written.append(target)
+        if len(written) > 5:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", full)
+        with pytest.raises(OSError, match="No space"):
+            big.run(cut, tmp_path / "knot", levels=2, show=None)
+    (tmp_path / "knot" / "0" / f"0_0_0.npz.killed{big.disk.PART}").touch()
+    said = []
+    assert big.run(cut, tmp_path / "knot", levels=2, show=said.append).merge() == big.surface(cut)
+    assert "4 of them there" in said[0] and not list((tmp_path / "knot").rglob("*" + big.disk.PART))
+
+
 def test_new_vertices_stay_between_cuts(ball, monkeypatch):
     monkeypatch.setattr(big.pieces, "LEFT", 16)
     none, cut = [float("inf")] * 3, ball.bounds[1]  # coarse triangles of a ball reach beyond it
@@ -120,6 +139,13 @@ def test_new_vertices_stay_between_cuts(ball, monkeypatch):
     assert (free.in_world() > cut).any()
     held = big.pieces._collapsed(ball, [-n for n in none], cut, [0.01] * 3)
     assert (held.in_world() <= cut).all() and held.check().closed and held.n_faces < ball.n_faces / 3 and held.report.distance.max > 0
+
+
+def test_pieces_behind_a_url():
+    cut = volume(50)
+    pieces = big.run(cut, "memory://knot", levels=2, show=None)
+    assert big.run(cut, "memory://knot", levels=2, show=None).records == pieces.records == big.Pieces("memory://knot").records
+    assert pieces.merge() == big.surface(cut) and pieces.merge(1).check().closed
 
 
 def test_empty_volumes_and_chunks_of_one(tmp_path):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import json
-from contextlib import nullcontext
-from typing import Any, NamedTuple, Sequence
+import os
+import uuid
+from contextlib import contextmanager, nullcontext, suppress
+from typing import Any, Iterator, NamedTuple, Sequence
 
 from .. import _arrays as arrays
 from .._errors import need
@@ -51,13 +53,31 @@ def name_of(level: int, index: Index) -> str:
     return f"{level}/{'_'.join(map(str, index))}.npz"
 
 
-def put(place: str, name: str, data: bytes) -> None:
-    """A file that is there whole or not at all."""
+PART = ".part"  # ending of files that are not whole yet
+
+
+@contextmanager
+def whole(place: str, name: str) -> Iterator[Any]:
+    """A file to write that is there whole or not at all: object stores do so, on disks another name becomes its own at the end."""
     system, root = files(place)
-    system.makedirs(f"{root}/{name}".rpartition("/")[0], exist_ok=True)
-    with system.open(f"{root}/{name}", "wb", autocommit=False) as file:
+    target = f"{root}/{name}"
+    system.makedirs(target.rpartition("/")[0], exist_ok=True)
+    beside = f"{target}.{uuid.uuid4().hex}{PART}" if isinstance(system, need("fsspec.implementations.local", "big").LocalFileSystem) else target
+    try:
+        with system.open(beside, "wb") as file:
+            yield file
+        if beside != target:
+            os.replace(beside, target)
+    except BaseException:
+        if beside != target:
+            with suppress(FileNotFoundError):
+                os.unlink(beside)
+        raise
+
+
+def put(place: str, name: str, data: bytes) -> None:
+    with whole(place, name) as file:
         file.write(data)
-    file.commit()
 
 
 def empty() -> Mesh:

@@ -24,7 +24,7 @@ from .._stages import merge
 from .._words import FaceRule
 from . import written
 from .chunks import Chunks, Index, indices, joins, planes
-from .disk import Record, compute, empty, files, index_of, listed, name_of, put, read_piece, write_piece
+from .disk import PART, Record, compute, empty, files, index_of, listed, name_of, put, read_piece, write_piece
 from .plan import one_type
 from .store import path_of
 from .volume import Volume, surface_parts
@@ -280,26 +280,32 @@ def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_r
     head = {"job": need("dask.base", "big").tokenize(volume, options), "lattice": volume.lattice._key(), "size": cut.size, "box": cut.box}
     _begin(place, head, overwrite)
 
-    # Pieces that are there and whole, then tasks for the others; coarser ones take the records of those that they join.
+    # Pieces that are there and whole, then tasks for the others; coarser ones take the records of those that they join. Of the finest
+    # ones a few are made at once, as a sample.
     wanted = [(level, index) for level in range(count) for index in indices(cut, level)]
     files_there = listed(place)
     look, make, join = (dask.delayed(function, pure=False) for function in (_known, _made, _joined))
     there = [at for at in wanted if name_of(*at) in files_there]
     made: dict[Any, Any] = {at: record for at, record in zip(there, compute([look(place, *at) for at in there], client)) if record}
-    old, parts = len(made), dict(zip(cut, surface_parts(volume, **options)))
-    for level, index in wanted:
-        if (level, index) not in made and level:
-            made[level, index] = join(place, cut, level, index, [(i, made[level - 1, i]) for i in joins(cut, level, index)])
-        elif (level, index) not in made:
-            made[0, index] = make(place, index, parts[index])
-
+    old = len(made)
+    for index, part in zip(cut, surface_parts(volume, **options)):
+        if (0, index) not in made:
+            made[0, index] = make(place, index, part)
     if show:
         show(f"{_by(cut.box.size)} voxels in {len(cut)} chunks of {_by(cut.size)}; {count} levels, {len(wanted)} pieces, {old} of them there")
         _sample(cut, made, client, show)
+    for level, index in wanted:
+        if (level, index) not in made:
+            made[level, index] = join(place, cut, level, index, [(i, made[level - 1, i]) for i in joins(cut, level, index)])
+
     begin = time.perf_counter()
     records = dict(zip(wanted, compute([made[at] for at in wanted], client, bar=bool(show))))
     found = [{"_".join(map(str, i)): records[level, i] for level, i in wanted if level == k and records[level, i].triangles} for k in range(count)]
     put(place, "index.json", json.dumps({**head, "pieces": found}).encode())
+    system, root = files(place)
+    for name in system.find(root):
+        if name.endswith(PART):  # of workers that were killed
+            system.rm_file(name)
     pieces = Pieces(place)
     for level in range(count) if show else ():
         show(f"level {level}: {pieces.n_faces(level)} triangles in {len(found[level])} pieces, at most {pieces.error(level):.3g} from the finest")  # type: ignore[misc]

@@ -15,7 +15,7 @@ from .._errors import ArgumentError, RangeError, need
 from .._files import dumps
 from .._run import in_range
 from .chunks import Chunks, Index, planes
-from .disk import compute, files, put, read_piece
+from .disk import compute, files, put, read_piece, whole
 
 if TYPE_CHECKING:
     from .pieces import Pieces
@@ -163,7 +163,7 @@ def neuroglancer(pieces: Pieces, place: str, segment: int, bits: int, sharded: b
     shard = {"@type": "neuroglancer_uint64_sharded_v1", "preshift_bits": 0, "hash": "identity", "minishard_bits": 0, "shard_bits": 0,
              "minishard_index_encoding": "raw", "data_encoding": "raw"}
     total = sum(sum(one.values()) for one in sizes)
-    with system.open(f"{root}/{'0.shard' if sharded else segment}", "wb", autocommit=False) as file:
+    with whole(place, "0.shard" if sharded else str(segment)) as file:
         if sharded:  # where the only minishard's index is: after the fragments and the manifest
             file.write(struct.pack("<2Q", total + len(index), total + len(index) + 24))
         for name in itertools.chain(*names):
@@ -171,7 +171,6 @@ def neuroglancer(pieces: Pieces, place: str, segment: int, bits: int, sharded: b
                 shutil.copyfileobj(part, file, 2**20)
         if sharded:
             file.write(index + struct.pack("<3Q", segment, total, len(index)))
-    file.commit()
     if not sharded:
         put(place, f"{segment}.index", index)
     (a, b, c), (x, y, z) = ([n * nanometers for n in part] for part in (pieces.spacing, pieces.lattice.corner))
