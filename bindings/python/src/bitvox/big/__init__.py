@@ -17,8 +17,9 @@ Needs ``bitvox[big]`` (dask, zarr, and DracoPy for `Pieces.to_neuroglancer`); `p
 """
 
 from .chunks import Chunks
+from .disk import Record
 from .parts import label
-from .pieces import Pieces, Record, run
+from .pieces import Pieces, run
 from .plan import Plan, Task, plan
 from .samples import Samples, samples_from_zarr
 from .store import from_zarr, to_zarr

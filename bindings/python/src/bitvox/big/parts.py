@@ -71,7 +71,7 @@ def found(volume: Volume, connectivity: int) -> Found:
     reach, across = (-1, 0, 1) if _STEPS[connectivity] else (0,), []
     for index, axis in itertools.product(cut, range(3)):
         sides = [(1,) if a == axis else reach for a in range(3)]
-        near = [tuple(i + d for i, d in zip(index, step)) for step in itertools.product(*sides)]
+        near: list[Any] = [tuple(i + d for i, d in zip(index, step)) for step in itertools.product(*sides)]
         near = [i for i in near if i in looks]
         if near:
             across.append((index, near, touch(cut.window(index), axis, looks[index][1][axis], [cut.window(i) for i in near],

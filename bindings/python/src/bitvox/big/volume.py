@@ -400,7 +400,7 @@ class Volume(Placed):
 
     # ---- fewer, larger voxels ----
 
-    def _blocks(self, factor: Any, rule: Reduce) -> tuple[Chunks, dict[Index, Window], tuple[int, ...]]:
+    def _blocks(self, factor: Any, rule: Reduce) -> tuple[Chunks, dict[Index, Any], tuple[int, ...]]:
         """The cut lattice of the result, for each of its chunks the window that it is made of, and the factors."""
         by = tuple(triple_of(factor))
         made = self._grid().downsample(by, rule)
