@@ -15,8 +15,6 @@ int cli_kind_of_input(int32_t format);
 const char *cli_format_name(int32_t format);
 int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
 char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
-/* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
-int32_t cli_up_of_format(int32_t format);
 /* The axis of all inputs, of the output: by options, else by formats. */
 int32_t cli_input_up(const cli_run *run);
 int32_t cli_output_up(const cli_run *run);
@@ -150,6 +148,8 @@ typedef struct cli_box {
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
+bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_lattice_options *fit,
+                       bvx_lattice *lattice);
 /* A lattice by the options, around a box, a mesh or a cloud of points. */
 bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);

@@ -23,9 +23,7 @@ bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_ro
 
 /* ---- Dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep ---- */
 
-/* Source: Serra. Image Analysis and Mathematical Morphology. 1982.
- *
- * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
+/* A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
  * are whole words of other rows. Rows lie one after the other, so a slice is one long loop; masks keep bits
  * from one row out of the next. Erosion is dilation of the complement, so words are kept complemented where
  * the next step erodes. What lies beyond the box is carried in bits past a row's end, comes in where the
@@ -105,22 +103,13 @@ BVXI_VECTOR_INLINE void step_stretch(const sweep_job *job, const step_rows *r, u
     else step_wide(r, &job->ends, 1, out, words);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void step_stretch_avx2(const sweep_job *job, const step_rows *r, uint64_t *out, size_t words)
-{
-    step_stretch(job, r, out, words);
-}
-#endif
+BVXI_AVX2_COPY(step_stretch_avx2, (const sweep_job *job, const step_rows *r, uint64_t *out, size_t words),
+               step_stretch(job, r, out, words))
 
 static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, size_t words)
 {
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        step_stretch_avx2(job, r, out, words);
-        return;
-    }
-#endif
-    step_stretch(job, r, out, words);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, step_stretch(job, r, out, words),
+              step_stretch_avx2(job, r, out, words));
 }
 
 /* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work
