@@ -1686,7 +1686,7 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
     int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
                              [Default: 128] */
     int32_t reserved;
@@ -1694,17 +1694,17 @@ typedef struct bvx_measure_options {
 
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
-    double volume;        /**< [Units: world^3] */
-    double area;          /**< of the triangles as they are [Units: world^2] */
-    double mass;          /**< density times volume */
-    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
-    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error;  /**< distance from center [Units: world] */
+    double volume; /**< [Units: world^3] */
+    double area; /**< of the triangles as they are [Units: world^2] */
+    double mass; /**< density times volume */
+    double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error; /**< distance from center [Units: world] */
     double inertia_error; /**< of each element [Units: mass * world^2] */
-    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
-    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
+    int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason; /**< BVX_FILL_REASON_... */
     int32_t reserved;
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
@@ -1721,8 +1721,8 @@ typedef struct bvx_measure_report {
  *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
  *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
  *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
-BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
-                               const bvx_measure_options *options, bvx_measure_report *report);
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
+                               bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
@@ -2141,19 +2141,17 @@ BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tr
  *  Face f is the triangles 2f and 2f+1; seen from its front it turns counter-clockwise. */
 typedef struct bvx_complex {
     bvx_mesh mesh; /**< its vertices and triangles; not manifold where three labels meet */
-    uint32_t
-        *sides; /**< of each face: back, front, as indices of labels, back < front [Size: face_count * 2] */
+    uint32_t *sides; /**< of each face: back, front, as indices of labels, back < front [Size: face_count * 2] */
     bvx_label *labels; /**< all but the background, ascending; index label_count is the background */
-    uint64_t *first;   /**< where each label's faces begin in faces [Size: label_count + 1] */
-    uint32_t *faces;   /**< indices of each label's faces, ascending [Size: first[label_count]] */
+    uint64_t *first; /**< where each label's faces begin in faces [Size: label_count + 1] */
+    uint32_t *faces; /**< indices of each label's faces, ascending [Size: first[label_count]] */
     uint64_t *cells; /**< of each vertex: the cell (i,j,k) around the low corner of the window's voxel (i,j,k)
                              that holds it, as (k * (size[1] + 1) + j) * (size[0] + 1) + i [Size: vertices] */
-    uint8_t
-        *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
+    uint8_t *junctions; /**< of each vertex: sides of its cell (bits -x, +x, -y ...) through which an edge runs
                              that has three faces or four [Size: vertices] */
     uint64_t face_count, label_count;
     int32_t low[3], size[3]; /**< the volume's window */
-    int32_t owned;           /**< 1 when bvx_complex_free frees the arrays */
+    int32_t owned; /**< 1 when bvx_complex_free frees the arrays */
     int32_t reserved[3];
 } bvx_complex;
 
@@ -2161,10 +2159,10 @@ typedef struct bvx_labels_options {
     size_t struct_size;
     int64_t background; /**< the label that is no body, and what lies beyond the window; u64: its bits
                              [Limit: any] [Default: 0] */
-    int32_t staircase;  /**< 1: vertices stay at the corners of voxels [Limit: 0..1] [Default: 0, smoothed] */
+    int32_t staircase; /**< 1: vertices stay at the corners of voxels [Limit: 0..1] [Default: 0, smoothed] */
     int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
                                 [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
+    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     int32_t reserved;
     uint64_t reserved2[2];
 } bvx_labels_options;
@@ -2189,8 +2187,7 @@ BVX_API bvx_status bvx_label_surfaces(bvx_context *context, const bvx_volume_vie
  *  positions have one side's each. Positions are the complex's, bit for bit.
  *  label  index of labels
  *  Returns BVX_ERR_RANGE (label). */
-BVX_API bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label,
-                                  bvx_mesh *mesh);
+BVX_API bvx_status bvx_label_mesh(bvx_context *context, const bvx_complex *complex, uint64_t label, bvx_mesh *mesh);
 
 BVX_API void bvx_complex_free(bvx_context *context, bvx_complex *complex);
 

@@ -69,7 +69,7 @@ static int share_end(const cell_node *a, const cell_node *b, int other)
     return same;
 }
 
-static int32_t list_side(const cell_node *nodes, uint32_t count, int32_t side, uint32_t in[4])
+static int32_t list_nodes_in(const cell_node *nodes, uint32_t count, int32_t side, uint32_t in[4])
 {
     int32_t n = 0;
     for (uint32_t i = 0; i < count; i++)
@@ -83,7 +83,7 @@ static void join_fans(const cell_node *nodes, uint32_t count, int32_t turned, ui
     for (uint32_t i = 0; i < count; i++) parent[i] = i;
     for (int32_t side = 0; side < 6; side++) {
         uint32_t in[4];
-        int32_t const n = list_side(nodes, count, side, in);
+        int32_t const n = list_nodes_in(nodes, count, side, in);
         for (int32_t i = 0; i < n; i++)
             for (int32_t k = 0; k < i; k++)
                 if (n == 2 || share_end(&nodes[in[i]], &nodes[in[k]], side == turned))
@@ -98,7 +98,7 @@ static int32_t double_side(const cell_node *nodes, uint32_t count)
 
     join_fans(nodes, count, -1, parent);
     for (int32_t side = 0; side < 6; side++) {
-        int same = list_side(nodes, count, side, in) == 4;
+        int same = list_nodes_in(nodes, count, side, in) == 4;
         for (int32_t i = 1; same && i < 4; i++) same = bvxi_root(parent, in[i]) == bvxi_root(parent, in[0]);
         if (same) return side;
     }
@@ -140,7 +140,7 @@ static uint64_t vertex_beyond(const body_work *w, const cell_node *node, int32_t
 }
 
 /* Fans of the vertex whose corners begin at from, as roots of parent. */
-static uint32_t find_fans(const body_work *w, uint64_t from, uint32_t parent[12])
+static uint32_t find_label_fans(const body_work *w, uint64_t from, uint32_t parent[12])
 {
     cell_node nodes[12], others[12];
     uint32_t const count = read_nodes(w, from, nodes);
@@ -148,7 +148,7 @@ static uint32_t find_fans(const body_work *w, uint64_t from, uint32_t parent[12]
 
     if (turned >= 0) {
         uint32_t in[4];
-        (void)list_side(nodes, count, turned, in);
+        (void)list_nodes_in(nodes, count, turned, in);
         uint64_t const beyond = find_vertex(w, vertex_beyond(w, &nodes[in[0]], turned));
         if (double_side(others, read_nodes(w, beyond, others)) != (turned ^ 1)) turned = -1;
     }
@@ -168,7 +168,7 @@ static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, u
         return end;
     }
     uint32_t parent[12];
-    uint32_t const count = find_fans(w, from, parent);
+    uint32_t const count = find_label_fans(w, from, parent);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t const root = bvxi_root(parent, i);
         number[i] = root == i ? (*next)++ : number[root];
@@ -176,7 +176,7 @@ static uint64_t number_fans(const body_work *w, uint64_t from, uint32_t *next, u
     return from + count;
 }
 
-static bvx_status sort_corners(bvx_context *ctx, body_work *w)
+static bvx_status sort_body_corners(bvx_context *ctx, body_work *w)
 {
     uint64_t const corners = 4 * w->count;
 
@@ -218,7 +218,7 @@ static bvx_status make_body(bvx_context *ctx, body_work *w, bvx_mesh *mesh)
     uint32_t *number, vertices = 0, fan[12] = {0};
     int const mine = mesh->owned || mesh->positions == NULL;
 
-    BVXI_TRY(sort_corners(ctx, w));
+    BVXI_TRY(sort_body_corners(ctx, w));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->count * 16, "the body's vertices", &number));
     for (uint64_t i = 0, end; i < 4 * w->count; i = end) {
         end = number_fans(w, i, &vertices, fan);

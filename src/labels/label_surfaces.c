@@ -40,7 +40,7 @@ typedef struct label_work {
     int32_t n[3];           /* cells */
     int32_t words;          /* of a row of edges */
     const uint8_t *outside; /* a row of background */
-    bvxi_split *splits;
+    bvxi_cell_split *splits;
     uint32_t *rank_table; /* of a value less the lowest, or NULL */
     uint64_t rank_low, rank_size;
     cell_row *rows; /* [Size: n[1] * n[2] + 1] */
@@ -85,7 +85,7 @@ DEFINE_DIFFER(uint16_t)
 DEFINE_DIFFER(uint32_t)
 DEFINE_DIFFER(uint64_t)
 
-static void differ(const label_work *w, const uint8_t *a, const uint8_t *b, int32_t n, uint64_t *out)
+static void differ_rows(const label_work *w, const uint8_t *a, const uint8_t *b, int32_t n, uint64_t *out)
 {
     switch (w->sample) {
     case 1: differ_uint8_t(a, b, n, out); break;
@@ -95,7 +95,7 @@ static void differ(const label_work *w, const uint8_t *a, const uint8_t *b, int3
     }
 }
 
-static const uint8_t *sample_at(const label_work *w, int32_t i, int32_t j, int32_t k)
+static const uint8_t *label_sample(const label_work *w, int32_t i, int32_t j, int32_t k)
 {
     return (const uint8_t *)w->volume->samples +
            (ptrdiff_t)((i - 1) * w->stride[0] + (j - 1) * w->stride[1] + (k - 1) * w->stride[2]);
@@ -113,7 +113,7 @@ static const uint8_t *load_line(const label_work *w, int32_t j, int32_t k, uint8
     size_t const count = (size_t)w->volume->size[0];
 
     if (is_outside(w, j, k)) return w->outside;
-    const uint8_t *p = sample_at(w, 1, j, k);
+    const uint8_t *p = label_sample(w, 1, j, k);
     if (w->stride[0] == (int64_t)size) memcpy(line + size, p, count * size);
     else
         for (size_t i = 1; i <= count; i++, p += (ptrdiff_t)w->stride[0]) memcpy(line + i * size, p, size);
@@ -133,10 +133,10 @@ static void scan_slice(label_scan *s, int32_t k, int between)
 
         /* Bits from the last cell on belong to no edge along x. */
         x[words - 1] = 0;
-        differ(w, row, row + w->sample, w->n[0], x);
-        if (j > 0) differ(w, last, row, w->n[0] + 1, s->y[k & 1] + (size_t)(j - 1) * words);
+        differ_rows(w, row, row + w->sample, w->n[0], x);
+        if (j > 0) differ_rows(w, last, row, w->n[0] + 1, s->y[k & 1] + (size_t)(j - 1) * words);
         if (between)
-            differ(w, load_line(w, j, k - 1, s->line[2]), row, w->n[0] + 1, s->z + (size_t)j * words);
+            differ_rows(w, load_line(w, j, k - 1, s->line[2]), row, w->n[0] + 1, s->z + (size_t)j * words);
         last = row;
     }
 }
@@ -172,7 +172,7 @@ static uint32_t pattern_at(const uint64_t edge[12], int32_t bit)
     return pattern;
 }
 
-static void count_row(const label_scan *s, int32_t j, int32_t k, cell_row *row)
+static void count_cell_row(const label_scan *s, int32_t j, int32_t k, cell_row *row)
 {
     uint64_t edge[12];
 
@@ -193,7 +193,7 @@ static uint64_t ordered(const label_work *w, uint64_t value)
     return w->volume->sample_type % 2 == 0 ? value ^ UINT64_C(1) << 63 : value;
 }
 
-static uint64_t listed(const label_work *w, uint64_t index)
+static uint64_t listed_label(const label_work *w, uint64_t index)
 {
     return ordered(w, (uint64_t)w->made->labels[index].value);
 }
@@ -203,13 +203,13 @@ static uint32_t rank_at(const label_work *w, int32_t i, int32_t j, int32_t k)
     uint64_t value, low = 0, high = w->made->label_count;
 
     if (is_outside(w, j, k) || i < 1 || i >= w->n[0]) return (uint32_t)high;
-    value = bvxi_whole_sample(sample_at(w, i, j, k), w->volume->sample_type);
+    value = bvxi_whole_sample(label_sample(w, i, j, k), w->volume->sample_type);
     if (value == w->background) return (uint32_t)high;
     value = ordered(w, value);
     if (w->rank_table != NULL) return w->rank_table[value - w->rank_low];
     while (high - low > 1) {
         uint64_t const middle = (low + high) / 2;
-        if (listed(w, middle) <= value) low = middle;
+        if (listed_label(w, middle) <= value) low = middle;
         else high = middle;
     }
     return (uint32_t)low;
@@ -221,11 +221,11 @@ static bvx_status make_ranks(label_work *w)
     uint64_t const count = w->made->label_count;
 
     if (count == 0) return BVX_OK;
-    w->rank_low = listed(w, 0);
-    w->rank_size = listed(w, count - 1) - w->rank_low;
+    w->rank_low = listed_label(w, 0);
+    w->rank_size = listed_label(w, count - 1) - w->rank_low;
     if (w->rank_size >= RANKS_BY_TABLE) return BVX_OK;
     BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, (w->rank_size + 1) * 4, "the labels' ranks", &w->rank_table));
-    for (uint64_t i = 0; i < count; i++) w->rank_table[listed(w, i) - w->rank_low] = (uint32_t)i;
+    for (uint64_t i = 0; i < count; i++) w->rank_table[listed_label(w, i) - w->rank_low] = (uint32_t)i;
     return BVX_OK;
 }
 
@@ -237,7 +237,7 @@ static size_t cell_index(const label_work *w, int32_t i, int32_t j)
 }
 
 /* Low sides of a new cell: whoever has an edge through it is linked with the cell beyond. */
-static void link_cell(label_scan *s, const int32_t c[3], uint32_t first, const bvxi_split *split)
+static void link_cell(label_scan *s, const int32_t c[3], uint32_t first, const bvxi_cell_split *split)
 {
     const label_work *const w = s->w;
     uint32_t *const links = w->net.links;
@@ -272,7 +272,7 @@ static void put_vertices(label_scan *s, int32_t j, int32_t k, int own)
         for (; any != 0; any &= any - 1) {
             int32_t const bit = bvxi_lowest(any), c[3] = {64 * word + bit, j, k};
             uint32_t const pattern = pattern_at(edge, bit);
-            const bvxi_split *const split = &w->splits[pattern];
+            const bvxi_cell_split *const split = &w->splits[pattern];
             size_t const at = cell_index(w, c[0], j);
 
             s->first[k & 1][at] = next;
@@ -306,7 +306,7 @@ static void put_face(const label_scan *s, const int32_t c[3], int32_t axis, uint
         p[v] -= dv;
         int32_t const first = u < v ? du : dv, second = u < v ? dv : du;
         size_t const at = cell_index(w, p[0], p[1]);
-        const bvxi_split *const split = &w->splits[s->pattern[p[2] & 1][at]];
+        const bvxi_cell_split *const split = &w->splits[s->pattern[p[2] & 1][at]];
         corner[n] = s->first[p[2] & 1][at] + split->of[4 * axis + first + 2 * second];
     }
 
@@ -388,7 +388,7 @@ static void work_piece(void *user, int32_t piece, int32_t worker)
         scan_slice(&s, k + 1, 1);
         for (int32_t j = 0; j < w->n[1]; j++) {
             if (!w->emit) {
-                count_row(&s, j, k, &w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j]);
+                count_cell_row(&s, j, k, &w->rows[(size_t)k * (size_t)w->n[1] + (size_t)j]);
                 continue;
             }
             put_vertices(&s, j, k, k >= (int32_t)begin);
@@ -439,7 +439,7 @@ static void put_positions(void *user, uint64_t begin, uint64_t end)
     for (uint64_t v = begin; v < end; v++) bvxi_net_put(user, v);
 }
 
-static bvx_status open_arrays(label_work *w, uint64_t vertices, uint64_t faces)
+static bvx_status open_complex(label_work *w, uint64_t vertices, uint64_t faces)
 {
     bvx_complex *const c = w->made;
     bvx_context *const ctx = w->ctx;
@@ -493,7 +493,7 @@ static bvx_status make_complex(label_work *w)
 
     BVXI_TRY(bvxi_parallel(ctx, "count", 0.2, 0.4, w->pieces, work_piece, w));
     BVXI_TRY(place_rows(w, &vertices, &faces));
-    BVXI_TRY(open_arrays(w, vertices, faces));
+    BVXI_TRY(open_complex(w, vertices, faces));
     w->emit = 1;
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.4, 0.6, w->pieces, work_piece, w));
     bvxi_drop(ctx, w->scratch);
@@ -504,7 +504,7 @@ static bvx_status make_complex(label_work *w)
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
 }
 
-static bvx_status check_labels(label_work *w)
+static bvx_status check_label_options(label_work *w)
 {
     bvx_context *const ctx = w->ctx;
     bvx_labels_options *const o = &w->options;
@@ -548,7 +548,7 @@ static bvx_status run_label_surfaces(bvx_context *ctx, const bvx_volume_view *vo
                              surfaces_name);
     BVXI_TRY(bvxi_take_options(ctx, surfaces_name, options, &w.options, sizeof w.options));
     BVXI_TRY(bvxi_volume_check(ctx, surfaces_name, volume, w.stride));
-    BVXI_TRY(check_labels(&w));
+    BVXI_TRY(check_label_options(&w));
     status = make_complex(&w);
     if (status == BVX_OK) {
         bvx_complex_free(ctx, complex);

@@ -12,13 +12,13 @@
 enum { BVXI_PATTERNS = 4096 };
 
 /* The vertices of a pattern: edges that meet in a side of the cell share one, so each has three edges at least. */
-typedef struct bvxi_split {
+typedef struct bvxi_cell_split {
     uint8_t count, of[12]; /* vertex of each edge */
     uint8_t junction[4];   /* sides of each vertex in which three or four of its edges meet */
     float start[4][3];     /* mean of the edges' middles, from the cell's centre [Units: voxels] */
-} bvxi_split;
+} bvxi_cell_split;
 
-void bvxi_split_pattern(uint32_t pattern, bvxi_split *split);
+void bvxi_split_pattern(uint32_t pattern, bvxi_cell_split *split);
 
 /* The offset of edge e along an axis that is not its own. */
 static inline int32_t bvxi_edge_offset(int32_t e, int32_t axis)

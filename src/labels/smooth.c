@@ -14,10 +14,11 @@
 
 enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
 
-static float const step = 0.7F; /* below 1: vertices of two colours would take turns */
-static float const limit = 0.49F;
-static double const longest = 0.25;   /* move of a round [Units: voxels] */
-static double const tolerance = 1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
+static float const relax_step = 0.7F; /* below 1: vertices of two colours would take turns */
+static float const move_limit = 0.49F;
+static double const longest_move = 0.25; /* move of a round [Units: voxels] */
+static double const kept_volume =
+    1e-4; /* of the volume that a pair may keep, for each face [Units: voxels] */
 
 typedef struct net_work {
     bvxi_net *net;
@@ -29,7 +30,7 @@ typedef struct net_work {
 
 static float clamp(float x)
 {
-    return x < -limit ? -limit : x > limit ? limit : x;
+    return x < -move_limit ? -move_limit : x > move_limit ? move_limit : x;
 }
 
 static void relax_range(void *user, uint64_t begin, uint64_t end)
@@ -56,14 +57,14 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
         }
         for (int a = 0; a < 3; a++) {
             float const to = count == 0 ? own[a] : sum[a] * inverse[count];
-            w->other[3 * v + (uint64_t)a] = clamp(own[a] + step * (to - own[a]));
+            w->other[3 * v + (uint64_t)a] = clamp(own[a] + relax_step * (to - own[a]));
         }
     }
 }
 
 /* ---- Volumes between pairs of labels ---- */
 
-static double length(const double v[3])
+static double length_of(const double v[3])
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
@@ -111,7 +112,7 @@ static void area_at(const net_face *f, int32_t a, int32_t b, int32_t c, double t
     area[2] = p[0] * q[1] - p[1] * q[0];
 }
 
-static double diagonal(const net_face *f, int32_t from)
+static double face_diagonal(const net_face *f, int32_t from)
 {
     double way[3];
     for (int32_t d = 0; d < 3; d++)
@@ -129,7 +130,7 @@ static void split_faces(void *user, uint64_t begin, uint64_t end)
         net_face f;
 
         read_face(w, (uint32_t)i, &f);
-        if (diagonal(&f, 1) >= diagonal(&f, 0)) continue;
+        if (face_diagonal(&f, 1) >= face_diagonal(&f, 0)) continue;
         t[0] = t[3] = f.vertex[1];
         t[1] = f.vertex[2];
         t[2] = t[4] = f.vertex[3];
@@ -150,7 +151,7 @@ static double swept(const net_face *f, int32_t b, int32_t c, double last[3])
     return sum / 36.0;
 }
 
-static int is_free(const net_work *w, uint32_t vertex)
+static int is_free_vertex(const net_work *w, uint32_t vertex)
 {
     return w->net->complex->junctions[vertex] == 0;
 }
@@ -168,9 +169,9 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
 
         read_face(w, w->faces[i], &f);
         volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
-        double const size[2] = {length(half[0]), length(half[1])};
+        double const size[2] = {length_of(half[0]), length_of(half[1])};
         for (int32_t n = 0; n < 4; n++) {
-            if (!is_free(w, f.vertex[n])) continue;
+            if (!is_free_vertex(w, f.vertex[n])) continue;
             float *const sum = w->other + 3 * (size_t)f.vertex[n];
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
@@ -191,8 +192,8 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
         for (int32_t n = 0; n < 4; n++) {
             float *const sum = w->other + 3 * (size_t)vertex[n], *const o = w->net->offset +
                                                                             3 * (size_t)vertex[n];
-            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]}, size = length(area);
-            if (!is_free(w, vertex[n]) || size == 0.0) continue;
+            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]}, size = length_of(area);
+            if (!is_free_vertex(w, vertex[n]) || size == 0.0) continue;
             for (int32_t d = 0; d < 3; d++) {
                 o[d] = clamp((float)((double)o[d] + distance * area[d] / size));
                 sum[d] = 0.0F;
@@ -211,11 +212,14 @@ static void correct_pairs(void *user, uint64_t first, uint64_t last)
         for (int32_t round = 0; round < CORRECTIONS; round++) {
             double const faces = (double)(end - begin);
             double area, volume = measure_pair(w, begin, end, &area);
-            if (area == 0.0 || bvxi_absolute(volume) <= tolerance * faces) break;
+            if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) break;
 
             /* What has shrunk to nearly nothing has no area to divide by. */
             double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
-            move_pair(w, begin, end, way < -longest ? -longest : way > longest ? longest : way);
+            move_pair(w, begin, end,
+                      way < -longest_move  ? -longest_move
+                      : way > longest_move ? longest_move
+                                           : way);
         }
     }
 }

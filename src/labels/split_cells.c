@@ -5,7 +5,7 @@
  * asking for them. */
 #include "labels/labels.h"
 
-void bvxi_split_pattern(uint32_t pattern, bvxi_split *split)
+void bvxi_split_pattern(uint32_t pattern, bvxi_cell_split *split)
 {
     uint32_t parent[12];
     int32_t edges[4] = {0};

@@ -35,7 +35,7 @@ static uint64_t block_at(const tangle *t, const uint64_t block[3])
     return (block[2] * t->size[1] + block[1]) * t->size[0] + block[0];
 }
 
-static void mark_blocks(const tangle *t, uint64_t vertex)
+static void mark_near_blocks(const tangle *t, uint64_t vertex)
 {
     uint64_t cell[3], low[3], high[3], b[3];
 
@@ -82,7 +82,7 @@ static int is_near_face(const tangle *t, uint64_t face)
 }
 
 /* The near faces as a mesh of their own. */
-static bvx_status gather_near(bvx_context *ctx, tangle *t)
+static bvx_status gather_near_faces(bvx_context *ctx, tangle *t)
 {
     const bvx_complex *const c = t->net->complex;
     size_t const size = c->mesh.position_type == BVX_F64 ? 24 : 12;
@@ -122,18 +122,18 @@ static void move_back(tangle *t, uint32_t vertex)
     if (*state < STRIKES * STRIKE) *state = (uint8_t)(*state + STRIKE);
     for (int a = 0; a < 3; a++) offset[a] = *state < STRIKES * STRIKE ? 0.5F * offset[a] : 0.0F;
     bvxi_net_put(t->net, vertex);
-    mark_blocks(t, vertex);
+    mark_near_blocks(t, vertex);
 }
 
 /* One round; *count becomes the number of crossings that it has found. */
-static bvx_status look(bvx_context *ctx, tangle *t, int first, uint64_t *count)
+static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uint64_t *count)
 {
     const bvx_complex *const c = t->net->complex;
     uint32_t *pairs;
 
     *count = 0;
     choose_near(t, first);
-    BVXI_TRY(gather_near(ctx, t));
+    BVXI_TRY(gather_near_faces(ctx, t));
     bvx_mesh_view const view = {.positions = t->positions,
                                 .indices = t->triangles,
                                 .vertex_count = t->vertex_count,
@@ -171,7 +171,7 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     for (int32_t round = 0; round < ROUNDS; round++) {
         uint64_t count;
         BVXI_TRY(BVXI_SHARE(ctx, round == 0 ? 0.0 : 0.7, round == 0 ? 0.7 : 1.0,
-                            BVXI_SCOPE(ctx, look(ctx, &t, round == 0, &count))));
+                            BVXI_SCOPE(ctx, look_for_crossings(ctx, &t, round == 0, &count))));
         if (count == 0) return BVX_OK;
     }
 

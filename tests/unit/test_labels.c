@@ -298,8 +298,8 @@ static void test_labels_of_a_window_lie_in_the_world(void)
     make(&v, 1, 0);
     bvx_certificate c = body(0);
     for (int a = 0; a < 3; a++) {
-        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + low[a] * spacing[a], c.low[a]);
-        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + (low[a] + 1) * spacing[a], c.high[a]);
+        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + low[a] * spacing[a], c.box.low[a]);
+        TEST_ASSERT_EQUAL_DOUBLE(origin[a] + (low[a] + 1) * spacing[a], c.box.high[a]);
     }
     make(&v, 0, 0);
     TEST_ASSERT_DOUBLE_WITHIN(0.001, 1.0, body(0).volume);
