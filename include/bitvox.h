@@ -1686,7 +1686,7 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
     int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
                              [Default: 128] */
     int32_t reserved;
@@ -1694,17 +1694,17 @@ typedef struct bvx_measure_options {
 
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
-    double volume; /**< [Units: world^3] */
-    double area; /**< of the triangles as they are [Units: world^2] */
-    double mass; /**< density times volume */
-    double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
-    double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error; /**< distance from center [Units: world] */
+    double volume;        /**< [Units: world^3] */
+    double area;          /**< of the triangles as they are [Units: world^2] */
+    double mass;          /**< density times volume */
+    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error;  /**< distance from center [Units: world] */
     double inertia_error; /**< of each element [Units: mass * world^2] */
-    int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
-    int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason; /**< BVX_FILL_REASON_... */
+    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
     int32_t reserved;
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
@@ -1721,8 +1721,8 @@ typedef struct bvx_measure_report {
  *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
  *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
  *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
-BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
-                               bvx_measure_report *report);
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
+                               const bvx_measure_options *options, bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 

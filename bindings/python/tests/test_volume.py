@@ -305,6 +305,53 @@ def test_grid_of_gzip_samples(tmp_path):
         bitvox.loads(packed, "nrrd", memory_limit=100)
 
 
+def thirds():
+    """Three labels that meet in a line, askew, and a fourth in a corner that touches itself along an edge."""
+    x, y, z = np.mgrid[:24, :22, :20]
+    a = np.where(3 * x + y < 40, 5, np.where(y + z < 24, 7, 9)).astype(np.int16)
+    a[:4, :4, :4] = -3 * ((x + y + z)[:4, :4, :4] % 2) + 5 * ((x + y + z)[:4, :4, :4] % 2 == 0)
+    return a
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+def test_surfaces_of_labels_share_faces(smooth):
+    v = bitvox.Volume(thirds(), spacing=(1, 2, 0.5), corner=(10, 20, -30))
+    bodies = v.surfaces(smooth=smooth)
+    assert list(bodies) == [-3, 5, 7, 9] == [one.value for one in v.labels()] and len(bodies) == 4
+    faces = {}
+    for one in bodies.labels:
+        mesh = bodies[one.value]
+        found = mesh.check(weld=False)
+        assert found.closed and found.edge_manifold and found.vertex_manifold and found.oriented
+        if one.value > 0:
+            assert found.volume == pytest.approx(one.voxels, rel=1e-3 if smooth else 1e-9)
+        for corners in np.asarray(mesh.vertices)[mesh.faces].reshape(-1, 9):
+            key = tuple(sorted(map(tuple, corners.reshape(3, 3))))
+            faces[key] = faces.get(key, 0) + 1
+    whole = bodies.complex
+    inner = (whole.sides != 0).all(axis=1)
+    assert len(faces) == len(whole.faces) and sum(faces.values()) == len(whole.faces) + inner.sum()
+    assert len(bitvox.Mesh(whole.vertices, whole.faces).crossings()) == 0
+    assert set(np.unique(whole.sides)) == {-3, 0, 5, 7, 9}
+    with pytest.raises(KeyError):
+        bodies[4]
+
+
+def test_surfaces_take_background_type_and_direction():
+    v = bitvox.Volume(thirds())
+    assert list(v.surfaces(background=7)) == [-3, 5, 9]
+    assert v.surfaces(dtype="float64")[9].vertices.dtype == np.float64
+    with pytest.raises(bitvox.ArgumentError, match="background"):
+        v.surfaces(background=40000)
+    with pytest.raises(bitvox.UnsupportedError):
+        bitvox.Volume(np.zeros((2, 2, 2))).surfaces()
+    mirrored = bitvox.Volume(thirds(), direction=((0, -1, 0), (1, 0, 0), (0, 0, -1)))
+    assert mirrored.surfaces()[9].check().volume == pytest.approx(v.surfaces()[9].check().volume, rel=1e-6)
+    big = bitvox.Volume(np.full((2, 1, 1), 2**64 - 1, np.uint64))
+    assert list(big.surfaces()) == [2**64 - 1] and big.surfaces().complex.sides.tolist() == [[2**64 - 1, 0]] * 20
+    assert len(bitvox.Volume(np.zeros((2, 2, 2), np.uint8)).surfaces()) == 0
+
+
 @pytest.mark.parametrize("dtype", ["i8", "u8"])
 def test_64_bit_integers_are_told_apart(dtype):
     near = [2**53 + 1, 2**53 + 2, 2**53 + 3, *([2**64 - 1, 2**64 - 2, 2**63] if dtype == "u8" else [-(2**63), 1 - 2**63, 2**63 - 1])]
