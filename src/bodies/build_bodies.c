@@ -49,8 +49,7 @@ static bvx_status give_normals(bvx_context *ctx, const bvx_sections *given, bvx_
 
     *sections = *given;
     if (given->normals != NULL) return BVX_OK;
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, (given->section_count + 1) * 24, "the sections' normals", &normals));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (given->section_count + 1), "the sections' normals", normals));
     for (uint64_t i = 0; i < given->section_count; i++) memcpy(normals + 3 * i, given->normal, 24);
     sections->normals = normals;
     return BVX_OK;

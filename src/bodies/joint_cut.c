@@ -102,7 +102,7 @@ static bvx_status give_kinds(bvxi_oblique *o)
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
     return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
 }
@@ -111,8 +111,7 @@ static bvx_status give_kinds(bvxi_oblique *o)
 
 static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* One bit a kind. Contours' vertices begin without any. */
     for (uint64_t i = 0; i < o->vertex_count; i++)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
@@ -160,8 +159,7 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     uint32_t m;
 
     BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* From here on the vertex counts as one of a contour: it has several kinds and no number. */
     o->vertex[m].sign = 0;
     o->vertex[m].value = 0.0F;
@@ -343,10 +341,10 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     uint64_t const n = o->vertex_count;
     surface_work w;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.count));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.count));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
     for (uint64_t v = 0; v < n; v++) w.joined[v] = (uint32_t)v;
     find_surface_specks(o, cut, &w, first);
     for (uint64_t v = first; v < n; v++) {
@@ -444,10 +442,10 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     uint64_t const n = o->tetra_count;
     speck_work w;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.kept));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.kept));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
     for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
     join_specks(o, cut, &w);
     find_speck_kinds(o, cut, &w);
@@ -475,8 +473,7 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
     BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->kind, o->tetra_count, &cut->kind_room, 1, "the kinds of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_count, cut->kind_room, "the kinds of tetrahedra"));
     job.o = o;
     job.cut = cut;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,

@@ -85,12 +85,10 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
             }
         if (fill) break;
         for (uint32_t i = 0; i < o->body_count; i++) next[i + 1] += next[i];
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->body_count] + 1) * 4, "the faces of bodies",
-                            &list->face));
+        BVXI_TRY(BVXI_ARRAY(o->ctx, next[o->body_count] + 1, "the faces of bodies", list->face));
     }
-    BVXI_TRY(
-        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->degree));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->edge));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the edges of bodies", list->degree));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the edges of bodies", list->edge));
     memset(list->edge, 0xff, (size_t)(o->vertex_count * 4));
     return BVX_OK;
 }
@@ -100,11 +98,11 @@ static bvx_status open_faces(joint_faces *f)
     static const char what[] = "the faces of a body";
     bvx_context *const ctx = f->o->ctx;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 4, what, &f->from));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->next));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->joined));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->number);
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->corner));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->from));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->next));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->joined));
+    return BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number);
 }
 
 /* Before the next body's: only one body's are needed at a time. */
@@ -204,8 +202,7 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room[0], cut->kind_room, "the kinds of tetrahedra"));
     for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
     return BVX_OK;
 }
@@ -233,8 +230,7 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
         const uint32_t *const v = f.corner[i / 3];
 
         if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
-        status = bvxi_oblique_grow(o, &pinched->edge, pinched->count, &pinched->room, sizeof *pinched->edge,
-                                   "the edges of a body");
+        status = BVXI_GROW(o, pinched->edge, pinched->count, pinched->room, "the edges of a body");
         if (status != BVX_OK) break;
         pinched->edge[pinched->count][0] = v[i % 3];
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
@@ -358,8 +354,8 @@ static bvx_status find_points(joint_faces *f)
     const bvxi_oblique *const o = f->o;
     uint32_t first = 0;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the points of contours", &f->point));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count, "the points of contours", &f->used));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->point));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->used));
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         for (uint32_t n = 0; n < q->point_count; n++) {

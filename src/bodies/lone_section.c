@@ -80,10 +80,9 @@ static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx
                              function, n->points);
     BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
     memcpy(to->normal, one->normal, sizeof to->normal);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * n->points * 24, "the points of a slab", &to->points));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * n->loops * sizeof *to->loops, "the loops of a slab",
-                        &to->loops));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * 8, "the positions of a slab", &to->positions));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
     for (int k = 0; k < COPIES; k++) add_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
     return BVX_OK;
 }

@@ -15,7 +15,7 @@ static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
 {
     bvxi_line_cut *larger = NULL;
 
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *larger, "the crossings of a section", &larger));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, room, "the crossings of a section", larger));
     if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
     if (p->cut != p->shared_cut) bvxi_drop(s->ctx, p->cut);
     p->cut = larger;

@@ -32,8 +32,7 @@ static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const 
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *kept->loops, "the loops to mend",
-                        &kept->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", kept->loops));
     for (uint64_t i = 0; i < given->loop_count; i++)
         if (mend_has_three_points(given, &given->loops[i])) kept->loops[kept->loop_count++] = given->loops[i];
     *dropped = given->loop_count - kept->loop_count;
@@ -84,7 +83,7 @@ static bvx_status mend_planes(bvxi_mend_work *w, bvxi_mended *m)
 
 static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
 {
-    bvxi_vertex_map map = {NULL, NULL, 0, 0};
+    bvxi_map map = {NULL, NULL, 0, 0, 0};
     bvxi_mend_work w;
     uint64_t most = 1;
 
@@ -94,7 +93,7 @@ static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
     /* One mark a loop, for the plane with the most; other arrays grow as needed. */
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the loops to mend", w.changed));
     return mend_planes(&w, m);
 }
 
@@ -181,8 +180,7 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     }
     one.normals = NULL;
     one.section_count = 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend",
-                        &one.loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", one.loops));
     for (uint32_t k = 0; k < given->section_count; k++) {
         one.loop_count = 0;
         one.positions = given->positions + k;

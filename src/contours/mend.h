@@ -48,14 +48,15 @@ typedef struct bvxi_mend_work {
     bvxi_mend_node *node;
     bvxi_mend_edge *edge, *split_edge;
     bvxi_mend_split *split;
-    uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count,
-        split_room;
+    uint32_t node_count, edge_count, split_edge_count, split_count;
+    uint64_t node_room, edge_room, split_edge_room, split_room;
     uint32_t crossings; /* pairs that cross, in the last look */
     int cross;          /* 1: they are split there, 0: only counted */
     uint64_t *key;
-    uint32_t *order, *active;
-    uint32_t key_room, order_room, active_room;
-    struct bvxi_vertex_map *map; /* nodes by their places */
+    uint32_t *order;
+    bvxi_segment_box *box;
+    uint64_t key_room, order_room, box_room;
+    bvxi_map *map; /* nodes by their places */
 } bvxi_mend_work;
 
 /* Fill in nodes, edges and the loops that change. *done is 0 where splitting does not end. */

@@ -7,8 +7,6 @@
  * Guarantee: exact; what cannot be moved apart is found by the checks of every stack. */
 #include "contours/mend.h"
 
-#include "mesh/mesh.h"
-
 #include <math.h>
 
 enum {
@@ -40,9 +38,8 @@ typedef struct apart_work {
     double *steps;             /* of each node: how far what lies innermost moves */
     uint8_t *mark;             /* of each node: APART_... */
     apart_segment *segment;
-    uint64_t *key;
-    uint32_t *order, *active;
-    uint32_t segments, room;
+    bvxi_segment_box *box;
+    uint32_t segments;
 } apart_work;
 
 /* ---- ends of edges ---- */
@@ -248,43 +245,11 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
     }
 }
 
-static int32_t lesser_of(int32_t a, int32_t b)
+static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
 {
-    return a < b ? a : b;
-}
+    apart_work *const w = user;
 
-static int32_t larger_of(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
-/* Mark the nodes of segments that would meet. */
-static bvx_status find_collisions(apart_work *w)
-{
-    uint32_t reach = 0;
-
-    /* A sweep along u: only segments that still reach the place are compared. */
-    for (uint32_t i = 0; i < w->segments; i++) {
-        w->key[i] = (uint64_t)((int64_t)lesser_of(w->segment[i].q[0][0], w->segment[i].q[1][0]) + INT32_MAX);
-        w->order[i] = i;
-    }
-    BVXI_TRY(bvxi_radix_sort(w->paths->w->s->ctx, w->key, w->order, w->segments));
-    for (uint32_t n = 0; n < w->segments; n++) {
-        const apart_segment *const s = &w->segment[w->order[n]];
-        int32_t const left = lesser_of(s->q[0][0], s->q[1][0]), low = lesser_of(s->q[0][1], s->q[1][1]);
-        int32_t const high = larger_of(s->q[0][1], s->q[1][1]);
-        uint32_t kept = 0;
-
-        for (uint32_t a = 0; a < reach; a++) {
-            const apart_segment *const t = &w->segment[w->active[a]];
-            if (larger_of(t->q[0][0], t->q[1][0]) < left) continue;
-            w->active[kept++] = w->active[a];
-            if (larger_of(t->q[0][1], t->q[1][1]) < low || lesser_of(t->q[0][1], t->q[1][1]) > high) continue;
-            if (segments_collide(s, t)) mark_collision(w, s, t);
-        }
-        w->active[kept++] = w->order[n];
-        reach = kept;
-    }
+    if (segments_collide(&w->segment[i], &w->segment[j])) mark_collision(w, &w->segment[i], &w->segment[j]);
     return BVX_OK;
 }
 
@@ -309,7 +274,9 @@ static bvx_status choose_steps(apart_work *w)
         again = 0;
         memset(w->mark, 0, nodes);
         put_segments(w);
-        BVXI_TRY(find_collisions(w));
+        for (uint32_t i = 0; i < w->segments; i++)
+            w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
+        BVXI_TRY(bvxi_sweep(w->paths->w->s->ctx, w->box, w->segments, find_collision, w));
         for (uint32_t n = 0; n < nodes; n++) again |= change_steps(w, n, round);
     }
     return BVX_OK;
@@ -324,16 +291,13 @@ static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 
     memset(w, 0, sizeof *w);
     w->paths = paths;
-    w->room = paths->stop_count + paths->w->edge_count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * sizeof *w->stop, "stops at a node", &w->stop));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (nodes + 1) * 4, "the nodes' stops", &w->first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * 4, "the nodes' stops", &w->at_node));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, nodes * 8, "the steps of nodes", &w->steps));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, nodes, "the marks of nodes", &w->mark));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->room * sizeof *w->segment, "the segments apart", &w->segment));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 8, "the order of segments", &w->key));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 4, "the order of segments", &w->order));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 4, "the order of segments", &w->active);
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "stops at a node", w->stop));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes + 1, "the nodes' stops", w->first));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the steps of nodes", w->steps));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the marks of nodes", w->mark));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + paths->w->edge_count, "the segments apart", w->segment));
+    return BVXI_ARRAY(ctx, stops + paths->w->edge_count, "the segments apart", w->box);
 }
 
 bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])

@@ -254,8 +254,7 @@ static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *st
 
     /* Who stays is chosen first, as all others move away from it. */
     mend_choose_stay(t, &p, narrowest, stays);
-    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, t->stop_count * sizeof *nudge, "the steps of points",
-                             &nudge));
+    BVXI_TRY(BVXI_ZEROS(t->w->s->ctx, t->stop_count, "the steps of points", nudge));
     BVXI_TRY(bvxi_mend_apart(&p, stays, nudge));
     return mend_give_loops(t, (const int16_t(*)[2])nudge);
 }

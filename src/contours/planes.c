@@ -76,8 +76,8 @@ bvx_status bvxi_planes_place(bvxi_stack *s)
     uint64_t const n = s->plane_count;
     planes_job job = planes_job_of(s);
 
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the bounds of sections", job.bounds));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the bounds of sections", job.unsure));
     return place_in_job(&job);
 }
 
@@ -144,16 +144,11 @@ static bvx_status open_cuts(planes_job *job)
         s->arc_room += arcs;
         if (arcs > job->most_arcs) job->most_arcs = arcs;
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->cut_room * sizeof *all->cut, "the crossings of sections",
-                        &all->cut));
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc, "the arcs of sections", &all->arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->ring_arc, "the arcs of sections",
-                        &all->ring_arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc_cell, "the arcs of sections",
-                        &all->arc_cell));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
-                        &all->asking));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->cut_room, "the crossings of sections", all->cut));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->arc_room, "the arcs of sections", all->arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->arc_room, "the arcs of sections", all->ring_arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->arc_room, "the arcs of sections", all->arc_cell));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->arc_room, "the arcs of sections", all->asking));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->cut = p->shared_cut = all->cut + cut;
@@ -226,10 +221,8 @@ static bvx_status open_trees(bvxi_stack *s)
         s->group_room += groups;
         s->box_room += boxes;
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->group_room * sizeof *s->all.group,
-                        "the segments of contours", &s->all.group));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->box_room * sizeof *s->all.box, "the boxes of contours",
-                        &s->all.box));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->group_room, "the segments of contours", s->all.group));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->box_room, "the boxes of contours", s->all.box));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         uint64_t groups, boxes;
         bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
@@ -268,10 +261,9 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
     }
     BVXI_TRY(open_trees(s));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch,
-                             "the sections' scratch", &job.scratch));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
     BVXI_TRY(BVXI_SCOPE(s->ctx, snap_planes(&job)));
     return cut_planes(&job);
 }

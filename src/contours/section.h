@@ -160,7 +160,8 @@ typedef struct bvxi_stack {
     int fixed;
     /* in the field's way: the lines on the first and the last plane, inside on their left */
     uint32_t (*cap_edge[2])[2];
-    uint32_t cap_edge_count[2], cap_edge_room[2];
+    uint32_t cap_edge_count[2];
+    uint64_t cap_edge_room[2];
 } bvxi_stack;
 
 /* A point's coordinate along an axis of the stack. */
@@ -253,9 +254,21 @@ typedef struct bvxi_segment_box {
     uint32_t segment;
 } bvxi_segment_box;
 
-/* 1 when loops surely neither cross nor touch; 0 requires the check above.
- * sorted, active: scratch, one a segment. */
-int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
+static inline bvxi_segment_box bvxi_box_segment(const int32_t *a, const int32_t *b, uint32_t segment)
+{
+    bvxi_segment_box const box = {a[0] < b[0] ? a[0] : b[0], a[0] < b[0] ? b[0] : a[0],
+                                  a[1] < b[1] ? a[1] : b[1], a[1] < b[1] ? b[1] : a[1], segment};
+    return box;
+}
+
+/* Each two segments whose boxes meet: a segment with those that begin at a lower u, in their order. What is not BVX_OK
+ * ends it. */
+typedef bvx_status bvxi_pair_fn(void *user, uint32_t segment, uint32_t before);
+bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t count, bvxi_pair_fn *pair,
+                      void *user);
+
+/* 1 when loops surely neither cross nor touch; 0 requires the check above. sorted, box: scratch, one a segment. */
+int bvxi_plane_is_simple(bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *box);
 /* 1 where c lies on the left of a to b, -1 on the right, 0 on its line. */
 static inline int bvxi_turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
 {
@@ -264,6 +277,8 @@ static inline int bvxi_turn_sign(const int32_t *a, const int32_t *b, const int32
     return (t > 0) - (t < 0);
 }
 
+/* 1 when c lies on the segment from a to b. */
+int bvxi_segment_holds(const int32_t *a, const int32_t *b, const int32_t *c);
 /* 1 when two segments that follow each other in no loop meet. */
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d);
 /* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
@@ -385,26 +400,28 @@ void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, d
 /* Keep a place in the report. */
 void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 
-/* An array with room for one more. */
-bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
+/* BVXI_GROW but in views: rooms that were laid out beforehand do not grow, and the caller tries again with others. */
+#define BVXI_SLAB_GROW(s, array, count, room, what) \
+    (BVXI_LIKELY((count) < (room)) ? BVX_OK         \
+     : (s)->fixed                  ? BVX_ERR_BUDGET \
+                                   : BVXI_GROW(s, array, count, room, what))
 
-static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room,
-                                        uint64_t item, const char *what)
-{
-    return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
-}
-
-/* Vertices by a key; a lookup only, so the order of keys does not matter. */
-typedef struct bvxi_vertex_map {
+/* Numbers by a key. near: keys with one upper half lie beside one another, for halves that come in order; else they
+ * are spread by a hash. */
+typedef struct bvxi_map {
     uint64_t *key; /* UINT64_MAX: free */
-    uint32_t *vertex;
-    uint32_t room, count;
-} bvxi_vertex_map;
+    uint32_t *value;
+    uint64_t room, count;
+    int near;
+} bvxi_map;
 
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
-/* Room for the first of them. */
-bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
-void bvxi_map_clear(bvxi_vertex_map *map);
+/* The value of a key, BVXI_NONE at first; add makes room. */
+bvx_status bvxi_map_add(bvx_context *ctx, bvxi_map *map, uint64_t key, uint32_t **value);
+bvx_status bvxi_map_reserve(bvx_context *ctx, bvxi_map *map, uint64_t count);
+uint32_t bvxi_map_find(const bvxi_map *map, uint64_t key);
+void bvxi_map_clear(bvxi_map *map);
+/* The same for maps that do not grow in views. */
+bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *map, uint64_t key, uint32_t **value);
 
 /* ---- slab.c, caps.c ---- */
 

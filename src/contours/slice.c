@@ -94,7 +94,7 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
                                  o->spacing, count, (int64_t)SLICE_MOST_PLANES);
         w->plane_count = count < 1.0 ? 1 : (uint64_t)count;
     }
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->plane_count * 8, "the planes", &w->position));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->plane_count, "the planes", w->position));
     for (uint64_t i = 0; i < w->plane_count; i++)
         w->position[i] = o->positions != NULL ? o->positions[i] : low + ((double)i + 0.5) * o->spacing;
     return BVX_OK;
@@ -175,8 +175,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 
 static bvx_status list_by_plane(slice_work *w)
 {
-    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes",
-                             &w->first));
+    BVXI_TRY(BVXI_ZEROS(w->ctx, w->plane_count + 1, "the triangles of planes", w->first));
 
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
@@ -193,7 +192,7 @@ static bvx_status list_by_plane(slice_work *w)
     if (w->list_count > INT32_MAX)
         return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: planes part more than 2^31 triangles", slice_name);
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->list_count * 4, "the triangles of planes", &w->list));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->list_count, "the triangles of planes", w->list));
     /* Filled from the back, so that triangles stay in order and each start ends where it should. */
     for (uint64_t t = w->view->triangle_count; t-- > 0;) {
         uint64_t begin, end;
@@ -351,10 +350,10 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
 
 static bvx_status slice_planes(slice_work *w)
 {
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->from));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->to));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 4, "the pieces of a contour", &w->order));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most, "the pieces of a contour", &w->used));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->from));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->to));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
     for (uint64_t i = 0; i < w->plane_count; i++) {
         uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
@@ -415,9 +414,8 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     BVXI_TRY(bvxi_view_bounds(w->ctx, slice_name, w->view, bounds[0], bounds[1]));
     /* The frame before all else: it refuses a normal that is none. */
     BVXI_TRY(bvxi_section_frame(w->ctx, slice_name, o->normal, w->axis));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 4, "the vertices' numbers", &w->weld));
-    BVXI_TRY(
-        bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->view->vertex_count, "the vertices' numbers", w->weld));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->view->vertex_count, "the vertices' heights", w->height));
     BVXI_TRY(read_heights(w, &low, &high));
     BVXI_TRY(make_planes(w, o, low, high));
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.3));

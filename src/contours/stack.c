@@ -71,8 +71,7 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
                          "%s: the body has loops in only one section (index %u, at %g); it needs two, or a "
                          "thickness",
                          s->function, (uint64_t)order[first], g->positions[order[first]]);
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body",
-                             &s->plane));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, end - first, "the planes of a body", s->plane));
     s->plane_count = end - first;
     for (uint32_t i = 0; i < s->plane_count; i++) {
         s->plane[i].section = order[first + i];
@@ -139,13 +138,12 @@ static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint3
         all->point_room += points[s->plane[i].section];
         all->contour_room += loops[s->plane[i].section];
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->ring));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
-                        "the loops of sections", &all->contour));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->point_room, "the points of sections", all->given));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->point_room, "the points of sections", all->q));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->point_room, "the points of sections", all->uv));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->point_room, "the points of sections", all->next));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->point_room, "the points of sections", all->ring));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, all->contour_room, "the loops of sections", all->contour));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->given = all->given + point;
@@ -214,11 +212,11 @@ static bvx_status gather_planes(bvxi_stack *s)
     uint64_t const n = s->given->section_count;
     uint32_t *loops = NULL, *plane_of = NULL;
     uint64_t *points = NULL, *key = NULL;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' loops", loops));
 
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' order", plane_of));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' points", points));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' positions", key));
     return gather(s, loops, points, plane_of, key);
 }
 

@@ -76,10 +76,8 @@ static bvx_status open_slab_meshes(slabs_job *job)
         all->vertex_room += job->room[2 * (size_t)i];
         all->triangle_room += job->room[2 * (size_t)i + 1];
     }
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->vertex_room * 24, "the vertices of a body",
-                        &all->position));
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->triangle_room * 12, "the triangles of a body",
-                        &all->triangle));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->vertex_room, "the vertices of a body", all->position));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->triangle_room, "the triangles of a body", all->triangle));
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_section_mesh *const m = &job->slab[i].mesh;
         m->position = all->position + 3 * vertex;
@@ -164,8 +162,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
     BVXI_TRY(open_slab_meshes(job));
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker,
-                             "the slabs' scratch", &job->worker));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, "the slabs' scratch", job->worker));
     BVXI_TRY(open_workers(job));
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
     return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
@@ -175,7 +172,7 @@ static bvx_status fill_in_job(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
     uint64_t const rooms = (uint64_t)job->count * 16;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
 
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
     return fill_side_by_side(job);

@@ -53,12 +53,11 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
     memset(&p, 0, sizeof p);
     if (count == 0) return BVX_OK;
     p.lines = 1;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
-                        &p.contour));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, vertices, "the lines of a cap", behind));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.q));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.next));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.ring));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.contour));
     memset(behind, 0xff, (size_t)vertices * 4);
     BVXI_TRY(follow_lines(s, &p, edge, count, behind));
     return bvxi_cap_fill(s, &p, side);

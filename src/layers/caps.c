@@ -392,14 +392,12 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     w.side = side;
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge,
-                        "the bridges of a cap", &w.bridge));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.after));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.corner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the bridges of a cap", w.bridge));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.at));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * corners, "the triangles of a cap", w.cut));
     return fill_regions(&w, owner);
 }
 

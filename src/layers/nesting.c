@@ -13,8 +13,6 @@
  * in the level of the loop around them, with all that lies in them, and are blended as they always were. */
 #include "layers/slab.h"
 
-#include "mesh/mesh.h"
-
 enum { NESTING_DEEPEST = 100, NESTING_ABOVE_BIT = 31 };
 
 /* A loop as the pairing sees it. */
@@ -28,10 +26,8 @@ typedef struct nest_work {
     bvxi_stack *s;
     nest_loop *loop; /* of all planes */
     const bvxi_plane *plane[2];
-    nest_loop *on[2]; /* the loops of these planes */
-    uint64_t *key;
-    uint32_t *order; /* segments of candidates: numbers, with the highest bit for those above */
-    uint32_t *active[2];
+    nest_loop *on[2];      /* the loops of these planes */
+    bvxi_segment_box *box; /* segments of candidates: numbers, with the highest bit for those above */
 } nest_work;
 
 /* ---- what lies in what ---- */
@@ -91,76 +87,32 @@ static void nest_meet_by_points(nest_work *w)
         }
 }
 
-static int32_t nest_lesser(int32_t a, int32_t b)
+static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
 {
-    return a < b ? a : b;
-}
+    nest_work *const w = user;
+    uint32_t const j = one >> NESTING_ABOVE_BIT, k = two >> NESTING_ABOVE_BIT;
+    uint32_t const i = one & ~(UINT32_C(1) << NESTING_ABOVE_BIT),
+                   n = two & ~(UINT32_C(1) << NESTING_ABOVE_BIT);
+    const bvxi_plane *const p = w->plane[j], *const o = w->plane[k];
 
-static int32_t nest_greater(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
-static int32_t nest_segment_left(const bvxi_plane *p, uint32_t i)
-{
-    return nest_lesser(p->q[i][0], p->q[p->next[i]][0]);
-}
-
-/* Segments of candidates by their least u. */
-static bvx_status nest_order_segments(nest_work *w, uint32_t *count)
-{
-    *count = 0;
-    for (uint32_t k = 0; k < 2; k++) {
-        const bvxi_plane *const p = w->plane[k];
-        for (uint32_t c = 0; c < p->contour_count; c++)
-            for (uint32_t i = p->contour[c].first;
-                 w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++) {
-                w->key[*count] = (uint64_t)(uint32_t)nest_segment_left(p, i);
-                w->order[(*count)++] = i | k << NESTING_ABOVE_BIT;
-            }
-    }
-    return bvxi_radix_sort(w->s->ctx, w->key, w->order, *count);
-}
-
-/* Hold a segment against those of the other plane that still reach so far. */
-static void nest_hold_segment(nest_work *w, uint32_t k, uint32_t i, uint32_t *reach)
-{
-    const bvxi_plane *const p = w->plane[k], *const o = w->plane[1 - k];
-    const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-    int32_t const left = nest_segment_left(p, i);
-    int32_t const low = nest_lesser(a[1], b[1]);
-    int32_t const high = nest_greater(a[1], b[1]);
-    nest_loop *const own = &w->on[k][bvxi_contour_of(p, i)];
-    uint32_t *const active = w->active[1 - k];
-    uint32_t kept = 0;
-
-    for (uint32_t n = 0; n < *reach; n++) {
-        uint32_t const j = active[n];
-        const int32_t *const c = o->q[j], *const d = o->q[o->next[j]];
-        nest_loop *other;
-
-        if (nest_greater(c[0], d[0]) < left) continue;
-        active[kept++] = j;
-        if (nest_greater(c[1], d[1]) < low || nest_lesser(c[1], d[1]) > high) continue;
-        other = &w->on[1 - k][bvxi_contour_of(o, j)];
-        if (!(own->met && other->met) && bvxi_segments_meet(a, b, c, d)) nest_meet(own, other);
-    }
-    *reach = kept;
+    if (j != k && bvxi_segments_meet(p->q[i], p->q[p->next[i]], o->q[n], o->q[o->next[n]]))
+        nest_meet(&w->on[j][bvxi_contour_of(p, i)], &w->on[k][bvxi_contour_of(o, n)]);
+    return BVX_OK;
 }
 
 /* Candidates whose contours cross. */
 static bvx_status nest_meet_by_segments(nest_work *w)
 {
-    uint32_t reach[2] = {0, 0}, count;
+    uint32_t count = 0;
 
-    BVXI_TRY(nest_order_segments(w, &count));
-    for (uint32_t n = 0; n < count; n++) {
-        uint32_t const k = w->order[n] >> NESTING_ABOVE_BIT;
-        uint32_t const i = w->order[n] & ~(UINT32_C(1) << NESTING_ABOVE_BIT);
-        nest_hold_segment(w, k, i, &reach[1 - k]);
-        w->active[k][reach[k]++] = i;
+    for (uint32_t k = 0; k < 2; k++) {
+        const bvxi_plane *const p = w->plane[k];
+        for (uint32_t c = 0; c < p->contour_count; c++)
+            for (uint32_t i = p->contour[c].first;
+                 w->on[k][c].candidate && i < p->contour[c].first + p->contour[c].count; i++)
+                w->box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i | k << NESTING_ABOVE_BIT);
     }
-    return BVX_OK;
+    return bvxi_sweep(w->s->ctx, w->box, count, nest_meet_segments, w);
 }
 
 /* ---- levels ---- */
@@ -286,10 +238,7 @@ bvx_status bvxi_nesting_find(bvxi_stack *s)
     memset(&w, 0, sizeof w);
     w.s = s;
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, loops, "the nesting of loops", &w.loop));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
-    for (int k = 0; k < 2; k++)
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active[k]));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the order of segments", w.box));
     return nest_find_all(&w);
 }
 
@@ -299,10 +248,9 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
     bvxi_nesting *const n = &s->nesting;
 
     if (s->report.holes == 0 || s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->count));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->joined));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->count));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->joined));
     for (int k = 0; k < 2; k++)
-        BVXI_TRY(
-            bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->all.contour_room, "the levels of loops", &n->level[k]));
+        BVXI_TRY(BVXI_ZEROS(s->ctx, s->all.contour_room, "the levels of loops", n->level[k]));
     return BVX_OK;
 }

@@ -92,26 +92,12 @@ static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t tr
 
 /* ---- triangles ---- */
 
-static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint64_t *room)
-{
-    uint64_t const larger = *room < 256 ? 256 : 2 * *room;
-
-    if (m->triangles < *room) return BVX_OK;
-    if (larger > INT32_MAX)
-        return bvxi_fail_for(m->s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the surface has more than 2^31 triangles", m->s->function);
-    BVXI_TRY(
-        bvxi_resize(m->s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the surfaces of levels"));
-    *room = larger;
-    return BVX_OK;
-}
-
 static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t triangle)
 {
     const bvxi_slab *const slab = &m->slab[number];
 
-    BVXI_TRY(nest_more_room(m, &m->position, 72, &m->position_room));
-    BVXI_TRY(nest_more_room(m, &m->owner, 4, &m->owner_room));
+    BVXI_TRY(BVXI_GROW_BY(m->s, m->position, m->triangles, m->position_room, 72, "the surfaces of levels"));
+    BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->owner_room, "the surfaces of levels"));
     /* Corners are copied, since slabs number their vertices apart. */
     for (int c = 0; c < 3; c++)
         memcpy(m->position + 9 * m->triangles + 3 * c,
@@ -183,7 +169,7 @@ static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
     BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.9, bvx_mesh_crossings(ctx, &view, &count, NULL, 0)));
     if (count == 0) return BVX_OK;
     room = count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
+    BVXI_TRY(BVXI_ARRAY(ctx, 2 * room, "the crossings of levels", pairs));
     BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room)));
     nest_mark_pairs(m, pairs, count, found);
     return BVX_OK;

@@ -173,9 +173,8 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     }
     if (n->plane_room == 0) return BVX_OK;
 
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n->plane_room, "the levels of loops", n->plane));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", part));
     return nest_make_levels(s, part);
 }
 

@@ -216,9 +216,9 @@ bvx_status bvxi_stack_ends(bvxi_stack *s)
     w.s = s;
     for (uint32_t i = 0; i < s->plane_count; i++)
         if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", w.owner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", w.met));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", depth));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "ends", (double)i / s->plane_count));
         for (int side = 0; side < 2; side++) mark_parts_on(&w, i, side, depth);

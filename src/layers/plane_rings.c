@@ -150,7 +150,7 @@ static bvx_status make_in_job(ring_job *job)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the surface has more than 2^32 vertices", s->function);
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * vertices, "the vertices of a body", s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;
     /* Copies of planes for levels hold rings of their own, which follow the crossings just numbered. */
     for (uint32_t i = 0; i < s->nesting.plane_count; i++) {
@@ -174,7 +174,7 @@ bvx_status bvxi_rings_make(bvxi_stack *s)
     for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
     job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cuts, "the crossings in order", job.sorted));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first));
     cuts = 0;
     for (uint32_t i = 0; i < s->plane_count; i++) {

@@ -406,21 +406,16 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
     for (int k = 0; k < (s->options.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
                             &f->plane[k].column));
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
-                                 &f->line[k]));
+        BVXI_TRY(BVXI_ZEROS(s->ctx, lines, "the distances of a section", f->line[k]));
         /* Each line is measured once then; keeping distances would only cost memory. */
         if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
-                            &f->plane[k].distance));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, points, "the distances of a section", f->plane[k].distance));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section",
                                  &f->plane[k].known));
     }
-    if (s->options.layers > 1)
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells",
-                        &f->hanging_column));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells",
-                        &f->hanging_row));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
+    if (s->options.layers > 1) BVXI_TRY(BVXI_ARRAY(s->ctx, lines, "the crossings of lines", f->layer));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[0] + 2, "the corners of cells", f->hanging_column));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[1] + 2, "the corners of cells", f->hanging_row));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, words, "the crossed lines", f->before));
+    return BVXI_ARRAY(s->ctx, words, "the crossed lines", f->crossed);
 }

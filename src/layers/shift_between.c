@@ -298,9 +298,9 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
     lay_shift_lattice(&l);
     points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
 
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.value));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.level));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (points + 63) / 64 * 8, "a section between two", &l.seen));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (points + 63) / 64, "a section between two", l.seen));
     BVXI_TRY(add_sections(&l, number));
     bvxi_drop(s->ctx, l.seen);
     bvxi_drop(s->ctx, l.level);

@@ -114,13 +114,10 @@ bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_di
         groups += g;
         boxes += b;
     }
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, d->count * sizeof *d->disc, "the parts of a section",
-                             &d->disc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->point_count * 4, "the parts of a section",
-                        &d->segment));
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, groups * sizeof *d->group, "the parts of a section", &d->group));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, boxes * sizeof *d->box, "the parts of a section", &d->box));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, d->count, "the parts of a section", d->disc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->point_count, "the parts of a section", d->segment));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, groups, "the parts of a section", d->group));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, boxes, "the parts of a section", d->box));
     make_discs(d);
     return BVX_OK;
 }
@@ -294,9 +291,9 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
 
     memset(g, 0, sizeof *g);
     g->steps = 1;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, n * sizeof *g->group, "the parts that join", &g->group));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, n, "the parts that join", &met));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, on[0].count * sizeof *near, "the parts that join", &near));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, n, "the parts that join", g->group));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, n, "the parts that join", met));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, on[0].count, "the parts that join", near));
     for (uint32_t i = 0; i < n; i++) disc_at(on, i)->root = i;
 
     /* Overlaps first: only what has none is looked for further off. */

@@ -73,7 +73,7 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
     for (int i = 0; i < 3; i++) place[i] = va < vb ? 0.5 * (a[i] + b[i]) : 0.5 * (b[i] + a[i]);
     raise = w - strip_along(s->axis[2], place);
     for (int i = 0; i < 3; i++) place[i] += raise * s->axis[2][i];
-    BVXI_TRY(bvxi_map_find(s, &t->folds, (uint64_t)(va < vb ? va : vb) << 1 | (uint64_t)k, &vertex));
+    BVXI_TRY(bvxi_stack_map_add(s, &t->folds, (uint64_t)(va < vb ? va : vb) << 1 | (uint64_t)k, &vertex));
     if (*vertex == BVXI_NONE) {
         BVXI_TRY(bvxi_section_add_vertex(s, place, &number));
         *vertex = number;

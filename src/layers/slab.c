@@ -42,13 +42,9 @@ static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
     bvxi_stack *const s = w->s;
     uint32_t const n = slab->hanging_count;
     if (n == 0) return BVX_OK;
-    while (w->key_room < n)
-        BVXI_TRY(bvxi_slab_enlarge(s, &w->key, &w->key_room, sizeof *w->key, "the order of corners"));
-    while (w->order_room < n)
-        BVXI_TRY(bvxi_slab_enlarge(s, &w->order, &w->order_room, sizeof *w->order, "the order of corners"));
-    while (w->sorted_room < n)
-        BVXI_TRY(
-            bvxi_slab_enlarge(s, &w->sorted, &w->sorted_room, sizeof *w->sorted, "the order of corners"));
+    BVXI_TRY(BVXI_RESERVE(s, w->key, n, w->key_room, "the order of corners"));
+    BVXI_TRY(BVXI_RESERVE(s, w->order, n, w->order_room, "the order of corners"));
+    BVXI_TRY(BVXI_RESERVE(s, w->sorted, n, w->sorted_room, "the order of corners"));
     return sort_hanging(w, slab);
 }
 
@@ -231,13 +227,13 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
 
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, room, "the slabs of a body", *slabs));
 
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
      * own for ends. */
     nothing->section = BVXI_NONE;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8,
-                             "an empty plane", &nothing->inside));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words, "an empty plane",
+                        nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
     look_beyond(s, *slabs);
 

@@ -29,14 +29,15 @@ struct bvxi_slab {
     double w[2];
     const bvxi_plane *far[2]; /* the planes beyond, below and above, that a cubic blend looks at, or NULL */
     bvxi_split *split;
-    uint32_t split_count, split_room;
+    uint32_t split_count;
     bvxi_leaf *leaf;
-    uint32_t leaf_count, leaf_room;
+    uint32_t leaf_count;
     bvxi_arc *arc;
-    uint32_t arc_count, arc_room;
+    uint32_t arc_count;
     bvxi_hanging *hanging; /* by v, then u */
     uint32_t *by_u;        /* numbers of them by u, then v */
-    uint32_t hanging_count, hanging_room;
+    uint32_t hanging_count;
+    uint64_t split_room, leaf_room, arc_room, hanging_room;
     /* the surface between the planes, when each slab has its own: vertices
      * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
@@ -78,11 +79,11 @@ typedef struct bvxi_split_work {
     uint64_t *key;   /* of its hanging corners */
     uint32_t *order;
     bvxi_hanging *sorted;
-    uint32_t key_room, order_room, sorted_room;
+    uint64_t key_room, order_room, sorted_room;
     bvxi_arc *pool;
-    uint32_t pool_count, pool_room;
+    uint32_t pool_count, piece_count;
+    uint64_t pool_room, piece_room;
     bvxi_split_piece *piece;
-    uint32_t piece_count, piece_room;
     /* of the cell being split, on one plane */
     int32_t middle[2];
     /* crossings of the low and high half of the line of the middle u, of the middle v */

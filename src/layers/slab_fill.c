@@ -266,7 +266,7 @@ bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines,
     w->trace.s = s;
     w->trace.field = &w->field;
     BVXI_TRY(bvxi_field_open(s, &w->field, lines));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)s->words * 8, "the cells of a row", &w->row));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->words, "the cells of a row", w->row));
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, split_bytes(s), "the subdivided cells", &w->split_bit));
     return bvxi_trace_open(&w->trace, loop);
 }

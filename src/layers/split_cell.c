@@ -83,8 +83,7 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 
 static bvx_status add_to_pool(bvxi_split_work *w, const bvxi_arc *arc)
 {
-    BVXI_TRY(
-        bvxi_slab_grow(w->s, &w->pool, w->pool_count, &w->pool_room, sizeof *w->pool, "the arcs of cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->pool, w->pool_count, w->pool_room, "the arcs of cells"));
     w->pool[w->pool_count++] = *arc;
     return BVX_OK;
 }
@@ -94,8 +93,7 @@ static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from
 {
     bvxi_split_piece *p;
 
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->piece, w->piece_count, &w->piece_room, sizeof *w->piece,
-                            "the pieces of arcs"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->piece, w->piece_count, w->piece_room, "the pieces of arcs"));
     p = &w->piece[w->piece_count++];
     p->quadrant = quadrant;
     p->arc.from = from;
@@ -275,8 +273,8 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
     bvxi_hanging *h;
 
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room,
-                            sizeof *slab->hanging, "the corners of cells"));
+    BVXI_TRY(
+        BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room, "the corners of cells"));
     h = &slab->hanging[slab->hanging_count++];
     memset(h, 0, sizeof *h);
     h->at[0] = u;
@@ -292,8 +290,7 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     bvxi_slab *const slab = w->slab;
     bvxi_leaf *leaf;
 
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->leaf, slab->leaf_count, &slab->leaf_room, sizeof *slab->leaf,
-                            "the parts of cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->leaf, slab->leaf_count, slab->leaf_room, "the parts of cells"));
     leaf = &slab->leaf[slab->leaf_count++];
     memset(leaf, 0, sizeof *leaf);
     leaf->low[0] = c->low[0];
@@ -305,8 +302,7 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
         leaf->arc[k] = slab->arc_count;
         leaf->arc_count[k] = c->arc_count[k];
         for (uint32_t i = 0; i < c->arc_count[k]; i++) {
-            BVXI_TRY(bvxi_slab_grow(w->s, &slab->arc, slab->arc_count, &slab->arc_room, sizeof *slab->arc,
-                                    "the arcs of cells"));
+            BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->arc, slab->arc_count, slab->arc_room, "the arcs of cells"));
             slab->arc[slab->arc_count++] = w->pool[c->arc[k] + i];
         }
     }
@@ -367,8 +363,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         count_unkept(w, &c);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_slab_grow(s, &slab->split, slab->split_count, &slab->split_room, sizeof *slab->split,
-                            "the subdivided cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, slab->split, slab->split_count, slab->split_room, "the subdivided cells"));
     split = &slab->split[slab->split_count++];
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;

@@ -24,8 +24,7 @@ static bvx_status gather_ends(bvxi_trace *t)
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
                 const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
-                BVXI_TRY(bvxi_slab_grow(t->s, &t->end, t->end_count, &t->end_room, sizeof *t->end,
-                                        "the crossings of a cell"));
+                BVXI_TRY(BVXI_SLAB_GROW(t->s, t->end, t->end_count, t->end_room, "the crossings of a cell"));
                 e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;

@@ -16,8 +16,8 @@ typedef struct bvxi_level {
     int k;             /* FIELD: on a section, 0 or 1; else -1, a blend */
     bvxi_plane *plane; /* EXACT, and FIELD on a section */
     double t, w;
-    bvxi_vertex_map *edges; /* FIELD: crossings by edge */
-    int inserts;            /* FIELD on a section: contour points are put into its lines */
+    bvxi_map *edges; /* FIELD: crossings by edge */
+    int inserts;     /* FIELD on a section: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
@@ -49,7 +49,7 @@ typedef struct bvxi_trace {
     bvxi_level level[2];
     double low_w, high_w;
     int32_t layer;
-    bvxi_vertex_map folds; /* vertices on sides where a contour comes back */
+    bvxi_map folds; /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;
     uint32_t key;     /* of the grid cell */
@@ -57,11 +57,10 @@ typedef struct bvxi_trace {
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
     bvxi_trace_node *node;
-    uint32_t node_count, node_room;
+    uint32_t node_count, point_count, end_count;
+    uint64_t node_room, point_room, end_room, insert_room;
     bvxi_trace_point *point;
-    uint32_t point_count, point_room;
     bvxi_trace_end *end;
-    uint32_t end_count, end_room;
     uint32_t *row[2]; /* crossings of one side in order, below and above */
     uint32_t row_room;
     uint32_t *cross[2]; /* FIELD: crossings around the cell */
@@ -70,7 +69,6 @@ typedef struct bvxi_trace {
         double along;
         uint32_t point;
     } * insert; /* contour points of one line */
-    uint32_t insert_room;
     /* a loop */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
@@ -136,7 +134,7 @@ typedef struct bvxi_slab_work {
     bvxi_stack *s; /* the stack, or a view of it */
     bvxi_field field;
     bvxi_trace trace;
-    bvxi_vertex_map map[2];
+    bvxi_map map[2];
     uint64_t *row;       /* cells of one row of the grid that the surface may cross */
     uint64_t *split_bit; /* the subdivided cells, in rows of words */
     uint32_t split;      /* the next subdivided cell */

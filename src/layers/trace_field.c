@@ -28,7 +28,7 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
     double from, to, share, place[3], uv[2];
 
     /* A neighbouring cell may have made this vertex already; from its low end both compute the same. */
-    BVXI_TRY(bvxi_map_find(s, t->level[k].edges, key, &found));
+    BVXI_TRY(bvxi_stack_map_add(s, t->level[k].edges, key, &found));
     *vertex = *found;
     if (*found != BVXI_NONE) return BVX_OK;
     from = node_value(t, k, low);
@@ -140,11 +140,8 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
     first = bvxi_plane_arcs_in(p, t->key, &arcs);
     for (uint32_t arc = first; arc < first + arcs; arc++) {
         uint32_t i = p->arc[arc].point;
-        BVXI_TRY(bvxi_slab_grow(t->s, &t->insert, n + p->arc[arc].count, &t->insert_room, sizeof *t->insert,
-                                "the contour points of a cell"));
-        while (t->insert_room <= n + p->arc[arc].count)
-            BVXI_TRY(bvxi_slab_grow(t->s, &t->insert, t->insert_room, &t->insert_room, sizeof *t->insert,
-                                    "the contour points of a cell"));
+        BVXI_TRY(BVXI_RESERVE(t->s, t->insert, n + p->arc[arc].count, t->insert_room,
+                              "the contour points of a cell"));
         for (uint32_t j = 0; j < p->arc[arc].count; j++, i = p->next[i]) {
             double const along = (p->uv[i][0] - a[0]) * (b[0] - a[0]) + (p->uv[i][1] - a[1]) * (b[1] - a[1]);
             uint32_t at = n;

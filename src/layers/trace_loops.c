@@ -168,8 +168,8 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
     for (uint32_t i = from - 1; i < count; i++) {
         uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
         uint32_t *e;
-        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k],
-                                sizeof *s->cap_edge[k], "the lines of a cap"));
+        BVXI_TRY(BVXI_SLAB_GROW(s, s->cap_edge[k], s->cap_edge_count[k], s->cap_edge_room[k],
+                                "the lines of a cap"));
         e = s->cap_edge[k][s->cap_edge_count[k]++];
         e[0] = k == 0 ? a : b;
         e[1] = k == 0 ? b : a;

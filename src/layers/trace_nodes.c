@@ -33,8 +33,7 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
         bvxi_trace_node *node;
-        BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
-                                "the corners of a cell"));
+        BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
         node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
@@ -75,8 +74,7 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     int32_t const fine = t->s->fine, part = (1 << fine) - 1;
     bvxi_trace_node *n;
 
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
-                            "the corners of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
     n = &t->node[t->node_count++];
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);

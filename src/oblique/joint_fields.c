@@ -295,8 +295,8 @@ static bvx_status join_knots_of(bvxi_oblique *o, const bvxi_oblique *body, uint3
 {
     uint64_t const before = o->knot_count;
 
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->knot, before + body->knot_count, &o->knot_room, sizeof *o->knot,
-                                  "the crossings of contours with planes"));
+    BVXI_TRY(BVXI_RESERVE(o, o->knot, before + body->knot_count, o->knot_room,
+                          "the crossings of contours with planes"));
     for (uint64_t i = 0; i < body->knot_count; i++) {
         bvxi_knot *const k = &o->knot[before + i];
         *k = body->knot[i];
@@ -317,7 +317,7 @@ static bvx_status join_contours(bvxi_oblique *o)
     uint32_t *segment, *first;
     uint64_t *count, at = 0;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, 2 * n, "the points of planes", count));
     for (uint32_t b = 0; b < o->body_count; b++)
         for (uint64_t p = 0; p < n; p++) {
             count[p] += o->body[b].plane[p].plane.point_count;
@@ -326,15 +326,14 @@ static bvx_status join_contours(bvxi_oblique *o)
     BVXI_TRY(bvxi_oblique_open_arrays(o, count, count + n));
     for (uint32_t p = 0; p < n; p++) join_plane(o, p);
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, ((uint64_t)o->point_count + 1) * 4, "the segments of contours",
-                        &segment));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, (uint64_t)o->point_count + 1, "the segments of contours", segment));
     for (uint32_t p = 0; p < n; p++) {
         BVXI_TRY(find_outer_segments(o, p, segment + at));
         at += o->plane[p].plane.point_count;
         /* Distances to outer segments are computed often; an empty plane has none. */
         if (o->plane[p].plane.contour_count != 0) bvxi_plane_tree(&o->plane[p].plane);
     }
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the points of planes", &first));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the points of planes", first));
     for (uint32_t b = 0; b < o->body_count; b++) BVXI_TRY(join_knots_of(o, &o->body[b], first));
     return BVX_OK;
 }
@@ -384,7 +383,7 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
 
     o->of_all = 1;
     BVXI_TRY(bvxi_oblique_lay_planes(o));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, count * sizeof *body, "the bodies", &body));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, count, "the bodies", body));
     o->body = body;
     for (uint32_t i = 0; i < count; i++)
         BVXI_TRY(

@@ -71,14 +71,6 @@ typedef struct bvxi_oblique_crossed {
     uint32_t first[7];
 } bvxi_oblique_crossed;
 
-/* Edges by their ends. near: those with one first end lie beside one another, for ends that come in order. */
-typedef struct bvxi_edge_map {
-    uint64_t *key;
-    uint32_t *value;
-    uint64_t room, count;
-    int near;
-} bvxi_edge_map;
-
 typedef struct bvxi_oblique {
     bvx_context *ctx;
     const char *function;
@@ -127,9 +119,9 @@ typedef struct bvxi_oblique {
     uint64_t known_room;
     float *value; /* [known * 64] */
     uint64_t value_room;
-    uint64_t *inside;             /* [kind_bits * known] a bit a vertex, one bit of kinds after the other */
-    uint32_t *vertex_at;          /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
-    bvxi_edge_map lattice_vertex; /* the same of other blocks: block, number in it */
+    uint64_t *inside;         /* [kind_bits * known] a bit a vertex, one bit of kinds after the other */
+    uint32_t *vertex_at;      /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
+    bvxi_map lattice_vertex;  /* the same of other blocks: block, number in it */
     uint64_t *split, *active; /* [known] a bit a cell: those that are split; others whose corners differ */
     uint32_t *split_first;    /* [known + 1] split cells of the blocks before */
     uint32_t *touch_first;    /* [known + 1] and how often planes touch them */
@@ -158,12 +150,11 @@ typedef struct bvxi_oblique {
     uint32_t *ring, *star; /* scratch: tetrahedra round an edge, round a vertex */
     uint64_t ring_count, ring_room, star_count, star_room;
 
-    bvxi_edge_map
-        contour_edge;       /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
+    bvxi_map contour_edge;  /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
     uint32_t *point_vertex; /* [point_count] of each contour's points */
 
     /* the surface */
-    bvxi_edge_map crossing; /* vertices on edges */
+    bvxi_map crossing; /* vertices on edges */
     double *position;
     uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
     uint32_t *triangle;
@@ -322,11 +313,6 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 
 /* ---- tetrahedra.c ---- */
 
-bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                             const char *what);
-/* Room for so many in all. */
-bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                                const char *what);
 bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number);
 bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
                           uint32_t *number);
@@ -383,10 +369,22 @@ int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t verte
 /* How often the sign changes round an edge; 0: there are too many tetrahedra. */
 int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t b, uint32_t *changes);
 
-/* edges: the value of a key, BVXI_NONE at first; add makes room. */
-bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
-bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *map, uint64_t count);
-uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
+/* Edges by their ends. */
+static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+static inline bvx_status bvxi_edge_add(const bvxi_oblique *o, bvxi_map *map, uint32_t a, uint32_t b,
+                                       uint32_t **value)
+{
+    return bvxi_map_add(o->ctx, map, bvxi_edge_key(a, b), value);
+}
+
+static inline uint32_t bvxi_edge_find(const bvxi_map *map, uint32_t a, uint32_t b)
+{
+    return bvxi_map_find(map, bvxi_edge_key(a, b));
+}
 
 static inline uint64_t *bvxi_tetra_on(const bvxi_oblique *o, uint32_t vertex)
 {

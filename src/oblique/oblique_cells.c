@@ -191,10 +191,8 @@ static bvx_status find_cells(cells_job *job)
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.1, 0.4, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, judge_piece, job)));
     BVXI_TRY(number_cells(o));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->cell_count + 1) * sizeof *o->cell, "the cells that are split",
-                        &o->cell));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->touch_count + 1) * sizeof *o->touch,
-                        "the cells that planes touch", &o->touch));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
     return BVXI_SHARE(ctx, 0.4, 0.5, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, list_piece, job));
 }
 
@@ -317,12 +315,12 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     static const char what[] = "the tetrahedra";
     uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->tetra, tetra, &o->tetra_room[0], sizeof *o->tetra, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->chain, tetra, &o->tetra_room[1], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->twin, tetra, &o->tetra_room[2], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->stamp, tetra, &o->tetra_room[3], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->vertex, vertices, &o->vertex_room, sizeof *o->vertex, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
+    BVXI_TRY(BVXI_RESERVE(o, o->tetra, tetra, o->tetra_room[0], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->chain, tetra, o->tetra_room[1], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->twin, tetra, o->tetra_room[2], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->stamp, tetra, o->tetra_room[3], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->vertex, vertices, o->vertex_room, what));
+    BVXI_TRY(bvxi_reserve(o->ctx, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
 
     /* Block by block, as a block's cells have the same planes near them. */
     for (uint32_t i = 0; i < o->known_count; i++) {
@@ -343,9 +341,8 @@ static bvx_status order_touches(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count + 1;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the cells that planes touch", &o->plane_touch));
-    BVXI_TRY(
-        bvxi_alloc(o->ctx, BVXI_SCRATCH, o->touch_count * 4, "the cells that planes touch", &o->touch_cell));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the cells that planes touch", o->plane_touch));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->touch_count, "the cells that planes touch", o->touch_cell));
 
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     bvxi_place_counts32(o->plane_touch, n);
@@ -364,12 +361,12 @@ static bvx_status open_cells(bvxi_oblique *o)
     uint64_t const n = o->known_count;
     bvx_context *const ctx = o->ctx;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_oblique_kind_bits(o) * n * 8, what, &o->inside));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->split));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->active));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->split_first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->touch_first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * BVXI_BLOCK_SIZE * 4, what, &o->vertex_at));
+    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_oblique_kind_bits(o) * n, what, o->inside));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->split));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->active));
+    BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->split_first));
+    BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->touch_first));
+    BVXI_TRY(BVXI_ARRAY(ctx, n * BVXI_BLOCK_SIZE, what, o->vertex_at));
     memset(o->vertex_at, 0xff, (size_t)(n * BVXI_BLOCK_SIZE * 4));
     return BVX_OK;
 }

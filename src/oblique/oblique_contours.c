@@ -344,8 +344,7 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
 {
     uint32_t first = 0;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)o->point_count * 4, "the points of contours",
-                        &o->point_vertex));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->point_count, "the points of contours", o->point_vertex));
 
     /* All points before any segment: a segment must not run past a point that is not there yet. */
     BVXI_TRY(insert_knots(o));

@@ -64,9 +64,8 @@ bvx_status bvxi_oblique_rest(bvxi_oblique *o)
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_oblique_plane *const p = &o->plane[i];
         if (p->raster == NULL) continue;
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH,
-                            (uint64_t)p->raster_size[0] * (uint64_t)p->raster_size[1] * 4,
-                            "the distances on planes", &p->rest));
+        BVXI_TRY(BVXI_ARRAY(o->ctx, (uint64_t)p->raster_size[0] * (uint64_t)p->raster_size[1],
+                            "the distances on planes", p->rest));
         rows += (uint64_t)p->raster_size[1];
     }
     return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rest_piece, o);

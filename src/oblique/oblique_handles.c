@@ -29,7 +29,7 @@ typedef struct handle_work {
     uint32_t *vertex_of, *patch, *fan, *loop;
     uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
     int32_t *euler, *loops;
-    bvxi_edge_map pair;
+    bvxi_map pair;
     uint64_t triangles;
     uint64_t settled; /* handles filled or cut */
     /* what is looked at around a patch */
@@ -131,13 +131,13 @@ static bvx_status find_surface_patches(handle_work *w)
     bvx_context *const ctx = o->ctx;
     uint64_t const n = w->triangles;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->position_count * 4, what, &w->vertex_of));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, what, &w->patch));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->fan));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->loop));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 3, what, &w->side));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->euler));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->position_count, what, w->vertex_of));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, w->patch));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->fan));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->loop));
+    BVXI_TRY(BVXI_ZEROS(ctx, 3 * n, what, w->side));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->euler));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->loops));
 
     memset(w->vertex_of, 0xff, (size_t)o->position_count * 4);
     /* Back from vertices of the surface to those of the tetrahedra, which contours' edges are kept by. */
@@ -188,7 +188,7 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
     bvxi_oblique *const o = w->o;
 
     if (o->stamp[t] == o->stamps) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, "the tetrahedra of a handle"));
+    BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
     o->stamp[t] = o->stamps;
     w->tetra[w->tetras++] = t;
     return BVX_OK;
@@ -242,14 +242,14 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
     bvxi_drop(o->ctx, w->number);
     w->number = NULL;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, what, &w->number));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w->number));
     memset(w->number, 0xff, (size_t)o->vertex_count * 4);
     w->members = 0;
     for (uint32_t i = 0; i < 4 * w->tetras; i++) {
         uint32_t const x = o->tetra[w->tetra[i / 4]].v[i % 4];
         if (w->number[x] != BVXI_NONE) continue;
-        BVXI_TRY(bvxi_oblique_grow(o, &w->member, w->members, &w->member_room, 4, what));
-        BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->members, &w->joined_room, 4, what));
+        BVXI_TRY(BVXI_GROW(o, w->member, w->members, w->member_room, what));
+        BVXI_TRY(BVXI_GROW(o, w->joined, w->members, w->joined_room, what));
         w->member[w->members] = x;
         w->number[x] = w->members++;
     }
@@ -340,7 +340,7 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth) continue;
         BVXI_TRY(report_look(w));
         if (!bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x)) continue;
-        BVXI_TRY(bvxi_oblique_grow(o, &w->loose, n, &w->loose_room, 8, "the vertices of a handle"));
+        BVXI_TRY(BVXI_GROW(o, w->loose, n, w->loose_room, "the vertices of a handle"));
         /* Floats from 0 on have the order of their bits. */
         memcpy(&bits, &size, 4);
         w->loose[n++] = (uint64_t)bits << 32 | x;
@@ -373,8 +373,8 @@ static bvx_status thin_side(handle_work *w, int inside)
 
             if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
             if (around == 0) continue;
-            BVXI_TRY(bvxi_oblique_grow(o, &w->flip, w->flips, &w->flip_room, 4, "the vertices of a handle"));
-            BVXI_TRY(bvxi_oblique_grow(o, &w->back, w->flips, &w->back_room, 1, "the vertices of a handle"));
+            BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
+            BVXI_TRY(BVXI_GROW(o, w->back, w->flips, w->back_room, "the vertices of a handle"));
             w->flip[w->flips++] = v;
         }
     } while (w->flips > before);

@@ -149,7 +149,7 @@ static void first_vertex_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 {
     if (o->block_at[block] >= 0) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &o->known, o->known_count, &o->known_room, 4, "the blocks of the lattice"));
+    BVXI_TRY(BVXI_GROW(o, o->known, o->known_count, o->known_room, "the blocks of the lattice"));
     o->block_at[block] = (int32_t)o->known_count;
     o->known[o->known_count++] = (uint32_t)block;
     return BVX_OK;
@@ -445,9 +445,9 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
 {
     uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_kind));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->block_kind));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, "the blocks of the lattice", o->block_at));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->contour_cells));
 
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));

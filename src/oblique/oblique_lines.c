@@ -73,8 +73,7 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
             *number = i;
             return BVX_OK;
         }
-    BVXI_TRY(bvxi_oblique_grow(o, &o->knot, o->knot_count, &o->knot_room, sizeof *o->knot,
-                               "the crossings of contours with planes"));
+    BVXI_TRY(BVXI_GROW(o, o->knot, o->knot_count, o->knot_room, "the crossings of contours with planes"));
     *number = (uint32_t)o->knot_count++;
     k = &o->knot[*number];
     memset(k, 0, sizeof *k);
@@ -157,8 +156,7 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
             segment = n;
         }
         if (share == 0.0) memcpy(at, segment == i ? a : b, 24);
-        BVXI_TRY(bvxi_oblique_grow(o, &w->event, w->count, &w->room, sizeof *w->event,
-                                   "the crossings of contours with planes"));
+        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
         e = &w->event[w->count];
         e->which = which;
         e->along = (w->direction[0] * at[0] + w->direction[1] * at[1]) + w->direction[2] * at[2];
@@ -321,8 +319,7 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 {
     w->count = 0;
     for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next) {
-        BVXI_TRY(bvxi_oblique_grow(o, &w->event, w->count, &w->room, sizeof *w->event,
-                                   "the crossings of contours with planes"));
+        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
         /* Along the contours: segment by segment, and by the share of each. */
         w->event[w->count].which = o->knot[k].segment;
         w->event[w->count].along = o->knot[k].segment + o->knot[k].share;

@@ -111,9 +111,9 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
     uint32_t first = 0;
     part_work w = {0};
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * sizeof *w.stretch, "contours in cells", &w.stretch));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * 8, "contours in cells", &w.key));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * 4, "contours in cells", &w.order));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.stretch));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.key));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.order));
     for (uint32_t i = 0; i < o->plane_count; first += o->plane[i++].plane.point_count)
         add_stretches(o, joined, i, first, &w);
     BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));

@@ -414,9 +414,9 @@ static bvx_status make_plain_surface(bvxi_oblique *o, plain_job *job, uint64_t m
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
     o->position_room = o->kept_room = o->position_count + more / 2 + 1024;
     o->triangle_room = o->triangle_count + more + 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->position_room * 24, what, &o->position));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, o->kept_room, what, &o->kept));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->triangle_room * 12, what, &o->triangle));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->position_room, what, o->position));
+    BVXI_TRY(BVXI_ZEROS(ctx, o->kept_room, what, o->kept));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->triangle_room, what, o->triangle));
     return BVXI_SHARE(ctx, 0.3, 1.0,
                       bvxi_for(ctx, "surface", o->known_count, PLAIN_GRAIN, plain_surface_piece, job));
 }
@@ -426,7 +426,7 @@ bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
     uint64_t const n = o->known_count;
     plain_job *job = NULL;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * sizeof *o->crossed, "the crossed edges", &o->crossed));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, "the crossed edges", o->crossed));
     BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, sizeof *job + (n + 1) * 4, "the crossed edges", &job));
     job->triangles = (uint32_t *)(void *)(job + 1);
     return make_plain_surface(o, job, more);

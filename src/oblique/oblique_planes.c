@@ -256,16 +256,13 @@ bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, con
         o->group_room += groups;
         o->box_room += boxes;
     }
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
-                        "the loops of sections", &all->contour));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->group_room * sizeof *all->group, "the segments of contours",
-                        &all->group));
-    BVXI_TRY(
-        bvxi_alloc(o->ctx, BVXI_SCRATCH, o->box_room * sizeof *all->box, "the boxes of contours", &all->box));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, all->point_room, "the points of sections", all->given));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, all->point_room, "the points of sections", all->q));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, all->point_room, "the points of sections", all->uv));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, all->point_room, "the points of sections", all->next));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, all->contour_room, "the loops of sections", all->contour));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->group_room, "the segments of contours", all->group));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->box_room, "the boxes of contours", all->box));
 
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_plane *const p = &o->plane[i].plane;
@@ -350,7 +347,7 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
 
     /* The lattice comes first: planes, points and distances are all kept in its cells. */
     BVXI_TRY(bound_contours(o));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * sizeof *o->plane, "the planes of a body", &o->plane));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the planes of a body", o->plane));
     o->plane_count = (uint32_t)n;
     o->plane_words = (o->plane_count + 63) / 64;
     o->report.planes = n;
@@ -368,7 +365,7 @@ bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
 
     BVXI_TRY(choose_oblique_label(o));
     BVXI_TRY(bvxi_oblique_lay_planes(o));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, 2 * n, "the points of planes", count));
     return gather_oblique(o, count, count + n);
 }
 

@@ -169,8 +169,8 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
             p->raster_low[k] = low[k];
             size[k] = (int32_t)((high[k] - low[k]) / BVXI_RASTER_STEP) + 2;
         }
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)size[0] * (uint64_t)size[1] * 4,
-                            "the distances on planes", &p->raster));
+        BVXI_TRY(
+            BVXI_ARRAY(o->ctx, (uint64_t)size[0] * (uint64_t)size[1], "the distances on planes", p->raster));
         memcpy(p->raster_size, size, sizeof size);
         rows += (uint64_t)size[1];
     }

@@ -105,8 +105,8 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
                 bvxi_flip_sign(o, x);
                 continue;
             }
-            BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
-                                       "the vertices that planes contradict each other of"));
+            BVXI_TRY(BVXI_GROW(o, w->torn, w->torn_count, w->torn_room,
+                               "the vertices that planes contradict each other of"));
             w->torn[w->torn_count++] = x;
         }
     }
@@ -183,7 +183,7 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
     uint64_t const n = (uint64_t)o->plane_count + 2;
     uint64_t *next;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, what, &w->first));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w->first));
     next = w->first + 1;
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
@@ -199,7 +199,7 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
         if (fill) break;
         /* next[p] is where the faces of plane p begin, and where those of the next begin once they are in */
         for (uint32_t p = 0; p < o->plane_count; p++) next[p + 1] += next[p];
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->plane_count] + 1) * 8, what, &w->face));
+        BVXI_TRY(BVXI_ARRAY(o->ctx, next[o->plane_count] + 1, what, w->face));
     }
     return BVX_OK;
 }
@@ -209,10 +209,9 @@ static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
                         bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
     BVXI_TRY(list_plane_faces(o, w));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the regions of planes", &w->joined));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 8, "the regions of planes", &w->vote));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (o->body_count != 0 ? o->vertex_count : 1) * 4,
-                        "the regions of planes", &w->kind));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the regions of planes", w->joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the regions of planes", w->vote));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->body_count != 0 ? o->vertex_count : 1, "the regions of planes", w->kind));
     /* A vertex on two planes belongs to a region of each, so planes go one after another. */
     for (uint32_t p = 0; p < o->plane_count; p++) {
         if (o->body_count != 0) settle_kinds(o, w, p);

@@ -118,8 +118,8 @@ static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look 
             uint32_t const most = 2 * (*look)->most;
             uint32_t *block = NULL;
 
-            BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)most * BVXI_LOOK_WORDS * 4,
-                                "the vertices round a vertex", &block));
+            BVXI_TRY(
+                BVXI_ARRAY(o->ctx, (uint64_t)most * BVXI_LOOK_WORDS, "the vertices round a vertex", block));
             w->large = bvxi_look_in(block, most);
         }
         *look = &w->large;
@@ -275,8 +275,7 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
     /* Of each two neighbours in the ring the vertex that both have: so each comes once, in turn. */
     o->star_count = 0;
     for (uint64_t i = 0; i < o->ring_count; i++) {
-        BVXI_TRY(
-            bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the vertices round an edge"));
+        BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the vertices round an edge"));
         o->star[o->star_count++] = shared_in_ring(o, o->ring[i], o->ring[(i + 1) % o->ring_count], a, b);
     }
     *count = o->star_count;
@@ -326,7 +325,7 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    const bvxi_edge_map *const m = &o->contour_edge;
+    const bvxi_map *const m = &o->contour_edge;
     uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
     bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
 
@@ -342,7 +341,7 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 
 static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
 {
-    const bvxi_edge_map *const m = &o->contour_edge;
+    const bvxi_map *const m = &o->contour_edge;
 
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
@@ -450,12 +449,11 @@ static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
 {
     uint64_t const marked = o->tetra_count;
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &o->mark, o->tetra_room[0], &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room[0], o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
     for (uint64_t t = 0; t < o->tetra_count; t++)
         if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
-    return bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra");
+    return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 
 /* The ends of all are known now: later vertices lie on no contour. */
@@ -463,8 +461,8 @@ static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
 {
     uint64_t const most = job->vertices > o->contour_edge.room ? job->vertices : o->contour_edge.room;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most, "the vertices to settle", &job->wrong));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, job->vertices, "the vertices to settle", &job->again));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "the vertices to settle", job->wrong));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, job->vertices, "the vertices to settle", job->again));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, settle_regions(o, job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.7, settle_edges(o, job)));
     return BVXI_SHARE(o->ctx, 0.7, 1.0, settle_vertices(o, job));

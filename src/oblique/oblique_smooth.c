@@ -352,11 +352,11 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     bvx_context *const ctx = w->o->ctx;
 
     /* The bands are floats: they are most of the memory, and ties need no more digits than that. */
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->residual));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->image));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->scale));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (w->nodes + 2 * w->padding) * 8, what, &w->way));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bands * 4, what, &w->band));
+    BVXI_TRY(BVXI_ZEROS(ctx, w->nodes, what, w->residual));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->nodes, what, w->image));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->nodes, what, w->scale));
+    BVXI_TRY(BVXI_ZEROS(ctx, w->nodes + 2 * w->padding, what, w->way));
+    BVXI_TRY(BVXI_ZEROS(ctx, bands, what, w->band));
 
     /* A coarse solution is near in all but the details, so that few rounds are enough. */
     if (coarser->node != NULL) begin_with(w, coarser);
@@ -382,8 +382,7 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 
     /* The coarser nodes are needed until this level has begun with them. */
     lay_smooth_level(&w, spacing);
-    BVXI_TRY(
-        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, w.nodes * 8, "the nodes of the smooth number", &w.grid.node));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;
     return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));
 }

@@ -18,10 +18,9 @@ enum { HANDLE_ROUNDS = 3 };
 
 static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *number)
 {
-    BVXI_TRY(bvxi_oblique_grow(o, &o->position, o->position_count, &o->position_room, 24,
-                               "the vertices of the surface"));
     BVXI_TRY(
-        bvxi_oblique_grow(o, &o->kept, o->position_count, &o->kept_room, 1, "the vertices of the surface"));
+        BVXI_GROW_BY(o, o->position, o->position_count, o->position_room, 24, "the vertices of the surface"));
+    BVXI_TRY(BVXI_GROW(o, o->kept, o->position_count, o->kept_room, "the vertices of the surface"));
     for (int k = 0; k < 3; k++)
         o->position[3 * o->position_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
     o->kept[o->position_count] = 0;
@@ -94,8 +93,8 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 
     /* Corners on a contour may be one vertex: what is left of such a triangle is an edge. */
     if (a == b || b == c || c == a) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &o->triangle, o->triangle_count, &o->triangle_room, 12,
-                               "the triangles of the surface"));
+    BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
+                          "the triangles of the surface"));
     t = o->triangle + 3 * o->triangle_count++;
     t[0] = a;
     t[1] = b;
@@ -116,7 +115,7 @@ static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
     for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
     for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
     for (; t < o->triangle_count - o->plain_triangles; t++) {
-        BVXI_TRY(bvxi_oblique_grow(o, &o->owner, t, &o->owner_room, 4, "the triangles of the surface"));
+        BVXI_TRY(BVXI_GROW(o, o->owner, t, o->owner_room, "the triangles of the surface"));
         o->owner[t] = tetra;
     }
     return BVX_OK;
@@ -171,7 +170,7 @@ static bvx_status march_all(bvxi_oblique *o)
 
     /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
     o->crossing.near = o->point_count < o->vertex_count / 8;
-    BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
+    BVXI_TRY(bvxi_map_reserve(o->ctx, &o->crossing, more / 2));
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         if (t % 262144 == 0)
             BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
@@ -190,7 +189,7 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     int64_t parts = (int64_t)o->position_count;
     uint32_t *joined;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->position_count * 4, "the parts of the surface", &joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++)
@@ -215,9 +214,8 @@ static bvx_status march_again(bvxi_oblique *o)
     o->kept = NULL;
     o->crossed = NULL;
     o->position_count = o->position_room = o->triangle_count = o->triangle_room = o->kept_room = 0;
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &o->output, o->vertex_count, &o->output_room, 4, "the vertices on contours"));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count, o->output_room, "the vertices on contours"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
     return march_all(o);
 }
@@ -420,9 +418,9 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     uint64_t bytes;
 
     o->output_room = o->vertex_count;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->output_room, "the vertices on contours", o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
     bytes = o->position_count * 4;
