@@ -70,7 +70,6 @@ static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t co
     return BVXI_SHARE(o->ctx, 0.85, 1.0, bvxi_joint_surfaces(o, &cut, meshes));
 }
 
-/* All bodies or none. */
 static void drop_bodies(bvx_context *ctx, bvx_mesh *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {

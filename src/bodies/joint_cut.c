@@ -82,9 +82,7 @@ static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
         bvxi_tetra_vertex *const x = &o->vertex[i];
         uint32_t plane;
 
-        /* Vertices of the lattice have their kind from it, those of contours none. */
         if (x->sign == 0) continue;
-        /* What the cells put between the lattice's vertices gets its kind now, each on its own plane. */
         plane = bvxi_first_plane(o, (uint32_t)i);
         if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
         x->sign = 1;
@@ -147,7 +145,6 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
     lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
 
-    /* Between planes distances bend along the edge. */
     if (!are_on_a_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
@@ -258,7 +255,6 @@ static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         int again = has_edges_to_cut(cut, &o->tetra[t]);
         if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
-        /* A cut replaces a corner of this tetrahedron, so its edges are looked at once more. */
         while (again) {
             again = 0;
             for (int a = 0; a < 4; a++)
@@ -355,8 +351,6 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     return BVX_OK;
 }
 
-/* ---- tetrahedra ---- */
-
 typedef struct tetra_job {
     bvxi_oblique *o;
     const bvxi_joint_cut *cut;
@@ -399,8 +393,6 @@ int bvxi_joint_border_kind(const bvxi_oblique *o, const bvxi_tetra *t, int corne
     return 0;
 }
 
-/* ---- specks ---- */
-
 typedef struct speck_work {
     uint32_t *joined; /* [tetrahedra] */
     uint8_t *kept;    /* [tetrahedra] at roots: a plane says so, or a border touches it */
@@ -413,7 +405,6 @@ static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_
     for (uint64_t t = 0; t < o->tetra_count; t++)
         for (int k = 0; k < 4; k++) {
             uint32_t const n = o->tetra[t].n[k];
-            /* Each face once, from the tetrahedron with the higher number. */
             if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
             bvxi_join(w->joined, (uint32_t)t, n);
         }
@@ -460,7 +451,7 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
-    tetra_job job;
+    tetra_job job = {o, cut};
     uint64_t crossings;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
@@ -474,8 +465,6 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
 
     BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_count, cut->kind_room, "the kinds of tetrahedra"));
-    job.o = o;
-    job.cut = cut;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,
                         bvxi_for(o->ctx, "surface", o->tetra_count, 4096, tetra_kinds_piece, &job)));
     return BVXI_SHARE(o->ctx, 0.9, 1.0, BVXI_SCOPE(o->ctx, drop_specks(o, cut)));

@@ -188,8 +188,6 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
     return BVX_OK;
 }
 
-/* ---- edges at which a body touches itself ---- */
-
 static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
 {
     uint32_t t, m;
@@ -198,7 +196,7 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     /* An edge that a cut before this one has halved is no longer there. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
-    for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[a].at[k] + o->vertex[b].at[k]);
+    bvxi_oblique_middle(o, (uint32_t[]){a, b}, 2, at);
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
 
@@ -326,7 +324,6 @@ static void join_pinched(const joint_faces *f, uint32_t first)
 
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
         uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
-        /* The face that was found is one of the edge's own; its side is joined to this one. */
         if (face == BVXI_NONE) continue;
         for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
             if (f->from[j / 3] == face) join_sides(f, i, j);
@@ -346,8 +343,6 @@ static void find_fans(const joint_faces *f)
         else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
     }
 }
-
-/* ---- points ---- */
 
 static bvx_status find_points(joint_faces *f)
 {
@@ -427,7 +422,6 @@ static void write_joint_position(const joint_faces *f, const bvx_mesh *mesh, uin
     }
 }
 
-/* Vertices are numbered in the order in which faces come to them. */
 static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
 {
     const bvxi_oblique *const o = f->o;

@@ -43,7 +43,6 @@ static void take_section(const bvx_sections *given, uint32_t section, bvx_sectio
     one->normals = NULL;
 }
 
-/* The loops of the body once more, on a plane that is so far along the axis. */
 static void add_copy(const bvx_sections *given, const bvx_sections_options *o, const lone_count *n,
                      const double axis[3], double by, bvx_sections *to)
 {

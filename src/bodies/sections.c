@@ -121,7 +121,6 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *cross
                       BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
 }
 
-/* As if no surface had been made. */
 static void drop_surface(bvxi_stack *s, uint64_t mark)
 {
     (void)bvxi_scratch_end(s->ctx, mark, BVX_OK);
@@ -179,8 +178,6 @@ static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));
     bvxi_stack_take_grid(stack, &mended->grid);
-    /* The given stack's grid: the mended points were snapped
-     * to it, and would land elsewhere on another one. */
     stack->nudge = (const int16_t(*)[2])mended->nudge;
     stack->report.mended_loops = mended->loops;
     return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
@@ -278,7 +275,6 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
 
 /* ---- planes that each have a normal ---- */
 
-/* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
 static bvx_status build_planes(bvx_context *context, const bvx_sections *sections,
                                const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
 {
@@ -442,7 +438,6 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    /* Begun anew for each call; handed out only when all went well. */
     memset(&report, 0, sizeof report);
     BVXI_TRY(build_any(context, sections, &o, &report, mesh));
     if (o.report == NULL) return BVX_OK;

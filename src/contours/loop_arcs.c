@@ -8,9 +8,6 @@
  * through in that order find theirs one after the other. */
 #include "contours/section.h"
 
-/* ---- crossings ---- */
-
-/* A larger array of its own. */
 static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
 {
     bvxi_line_cut *larger = NULL;
@@ -59,8 +56,6 @@ bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, in
     p->cut_count = whole->cut_count;
     return BVX_OK;
 }
-
-/* ---- arcs ---- */
 
 static int32_t cells_between(const bvxi_stack *s, int32_t a, int32_t b)
 {
@@ -177,8 +172,6 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }
 
-/* ---- arcs by cell ---- */
-
 /* A stable sort of numbers by sixteen bits of their cell; from NULL stands for 0, 1, 2... */
 static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size,
                      const uint32_t *from, uint32_t *to)
@@ -209,7 +202,6 @@ static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t ke
     return c->line == low ? 0 : 2;
 }
 
-/* Sides of arcs, and the cells that require subdivision. */
 void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 {
     uint32_t sides = 0;
@@ -256,7 +248,6 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
         uint64_t *const row = inside + (size_t)j * (size_t)s->words;
         uint64_t carry = 0;
         for (int32_t i = 0; i < s->words; i++) {
-            /* The parity within a word, bit by bit, and of all words before it. */
             uint64_t x = row[i];
             for (int k = 1; k < 64; k *= 2) x ^= x << k;
             row[i] = x ^ carry;

@@ -24,7 +24,6 @@ typedef struct apart_segment {
     uint32_t stop[2]; /* or BVXI_NONE */
 } apart_segment;
 
-/* What is known of a stop at a node of several. */
 typedef struct apart_stop {
     double way[2];  /* along which it moves; 0: it stays */
     uint32_t level; /* stops that lie in its angle, one in the other */
@@ -41,8 +40,6 @@ typedef struct apart_work {
     bvxi_segment_box *box;
     uint32_t segments;
 } apart_work;
-
-/* ---- ends of edges ---- */
 
 void bvxi_mend_direction(const bvxi_mend_work *w, const uint32_t *edge, uint32_t end, int64_t d[2])
 {
@@ -73,7 +70,6 @@ double bvxi_mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, do
 
 /* ---- brackets at a node ---- */
 
-/* Does an end stand between two others, counter-clockwise? */
 static int stands_between(const bvxi_mend_paths *p, uint32_t from, uint32_t end, uint32_t to)
 {
     uint32_t const r = p->rank[end], a = p->rank[from], b = p->rank[to];
@@ -165,8 +161,6 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     }
 }
 
-/* ---- where all lie ---- */
-
 static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t stop, int32_t nudge[2])
 {
     const apart_stop *const s = &w->stop[stop];
@@ -208,8 +202,6 @@ static void put_segments(apart_work *w)
     }
 }
 
-/* ---- what would meet ---- */
-
 static int segments_collide(const apart_segment *s, const apart_segment *t)
 {
     int const after = s->stop[1] == t->stop[0], before = t->stop[1] == s->stop[0];
@@ -238,7 +230,6 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
         w->mark[node] |= APART_MORE;
         common = 1;
     }
-    /* No common node: one of them has moved onto the other. */
     for (int end = 0; end < 2 && !common; end++) {
         if (s->stop[end] != BVXI_NONE) w->mark[node_of_end(w, s, end)] |= APART_LESS;
         if (t->stop[end] != BVXI_NONE) w->mark[node_of_end(w, t, end)] |= APART_LESS;
@@ -282,15 +273,12 @@ static bvx_status choose_steps(apart_work *w)
     return BVX_OK;
 }
 
-/* ---- memory ---- */
-
 static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
 {
     bvx_context *const ctx = paths->w->s->ctx;
     uint64_t const stops = paths->stop_count, nodes = paths->w->node_count;
 
-    memset(w, 0, sizeof *w);
-    w->paths = paths;
+    *w = (apart_work){.paths = paths};
     BVXI_TRY(BVXI_ARRAY(ctx, stops, "stops at a node", w->stop));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes + 1, "the nodes' stops", w->first));
     BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));

@@ -18,8 +18,6 @@
 enum { MEND_ROUNDS = 40, MEND_MOST = 16 };
 enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-22 of the extent */
 
-/* ---- nodes and edges ---- */
-
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
     uint32_t *found = NULL;
@@ -67,7 +65,6 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     const bvxi_contour *const c = &p->contour[loop];
     uint32_t first, before, node;
 
-    /* A node for each point; points that snap to the one before them make no edge. */
     BVXI_TRY(mend_node_at(w, p->q[c->first], w->s->given->points + 3 * (uint64_t)p->given[c->first], &first));
     before = first;
     for (uint32_t i = c->first + 1; i < c->first + c->count; i++, before = node) {
@@ -81,8 +78,6 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     mend_visit(w, first, loop);
     return BVX_OK;
 }
-
-/* ---- pairs ---- */
 
 static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
 {
@@ -110,8 +105,6 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
     double at[3];
     int32_t q[2];
 
-    /* The nearest point of the coarser grid, odd as all points
-     * are; in space, the crossing on the first segment. */
     for (int k = 0; k < 2; k++) {
         double const to = (double)b->q[k] - a->q[k];
         q[k] = MEND_PIXEL * (int32_t)floor((a->q[k] + t * to) / MEND_PIXEL + 0.5) + 1;
@@ -134,7 +127,6 @@ static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
         if (bvxi_segment_holds(a, b, w->node[f.node[k]].q)) BVXI_TRY(mend_split_at(w, i, f.node[k]));
         if (bvxi_segment_holds(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
     }
-    /* Otherwise each must have its ends on both sides of the other to cross it. */
     if (w->split_count == before) {
         if (bvxi_turn_sign(a, b, c) * bvxi_turn_sign(a, b, d) >= 0 ||
             bvxi_turn_sign(c, d, a) * bvxi_turn_sign(c, d, b) >= 0)
@@ -167,8 +159,6 @@ static bvx_status mend_find_pairs(bvxi_mend_work *w)
     return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
 
-/* ---- points beside segments ---- */
-
 /* Does a segment pass through the square about a point, between its ends? Coordinates lie below 2^29. */
 static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
 {
@@ -180,7 +170,6 @@ static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
     return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
 }
 
-/* Nodes of loops that change, and those where segments cross, by u. */
 static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
 {
     uint32_t const n = w->node_count;
@@ -198,7 +187,6 @@ static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
     return bvxi_radix_sort(w->s->ctx, w->key, w->order, *count);
 }
 
-/* Segments of loops that change are split at all such nodes that they pass. */
 static bvx_status mend_find_passed(bvxi_mend_work *w)
 {
     uint32_t count;
@@ -224,9 +212,6 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
     return BVX_OK;
 }
 
-/* ---- splitting ---- */
-
-/* How far along an edge a node lies. */
 static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint32_t node)
 {
     const int32_t *const a = w->node[e->node[0]].q;
@@ -266,7 +251,6 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
 
     w->split_edge_count = 0;
-    /* Each edge becomes as many as it has splits, and one; pieces without length go. */
     for (uint32_t e = 0; e < w->edge_count; e++) {
         uint32_t from = w->edge[e].node[0], end = at;
         while (end < n && w->split[w->order[end]].edge == e) end++;

@@ -95,8 +95,7 @@ typedef struct bvxi_plane {
     /* the segments that distances and inside tests are taken from, ascending; NULL: all */
     const uint32_t *segment;
     uint32_t segment_count;
-    int turned;           /* 1: what its loops enclose is outside: a level of holes */
-    uint64_t level_bytes; /* of its own arrays, when it is a level */
+    int turned; /* 1: what its loops enclose is outside: a level of holes */
 } bvxi_plane;
 
 /* A plane without loops, where a body begins or ends between sections. */
@@ -105,7 +104,6 @@ static inline int bvxi_plane_is_nothing(const bvxi_plane *plane)
     return plane->section == BVXI_NONE;
 }
 
-/* Vertices and triangles made so far. */
 typedef struct bvxi_section_mesh {
     double *position;
     uint32_t *triangle;
@@ -116,7 +114,6 @@ typedef struct bvxi_section_mesh {
  * cross otherwise; not apart from each other, where they would cross all the same. */
 enum { BVXI_LEVELS_APART, BVXI_LEVELS_LINEAR, BVXI_LEVELS_JOINED, BVXI_LEVELS_CROSSED = 0x80 };
 
-/* Loops that are blended apart from those around them; see nesting.c. */
 typedef struct bvxi_nesting {
     /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
     uint8_t *level[2];
@@ -143,10 +140,9 @@ typedef struct bvxi_stack {
     int32_t words;          /* a row of grid points */
     bvxi_plane *plane;      /* ascending in w */
     uint32_t plane_count;
-    double reach[2]; /* of tapered ends beyond the first and the last plane */
-    bvxi_plane all;  /* arrays that the planes have stretches of */
-    uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
-    bvxi_plane nothing;                                /* a plane without loops: only its bits are there */
+    double reach[2];    /* of tapered ends beyond the first and the last plane */
+    bvxi_plane all;     /* arrays that the planes have stretches of */
+    bvxi_plane nothing; /* a plane without loops: only its bits are there */
     bvxi_nesting nesting;
     uint32_t slab_count;
     bvx_sections_options options;
@@ -170,6 +166,28 @@ static inline double bvxi_along_axis(const double axis[3], const double p[3])
     return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
 }
 
+/* A coordinate of fixed point along an axis of the plane. */
+static inline double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
+{
+    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
+}
+
+/* Words of a bit a grid point. */
+static inline uint64_t bvxi_grid_words(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+}
+
+/* Square of the distance from a place to a segment. */
+static inline double bvxi_segment_square(const double a[2], const double b[2], const double at[2])
+{
+    double const dx = b[0] - a[0], dy = b[1] - a[1], x = at[0] - a[0], y = at[1] - a[1];
+    double const along = x * dx + y * dy, length = dx * dx + dy * dy;
+    double const share = along <= 0.0 ? 0.0 : along >= length ? 1.0 : along / length;
+    double const ex = x - share * dx, ey = y - share * dy;
+    return ex * ex + ey * ey;
+}
+
 /* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their
  * left */
 
@@ -180,6 +198,17 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *stack);
 bvx_status bvxi_stack_finish(bvxi_stack *stack);
+/* A label becomes the only one that there is, or some loop has it. */
+bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_sections *given,
+                             int32_t *label);
+/* Arrays of all planes, which are fields of items of so many bytes; points, loops: by section. */
+bvx_status bvxi_planes_open(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                            uint32_t count, const uint64_t *points, const uint64_t *loops);
+bvx_status bvxi_planes_open_trees(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                                  uint32_t count);
+/* The points of a loop, but those equal to the one before. */
+bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                bvx_sections_report *report, bvxi_plane *plane, uint64_t number);
 
 /* stack_grid.c: lay the grid over the bounds; or take that of another stack whose bounds hold this one's. */
 typedef struct bvxi_section_grid {
@@ -224,7 +253,6 @@ static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_
     return (uint64_t)pieces < count ? pieces : (int32_t)count;
 }
 
-/* Coordinates on the plane, and bounds. */
 bvx_status bvxi_planes_place(bvxi_stack *stack);
 /* Fixed point, directions, areas, boxes, crossings with the grid. */
 bvx_status bvxi_planes_ready(bvxi_stack *stack);
@@ -245,7 +273,6 @@ bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box
 
 /* ---- simple.c ---- */
 
-/* Refuse loops that cross or touch themselves or others. */
 bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);
 
 /* A segment's box and number. */
@@ -299,7 +326,6 @@ typedef struct bvxi_arc_scratch {
     uint32_t *cell, *order[2], *start;
 } bvxi_arc_scratch;
 
-/* How many crossings and arcs there will be. */
 void bvxi_plane_count_cuts(const bvxi_stack *stack, const bvxi_plane *plane, uint64_t *cuts, uint64_t *arcs);
 /* Cut the loops at the grid's lines, into arrays that have room; set the bits of the grid points inside. */
 void bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane, const bvxi_arc_scratch *scratch);
@@ -308,7 +334,6 @@ uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *cou
 /* A new crossing's number. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis,
                               int32_t line, uint32_t *number);
-/* Sides of arcs, and the cells that require subdivision; arcs are in order. */
 void bvxi_plane_look_at_cells(const bvxi_stack *stack, bvxi_plane *plane);
 /* Bits at which a row's parity changes, into the bits inside. */
 void bvxi_plane_fill_rows(const bvxi_stack *stack, uint64_t *inside);
@@ -320,6 +345,13 @@ double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 /* Number points and cuts of each plane along its loops, one number for cuts
  * that are one; they become the first vertices of the mesh. */
 bvx_status bvxi_rings_make(bvxi_stack *stack);
+/* Where a contour's stretch of the ring begins and ends. */
+static inline void bvxi_ring_stretch(const bvxi_plane *p, uint32_t contour, uint32_t *first, uint32_t *end)
+{
+    *first = p->ring[p->contour[contour].first];
+    *end = contour + 1 < p->contour_count ? p->ring[p->contour[contour + 1].first] : p->ring_count;
+}
+
 /* Arcs as stretches of a ring whose crossings are numbered. */
 void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
@@ -327,7 +359,6 @@ void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
 /* Groups and boxes for so many segments. */
 void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
-/* Fill them. */
 void bvxi_plane_tree(bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought
  * to be near, and becomes the nearest found. */
@@ -368,10 +399,7 @@ typedef struct bvxi_loop_fill {
  * there are none, around a vertex inside the cell. */
 bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
 
-/* ---- section_mesh.c ---- */
-
 bvx_status bvxi_section_add_vertex(bvxi_stack *stack, const double position[3], uint32_t *number);
-/* Room for more triangles than there are. */
 bvx_status bvxi_section_more_triangles(bvxi_stack *stack);
 
 static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c)
@@ -387,7 +415,6 @@ static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a
     return BVX_OK;
 }
 
-/* Where a vertex is. */
 static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_t number)
 {
     return number < stack->ring_vertices
@@ -397,7 +424,6 @@ static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_
 
 /* The world's place of u, v, w. */
 void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, double position[3]);
-/* Keep a place in the report. */
 void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 
 /* BVXI_GROW but in views: rooms that were laid out beforehand do not grow, and the caller tries again with others. */

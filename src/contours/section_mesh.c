@@ -1,8 +1,6 @@
 /* section_mesh.c - the growing mesh of a body between sections, and its vertices by a key. */
 #include "contours/section.h"
 
-/* ---- The mesh ---- */
-
 bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint32_t *number)
 {
     bvxi_section_mesh *const m = &s->mesh;

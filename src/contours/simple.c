@@ -111,7 +111,6 @@ static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box 
         if (box[i].left < low) low = box[i].left;
         if (box[i].left > high) high = box[i].left;
     }
-    /* The fewest bits to take off, so that all buckets are used. */
     while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
     memset(start, 0, sizeof start);
     for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;

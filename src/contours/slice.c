@@ -112,7 +112,6 @@ static uint64_t planes_up_to(const slice_work *w, double height)
     return low;
 }
 
-/* Heights along the normal and their bounds; how far the mesh reaches across it. */
 static bvx_status read_heights(slice_work *w, double *low, double *high)
 {
     double across[2][2] = {{1e308, -1e308}, {1e308, -1e308}}, reach = 0.0;
@@ -124,9 +123,9 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     for (uint64_t i = 0; i < w->view->vertex_count; i++) {
         double p[3];
         bvxi_view_position(w->view, i, p);
-        w->height[i] = (w->axis[2][0] * p[0] + w->axis[2][1] * p[1]) + w->axis[2][2] * p[2];
+        w->height[i] = bvxi_along_axis(w->axis[2], p);
         for (int k = 0; k < 2; k++) {
-            double const at = (w->axis[k][0] * p[0] + w->axis[k][1] * p[1]) + w->axis[k][2] * p[2];
+            double const at = bvxi_along_axis(w->axis[k], p);
             if (at < across[k][0]) across[k][0] = at;
             if (at > across[k][1]) across[k][1] = at;
         }
@@ -243,8 +242,6 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
     double const z = w->position[plane];
     uint64_t n = 0;
 
-    /* In the order of the triangles; a vertex on the plane
-     * counts as above it, so just two sides are passed. */
     for (uint64_t i = w->first[plane]; i < w->first[plane + 1]; i++) {
         uint32_t c[3];
         slice_corners(w, w->list[i], c);

@@ -33,8 +33,6 @@ typedef struct slabs_job {
     uint64_t *vertex, *triangle; /* where each slab's begin */
 } slabs_job;
 
-/* ---- how much ---- */
-
 /* Places of the ring and crossings; of a nesting level about those of its
  * own loops, of which each arc ends at one crossing. */
 static uint64_t count_ring(const bvxi_plane *p)
@@ -47,13 +45,12 @@ static uint64_t count_ring(const bvxi_plane *p)
  * ring's points once a cell, crossings twice, heights four times. */
 static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices, uint64_t *triangles)
 {
-    size_t const words = (size_t)(s->size[1] + 1) * (size_t)s->words;
+    uint64_t const words = bvxi_grid_words(s);
     const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
     uint64_t rings = 0, heights;
 
     slab->lines = 0;
-    /* A line of the grid bears a vertex where its point is inside on one plane only. */
-    for (size_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
+    for (uint64_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
     heights = (uint64_t)slab->lines + slab->hanging_count;
     for (int k = 0; k < 2; k++) rings += count_ring(slab->plane[k]);
     *vertices = heights + rings / 16 + SLAB_SPARE;
@@ -115,7 +112,6 @@ static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
 
-    /* Afterwards, in order, with arrays that grow. */
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -154,9 +150,10 @@ static bvx_status open_workers(slabs_job *job)
 static bvx_status fill_side_by_side(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
-    uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
 
-    job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job->count, "the slabs' scratch", job->room));
+    job->pieces = bvxi_section_pieces(job->count, job->count * bvxi_grid_words(s), SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
     /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));
@@ -167,18 +164,6 @@ static bvx_status fill_side_by_side(slabs_job *job)
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
     return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
 }
-
-static bvx_status fill_in_job(slabs_job *job)
-{
-    bvxi_stack *const s = job->s;
-    uint64_t const rooms = (uint64_t)job->count * 16;
-    BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
-    return fill_side_by_side(job);
-}
-
-/* ---- one after the other ---- */
 
 /* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
 static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
@@ -196,15 +181,10 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
-    slabs_job job;
+    slabs_job job = {.s = s, .slab = slabs, .count = count};
 
-    /* Other ways share vertices of planes as they come, so their slabs are made in order. */
-    if (s->options.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.slab = slabs;
-    job.count = count;
-    return fill_in_job(&job);
+    return s->options.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
+                                                       : fill_in_order(s, slabs, count);
 }
 
 /* ---- joining ---- */
@@ -219,7 +199,6 @@ static void give_positions(const bvxi_stack *s, const double *from, uint64_t cou
         for (uint64_t i = 0; i < 3 * count; i++) narrow[i] = (float)from[i];
 }
 
-/* A piece of the rings' positions, and whole slabs. */
 static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const slabs_job *const job = user;
@@ -240,13 +219,16 @@ static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status join_in_job(slabs_job *job)
+bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh)
 {
-    bvxi_stack *const s = job->s;
+    slabs_job made = {.s = s, .slab = (bvxi_slab *)slabs, .count = count, .mesh = mesh}, *const job = &made;
     const bvxi_section_mesh *const own = &s->mesh;
     uint64_t vertices = own->vertex_count, triangles = 0;
     bvx_status status;
 
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->vertex));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->triangle));
+    job->pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
     for (uint32_t i = 0; i < job->count; i++) {
         job->vertex[i] = vertices;
         job->triangle[i] = triangles;
@@ -273,20 +255,4 @@ static bvx_status join_in_job(slabs_job *job)
                              job);
     if (status != BVX_OK) bvx_mesh_free(s->ctx, job->mesh);
     return status;
-}
-
-bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh)
-{
-    uint64_t const firsts = (uint64_t)count * 8;
-    slabs_job job;
-
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.slab = (bvxi_slab *)slabs;
-    job.count = count;
-    job.pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
-    job.mesh = mesh;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
-    return join_in_job(&job);
 }

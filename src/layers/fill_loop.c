@@ -75,7 +75,6 @@ static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_
     return t->cost[0][n - 1] < FILL_NEVER;
 }
 
-/* Four corners: one of two inner edges. */
 static int fill_four(const bvxi_loop_fill *l, const double *const *at, uint32_t *first)
 {
     int const even = (l->faces[0] & l->faces[2]) == 0, odd = (l->faces[1] & l->faces[3]) == 0;
@@ -93,7 +92,6 @@ static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
 
-    /* Where the loop goes over from above to below, the lower stretch begins. */
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
                           (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
         start++;
@@ -116,7 +114,6 @@ static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const do
 
     if (m == 0) return BVX_ERR_EMPTY;
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
-        /* The next triangle goes on along one of both stretches, over the shorter inner edge. */
         uint32_t const a = below[i], b = above[j];
         uint32_t const on = below[i + 1 < m ? i + 1 : i], beside = above[j + 1 < end ? j + 1 : j];
         uint32_t const shorter = (uint32_t)(fill_length(at[on], at[b]) <= fill_length(at[a], at[beside]));
@@ -145,7 +142,6 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
     uint32_t left = n, from = 0;
     uint64_t const start = s->mesh.triangle_count;
 
-    /* A ring of numbers, so that an ear is cut off in constant time. */
     for (uint32_t i = 0; i < n; i++) {
         next[i] = i + 1 == n ? 0 : i + 1;
         before[i] = i == 0 ? n - 1 : i - 1;
@@ -175,8 +171,6 @@ static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const dou
     }
     return bvxi_section_add_triangle(s, l->vertex[before[from]], l->vertex[from], l->vertex[next[from]]);
 }
-
-/* ---- around a vertex inside ---- */
 
 static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at)
 {
@@ -220,7 +214,6 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
 
     l->strip = 0;
 
-    /* A face that all corners share decides whether the loop lies flat on it. */
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
     if (l->count == 3 && common == 0 && !l->cone)
         return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
@@ -236,7 +229,6 @@ bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
         }
         return fill_by_vertex(s, l, l->at);
     }
-    /* Long loops between two planes are strips as a rule. */
     if (l->count > FILL_FEW) {
         status = fill_as_strip(s, l, l->at, l->next, l->before);
         l->strip = status == BVX_OK;

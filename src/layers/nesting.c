@@ -15,7 +15,6 @@
 
 enum { NESTING_DEEPEST = 100, NESTING_ABOVE_BIT = 31 };
 
-/* A loop as the pairing sees it. */
 typedef struct nest_loop {
     int32_t box[4];
     uint32_t depth, parent; /* how many loops it lies in, and the innermost of these */
@@ -32,14 +31,12 @@ typedef struct nest_work {
 
 /* ---- what lies in what ---- */
 
-static int nest_is_in_box(const int32_t box[4], const int32_t *at)
-{
-    return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3];
-}
-
 static int nest_contains(const bvxi_plane *p, uint32_t number, const nest_loop *loop, const int32_t *at)
 {
-    return nest_is_in_box(loop[number].box, at) && bvxi_loop_contains(p, &p->contour[number], at);
+    const int32_t *const box = loop[number].box;
+
+    return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3] &&
+           bvxi_loop_contains(p, &p->contour[number], at);
 }
 
 /* Loops around a loop all lie in each other, so the innermost is the one that lies in the most. */
@@ -78,7 +75,6 @@ static void nest_meet_by_points(nest_work *w)
         for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
             nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
 
-            /* Pairs that have met already need no further test. */
             if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
             /* A loop within another holds its first point; those that cross are found by their segments. */
             if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
@@ -100,7 +96,6 @@ static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
     return BVX_OK;
 }
 
-/* Candidates whose contours cross. */
 static bvx_status nest_meet_by_segments(nest_work *w)
 {
     uint32_t count = 0;
@@ -126,7 +121,6 @@ static uint32_t nest_choose_candidates(nest_work *w, uint8_t *const level[2], ui
         for (uint32_t c = 0; c < w->plane[k]->contour_count; c++) {
             nest_loop *const l = &w->on[k][c];
             l->met = 0;
-            /* Only where the loop around it went on as well. */
             l->candidate = l->depth == depth && level[k][l->parent] == depth - 1;
             count[k] += (uint32_t)l->candidate;
         }
@@ -142,11 +136,11 @@ static int nest_are_all_met(const nest_work *w)
 }
 
 /* Levels of the loops of this depth; *found when some are of a level of their own. */
-static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_t depth, int *found)
+static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_t depth, int goes_on,
+                                  int *found)
 {
     *found = 0;
-    if (depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
-        /* Points first: they settle most pairs without a segment. */
+    if (goes_on && depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
         nest_meet_by_points(w);
         if (!nest_are_all_met(w)) BVXI_TRY(nest_meet_by_segments(w));
     }
@@ -156,17 +150,10 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
             const nest_loop *const l = &w->on[k][c];
             if (l->depth != depth) continue;
             /* What does not go on stays on the level of the loop around it. */
-            level[k][c] = l->candidate && l->met ? (uint8_t)depth : level[k][l->parent];
-            *found |= l->candidate && l->met;
+            level[k][c] = goes_on && l->candidate && l->met ? (uint8_t)depth : level[k][l->parent];
+            *found |= goes_on && l->candidate && l->met;
         }
     return BVX_OK;
-}
-
-static void nest_follow_parents(const nest_work *w, uint8_t *const level[2], uint32_t depth)
-{
-    for (int k = 0; k < 2; k++)
-        for (uint32_t c = 0; c < w->plane[k]->contour_count; c++)
-            if (w->on[k][c].depth == depth) level[k][c] = level[k][w->on[k][c].parent];
 }
 
 /* Between a plane and the next one. */
@@ -194,52 +181,33 @@ static bvx_status nest_find_between(nest_work *w, uint32_t number)
 
     /* A depth at which nothing goes on ends the search: what lies deeper stays on the levels found. */
     for (uint32_t depth = 1; depth <= deepest; depth++) {
-        if (found) BVXI_TRY(nest_pair_depth(w, level, depth, &found));
-        else nest_follow_parents(w, level, depth);
+        BVXI_TRY(nest_pair_depth(w, level, depth, found, &found));
         if (found) n->count[number] = (uint8_t)(depth + 1);
     }
     return BVX_OK;
 }
 
-static bvx_status nest_find_all(nest_work *w)
+bvx_status bvxi_nesting_find(bvxi_stack *s)
 {
-    bvxi_stack *const s = w->s;
-
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "nesting", 0.5 * i / s->plane_count));
-        nest_find_parents(&s->plane[i], w->loop + (s->plane[i].contour - s->all.contour));
-    }
-    for (uint32_t i = 0; i + 1 < s->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "nesting", 0.5 + 0.5 * i / s->plane_count));
-        BVXI_TRY(nest_find_between(w, i));
-    }
-    return BVX_OK;
-}
-
-/* ---- memory ---- */
-
-static uint32_t nest_most_segments(const bvxi_stack *s)
-{
+    nest_work w = {.s = s};
     uint32_t most = 0;
 
+    if (s->nesting.count == NULL) return BVX_OK;
     for (uint32_t i = 0; i + 1 < s->plane_count; i++) {
         uint32_t const n = s->plane[i].point_count + s->plane[i + 1].point_count;
         if (n > most) most = n;
     }
-    return most;
-}
-
-bvx_status bvxi_nesting_find(bvxi_stack *s)
-{
-    uint64_t const loops = s->all.contour_room * sizeof(nest_loop), n = nest_most_segments(s);
-    nest_work w;
-
-    if (s->nesting.count == NULL) return BVX_OK;
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, loops, "the nesting of loops", &w.loop));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the order of segments", w.box));
-    return nest_find_all(&w);
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->all.contour_room, "the nesting of loops", w.loop));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the order of segments", w.box));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "nesting", 0.5 * i / s->plane_count));
+        nest_find_parents(&s->plane[i], w.loop + (s->plane[i].contour - s->all.contour));
+    }
+    for (uint32_t i = 0; i + 1 < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "nesting", 0.5 + 0.5 * i / s->plane_count));
+        BVXI_TRY(nest_find_between(&w, i));
+    }
+    return BVX_OK;
 }
 
 /* Stacks without holes, and those of fields, have no levels. */

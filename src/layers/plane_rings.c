@@ -6,14 +6,11 @@
 
 enum { RINGS_GRAIN = 4096 };
 
-/* ---- order ---- */
-
 /* Order of two crossings on one segment: -1, 0 (they are one), 1. */
 static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_line_cut *d)
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     if (c->axis == d->axis) {
-        /* Lines of one axis come in the order in which the segment runs. */
         if (c->line == d->line) return 0;
         return (c->line < d->line) == (b[c->axis] > a[c->axis]) ? -1 : 1;
     }
@@ -27,7 +24,6 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
     bvxi_place_counts32(start, p->point_count);
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
-    /* Filling moved each start to its segment's end; they are moved back by one segment. */
     for (uint32_t i = p->point_count; i-- > 0;) start[i] = i == 0 ? 0 : start[i - 1];
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
@@ -70,8 +66,6 @@ void bvxi_plane_ring_arcs(bvxi_plane *p)
         p->ring_arc[i].to = p->cut[p->arc[i].to].ring;
     }
 }
-
-/* ---- places ---- */
 
 /* Where a crossing lies, on the segment as given. One through a meeting of two lines, which are two crossings
  * at one place, is moved a little along the segment, as the lines are thought to be. */
@@ -134,13 +128,23 @@ static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
     for (uint64_t i = begin; i < end; i++) place_ring(job->s, &job->s->plane[i]);
 }
 
-static bvx_status make_in_job(ring_job *job)
+bvx_status bvxi_rings_make(bvxi_stack *s)
 {
-    bvxi_stack *const s = job->s;
-    uint64_t vertices = 0;
+    ring_job job = {.s = s};
+    uint64_t cuts = 0, vertices = 0;
 
-    BVXI_TRY(
-        bvxi_for_ranges(s->ctx, "rings", 0.0, 0.5, job->pieces, job->s->plane_count, ring_count_piece, job));
+    /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
+    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
+    job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, s->all.point_room, "the crossings of segments", job.start));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cuts, "the crossings in order", job.sorted));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the crossings in order", job.first));
+    cuts = 0;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        job.first[i] = cuts;
+        cuts += s->plane[i].cut_count;
+    }
+    BVXI_TRY(bvxi_for_ranges(s->ctx, "rings", 0.0, 0.5, job.pieces, s->plane_count, ring_count_piece, &job));
 
     /* Rings lie one after the other, so a vertex is a plane's first and its place in the ring. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -157,29 +161,5 @@ static bvx_status make_in_job(ring_job *job)
         bvxi_nesting_refresh(&s->nesting.plane[i]);
         bvxi_plane_ring_arcs(&s->nesting.plane[i]);
     }
-    return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job->pieces, job->s->plane_count, ring_place_piece,
-                           job);
-}
-
-bvx_status bvxi_rings_make(bvxi_stack *s)
-{
-    uint64_t const starts = s->all.point_room * 4, firsts = (uint64_t)s->plane_count * 8;
-    uint64_t cuts = 0;
-    ring_job job;
-
-    memset(&job, 0, sizeof job);
-    job.s = s;
-
-    /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
-    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
-    job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start));
-    BVXI_TRY(BVXI_ARRAY(s->ctx, cuts, "the crossings in order", job.sorted));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first));
-    cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        job.first[i] = cuts;
-        cuts += s->plane[i].cut_count;
-    }
-    return make_in_job(&job);
+    return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job.pieces, s->plane_count, ring_place_piece, &job);
 }

@@ -7,8 +7,6 @@
 
 #include "mesh/mesh.h"
 
-/* ---- points on sides ---- */
-
 static uint64_t hanging_key(const bvxi_hanging *h, int first)
 {
     return (uint64_t)(uint32_t)h->at[first] << 32 | (uint32_t)h->at[1 - first];
@@ -55,7 +53,6 @@ static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t by
     return to + bytes;
 }
 
-/* What was grown, into one block of the slab's own. */
 static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_slab *const g = &w->grown;
@@ -89,7 +86,6 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 
 /* ---- all slabs ---- */
 
-/* Cells that either plane requires, in order. */
 static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_plane *const below = slab->plane[0], *const above = slab->plane[1];
@@ -232,8 +228,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
      * own for ends. */
     nothing->section = BVXI_NONE;
-    BVXI_TRY(BVXI_ZEROS(s->ctx, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words, "an empty plane",
-                        nothing->inside));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
     look_beyond(s, *slabs);
 

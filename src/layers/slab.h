@@ -95,7 +95,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
 
 /* ---- nesting.c: loops that lie in others, blended level by level ---- */
 
-/* Scratch of a stack; close it also after a failure. */
 bvx_status bvxi_nesting_open(bvxi_stack *stack);
 
 /* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
@@ -103,7 +102,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *stack);
 
 /* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring  */
 
-/* The levels of all slabs. */
 bvx_status bvxi_nesting_make(bvxi_stack *stack);
 /* What has changed in the section since: crossings, or the ring. */
 void bvxi_nesting_refresh(bvxi_plane *level);

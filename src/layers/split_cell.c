@@ -9,8 +9,6 @@
 
 enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
 
-/* ---- when to split ---- */
-
 /* Crossings of the cell's sides by arcs of one plane; returns loops inside. */
 static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t count, const int32_t low[2],
                            uint32_t ends[4])
@@ -19,7 +17,6 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
 
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
-        /* A loop that lies inside whole touches no side. */
         if (arc[i].from == BVXI_NONE) {
             inner++;
             continue;
@@ -40,11 +37,6 @@ static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
     return 0;
 }
 
-static double fixed_place(const bvxi_stack *s, int axis, int32_t q)
-{
-    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
-}
-
 /* Counts are of planes, of which most have a slab on either side: the one
  * above counts, for the last plane the one below. */
 static int counts_here(const bvxi_split_work *w, int k)
@@ -58,11 +50,10 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
     bvxi_stack *const s = w->s;
 
     for (int k = 0; k < 2; k++) {
-        /* The upper plane's cells belong to the next slab, except at the end. */
         if (!counts_here(w, k)) continue;
         const bvxi_plane *const p = w->slab->plane[k];
-        double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2),
-                                  fixed_place(s, 1, c->low[1] + c->size / 2)};
+        double const middle[2] = {bvxi_fixed_u(s, 0, c->low[0] + c->size / 2),
+                                  bvxi_fixed_u(s, 1, c->low[1] + c->size / 2)};
         uint32_t ends[4];
         uint32_t const inner = count_ends(p, w->pool + c->arc[k], c->arc_count[k], c->low, ends);
         s->report.unkept_loops += inner;
@@ -70,11 +61,11 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
         /* Its other two sides are the lower ones of the cells beyond, and counted there. */
         if (ends[0] > 1) {
             s->report.unkept_edges++;
-            bvxi_section_locate(s, middle[0], fixed_place(s, 1, c->low[1]), p->w);
+            bvxi_section_locate(s, middle[0], bvxi_fixed_u(s, 1, c->low[1]), p->w);
         }
         if (ends[3] > 1) {
             s->report.unkept_edges++;
-            bvxi_section_locate(s, fixed_place(s, 0, c->low[0]), middle[1], p->w);
+            bvxi_section_locate(s, bvxi_fixed_u(s, 0, c->low[0]), middle[1], p->w);
         }
     }
 }
@@ -139,18 +130,15 @@ static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a,
     }
     a->last = cut;
     a->count = 0;
-    /* The line is passed: one bit of the quarter changes. */
     a->quadrant ^= 1u << axis;
     return BVX_OK;
 }
 
-/* Along a part of a segment that ends in a quadrant. */
 static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, uint32_t segment, uint32_t end)
 {
     uint32_t const change = a->quadrant ^ end;
     int first = (change & 1) != 0 ? 0 : 1;
     if (change == 0) return BVX_OK;
-    /* Both lines are passed: which one first is decided exactly. */
     if (change == 3) first = !bvxi_x_first(p->q[segment], p->q[p->next[segment]], w->middle[0], w->middle[1]);
     BVXI_TRY(cross_middle(w, p, a, segment, first));
     return change == 3 ? cross_middle(w, p, a, segment, 1 - first) : BVX_OK;
@@ -233,13 +221,11 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
         BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
     }
 
-    /* Two neighbouring bits of two rows are a quarter's corners. */
     corners = corners_of_quarters(w, p, c, k);
     for (uint32_t j = 0; j < 4; j++) {
         uint32_t const at = (j & 1) + 3 * (j >> 1);
         quarter[j].inside[k] = (uint8_t)((corners >> at & 3) | (corners >> (at + 3) & 3) << 2);
         quarter[j].arc[k] = w->pool_count;
-        /* Pieces come in the order of the walk, and are put together by quarter. */
         for (uint32_t i = 0; i < w->piece_count; i++)
             if (w->piece[i].quadrant == j) BVXI_TRY(add_to_pool(w, &w->piece[i].arc));
         quarter[j].arc_count[k] = w->pool_count - quarter[j].arc[k];
@@ -263,8 +249,6 @@ static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bv
     BVXI_TRY(split_plane(w, c, 0, quarter));
     return split_plane(w, c, 1, quarter);
 }
-
-/* ---- leaves ---- */
 
 static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t below, uint32_t above)
 {

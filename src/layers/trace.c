@@ -15,7 +15,6 @@ static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
     for (int k = 0; k < 2; k++) {
-        /* Levels on which the field decides have no contours here. */
         const bvxi_plane *const p = t->level[k].plane;
         if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
         for (uint32_t i = 0; i < t->arc_count[k]; i++) {
@@ -86,7 +85,6 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
     uint32_t *const row = t->row[k];
     uint32_t n = 0;
 
-    /* By insertion: a side has few ends. */
     for (uint32_t i = 0; i < t->end_count; i++) {
         uint32_t j;
         if (t->end[i].side != side || t->end[i].k != k) continue;
@@ -132,7 +130,6 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
         uint32_t *const row = t->row[k] + w->done[k];
 
         strip.row[k] = row;
-        /* Contours of this plane: those of its crossings that come before the next corner. */
         if (t->level[k].kind == BVXI_PLANE_EXACT) {
             uint32_t const n = last ? w->count[k] - w->done[k]
                                     : count_before(t, t->level[k].plane, t->row[k], w->done[k], w->count[k],
@@ -142,7 +139,6 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
             strip.count[k] = n;
             w->done[k] += n;
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
-            /* The field has one crossing where both ends differ. */
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
             BVXI_TRY(bvxi_trace_add_point(
@@ -166,7 +162,6 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     }
     t->cross_count[0] = t->cross_count[1] = 0;
 
-    /* Side by side, counter-clockwise, as loops run. */
     for (int side = 0; side < 4; side++) {
         side_walk walk = {.side = side};
         for (int k = 0; k < 2; k++)
@@ -178,13 +173,10 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     return BVX_OK;
 }
 
-/* ---- the cell ---- */
-
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
 
-    /* Corners and ends first: rows are as long as they require. */
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));

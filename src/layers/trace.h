@@ -5,8 +5,6 @@
 
 #include "layers/section_field.h"
 
-/* ---- The loops in which the surface meets one cell's faces ---- */
-
 /* Cell faces as bits: a loop's vertices say on which they lie. Sides are counter-clockwise from low v. */
 enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };
 
@@ -85,7 +83,6 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
 /* Room for a loop of count vertices; for the crossings of the cell. */
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
 bvx_status bvxi_trace_open_rows(bvxi_trace *t);
-/* trace_loops.c: the loops of the cell, once its points are linked. */
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {
@@ -102,8 +99,6 @@ int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
 /* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
-/* Where a contour's stretch of the ring that holds a place begins and ends. */
-void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
@@ -116,7 +111,6 @@ typedef struct bvxi_strip {
     uint32_t left_point, right_point;
     int side;
 } bvxi_strip;
-/* Its links. */
 bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip);
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
 bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
@@ -148,7 +142,6 @@ typedef struct bvxi_slab_work {
 /* lines: the most crossings of lines of a slab; loop: vertices of the
  * longest loop that is likely. */
 bvx_status bvxi_slab_work_open(bvxi_slab_work *work, bvxi_stack *stack, uint32_t lines, uint32_t loop);
-/* The surface between two planes, into the mesh of the work's stack. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
 
 /* A cell that no contour crosses twice on one side, alone with itself: see
@@ -156,7 +149,5 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
  * counter-clockwise. *done is 0, and nothing was made, where the cell is not plain. */
 bvx_status bvxi_slab_plain_cell(bvxi_slab_work *work, const uint32_t arcs[2], const uint32_t inside[2],
                                 const uint32_t line[4], int *done);
-
-/* ---- all_slabs.c: all of them ---- */
 
 #endif

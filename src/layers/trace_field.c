@@ -50,10 +50,7 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
 static void uv_of_vertex(const bvxi_trace *t, uint32_t vertex, double uv[2])
 {
     const double *const p = bvxi_section_vertex(t->s, vertex);
-    for (int k = 0; k < 2; k++) {
-        const double *const axis = t->s->axis[k];
-        uv[k] = (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
-    }
+    for (int k = 0; k < 2; k++) uv[k] = bvxi_along_axis(t->s->axis[k], p);
 }
 
 /* The field where the lines joining opposite crossings of a face meet. */
@@ -80,7 +77,6 @@ bvx_status bvxi_trace_face(bvxi_trace *t, int k)
     uint32_t const enters = t->node[0].inside[k];
     int const joins = n == 4 && face_joins(t, k);
 
-    /* Every other crossing enters; each is joined with one that leaves. */
     for (uint32_t i = enters; i < n; i += 2) {
         uint32_t const in = cross[i], out = cross[joins ? (i + n - 1) % n : (i + 1) % n];
         bvxi_trace_point *const p = &t->point[k == 0 ? out : in];
@@ -92,20 +88,11 @@ bvx_status bvxi_trace_face(bvxi_trace *t, int k)
 
 /* ---- contour points ---- */
 
-static double segment_distance2(const double a[2], const double b[2], const double p[2])
-{
-    double const dx = b[0] - a[0], dy = b[1] - a[1], x = p[0] - a[0], y = p[1] - a[1];
-    double const along = x * dx + y * dy, length = dx * dx + dy * dy;
-    double const share = along <= 0.0 ? 0.0 : along >= length ? 1.0 : along / length;
-    double const ex = x - share * dx, ey = y - share * dy;
-    return ex * ex + ey * ey;
-}
-
 /* 1 when the point belongs to the line from a to b, and not to a nearer one of the face. */
 static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, const double a[2],
                            const double b[2], const double p[2])
 {
-    double const own = segment_distance2(a, b, p);
+    double const own = bvxi_segment_square(a, b, p);
 
     for (uint32_t i = 0; i < t->cross_count[k]; i++) {
         uint32_t const c = t->cross[k][i], d = t->point[c].next;
@@ -116,7 +103,7 @@ static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, con
         if (t->point[c].link != (k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK)) continue;
         uv_of_vertex(t, t->point[c].vertex, e);
         uv_of_vertex(t, t->point[d].vertex, f);
-        other = segment_distance2(e, f, p);
+        other = bvxi_segment_square(e, f, p);
         /* Equally near: by the numbers of the ends, so that just one line takes it. */
         if (other < own || (other == own && t->point[c].vertex + t->point[d].vertex <
                                                 t->point[from].vertex + t->point[to].vertex))
@@ -146,7 +133,6 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
             double const along = (p->uv[i][0] - a[0]) * (b[0] - a[0]) + (p->uv[i][1] - a[1]) * (b[1] - a[1]);
             uint32_t at = n;
 
-            /* In order along the line, by insertion. */
             if (!is_nearest_line(t, k, from, to, a, b, p->uv[i])) continue;
             for (; at > 0 && t->insert[at - 1].along > along; at--) t->insert[at] = t->insert[at - 1];
             t->insert[at].along = along;

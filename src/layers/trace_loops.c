@@ -12,7 +12,6 @@
 
 enum { UNCROSS_MOST = 64 };
 
-/* Signed volume of four places. */
 static double uncross_volume(const double *a, const double *b, const double *c, const double *d)
 {
     double const ux = b[0] - a[0];
@@ -98,30 +97,14 @@ int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from)
 /* loops whose filling is chosen; triangles of one loop that as good as never cross */
 enum { TRACE_CHOICES = 4, TRACE_SURE = 4 };
 
-void bvxi_ring_stretch(const bvxi_plane *p, uint32_t place, uint32_t *first, uint32_t *end)
-{
-    uint32_t low = 0, high = p->contour_count;
-
-    /* By bisection: loops' rings lie in the order of the loops. */
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->ring[p->contour[middle].first] <= place) low = middle;
-        else high = middle;
-    }
-    *first = p->ring[p->contour[low].first];
-    *end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
-}
-
-/* The ring's vertices between two cuts, forwards or backwards. */
 static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back, uint32_t *count)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
 
-    bvxi_ring_stretch(p, i, &first, &end);
+    bvxi_ring_stretch(p, bvxi_contour_of(p, p->cut[a->from].segment), &first, &end);
 
-    /* All between the two cuts, over the end of the loop where it is so. */
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -213,7 +196,7 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t first, end, count = 0;
-    bvxi_ring_stretch(p, p->ring[a->point], &first, &end);
+    bvxi_ring_stretch(p, bvxi_contour_of(p, a->point), &first, &end);
     /* From above the loop runs the other way round. */
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
@@ -228,7 +211,6 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
     const bvxi_stack *const s = t->s;
     t->choice = choice;
 
-    /* What is there before the filling, so that it can be taken back. */
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
@@ -275,7 +257,6 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
     bvxi_trace_made made;
     uint32_t choices = 1;
 
-    /* The usual filling first; nearly all cells are done with it. */
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     if (s->options.crossings != BVX_CROSSINGS_PAPER)

@@ -19,7 +19,6 @@ static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
     uint64_t steps = 0;
 
     if (count < 3) return 0;
-    /* From neighbour to neighbour until the first one comes again; then all must have been met. */
     at = pair[0][1];
     for (; at != pair[0][0]; steps++) {
         uint64_t found = count, i;

@@ -101,7 +101,6 @@ typedef struct bvxi_oblique {
     uint32_t point_count;   /* of all planes' contours */
     double longest;         /* side of the box */
     bvxi_plane all;         /* arrays that the planes have stretches of */
-    uint64_t group_room, box_room;
 
     bvxi_smooth smooth;
     double reach; /* cells: planes farther away have no say between planes */
@@ -187,7 +186,6 @@ static inline uint32_t bvxi_oblique_kind_bits(const bvxi_oblique *o)
 bvx_status bvxi_oblique_take_planes(bvxi_oblique *o);
 /* The first steps of that: the lattice, and the planes without their contours. */
 bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o);
-bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops);
 /* 1: a place on a plane, by its coordinates there, lies inside contours of it. */
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2]);
 /* Signed distance on a plane, exact in sign and value. */
@@ -214,8 +212,9 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o);
 /* The signed distance on a plane with contours to a curve through their points. hint: as of
  * bvxi_plane_distance. */
 double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint);
-/* The plane that has a row, counted over the rasters of all planes; *row becomes its own. */
-const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row);
+/* Each row of the rasters of all planes. */
+typedef void bvxi_row_fn(const bvxi_oblique *o, const bvxi_oblique_plane *plane, int32_t row);
+bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row);
 /* What a raster of a plane has at a place's foot point. */
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
 /* The distance of a place's foot point on a plane. */
@@ -228,9 +227,9 @@ double bvxi_oblique_number(const bvxi_oblique *o, const double at[3]);
 /* The same, when all planes that have a say there are among these; NULL: all. */
 double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
                                  uint32_t count);
-/* Where the lattice's vertex is: on a plane that is very near, all of which are among these. */
-void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
-                              uint32_t count, double at[3]);
+/* Where the lattice's vertex is; 1: on a plane that is very near, all of which are among these. */
+int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                             uint32_t count, double at[3]);
 /* The sign of a point of a plane far from its contours; exact next to them. */
 int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 

@@ -117,8 +117,6 @@ static void judge_piece(void *user, int32_t index, int32_t worker)
         uint64_t mixed, wanted, touched = 0;
         uint32_t touches = 0;
 
-        /* Split where corners differ, a contour runs, or a plane says another thing, if a plane is there
-         * at all. */
         look_at_block(o, (uint32_t)i, b);
         mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
         wanted = mixed | o->contour_cells[o->known[i]];
@@ -160,7 +158,6 @@ static void list_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Counts become sums of those before. */
 static bvx_status number_cells(bvxi_oblique *o)
 {
     uint64_t cells = 0, touches = 0;
@@ -182,20 +179,6 @@ static bvx_status number_cells(bvxi_oblique *o)
     return BVX_OK;
 }
 
-static bvx_status find_cells(cells_job *job)
-{
-    bvxi_oblique *const o = job->o;
-    bvx_context *const ctx = o->ctx;
-
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.1, 0.4, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, judge_piece, job)));
-    BVXI_TRY(number_cells(o));
-    BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
-    BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
-    return BVXI_SHARE(ctx, 0.4, 0.5, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, list_piece, job));
-}
-
 /* ---- tetrahedra ---- */
 
 /* A vertex of the lattice among those of the tetrahedra; planes: those near its cell's block. */
@@ -210,7 +193,6 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     double at[3];
     float value;
 
-    /* Known blocks have a place for each vertex; the few beyond them are looked up by block and bit. */
     if (o->block_at[block] >= 0) {
         slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
         found = &o->vertex_at[slot];
@@ -336,7 +318,6 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     return BVX_OK;
 }
 
-/* Cells in the order of the planes that touch them. */
 static bvx_status order_touches(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count + 1;
@@ -355,11 +336,12 @@ static bvx_status order_touches(bvxi_oblique *o)
     return BVX_OK;
 }
 
-static bvx_status open_cells(bvxi_oblique *o)
+bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 {
     static const char what[] = "the cells of the surface";
     uint64_t const n = o->known_count;
     bvx_context *const ctx = o->ctx;
+    cells_job job = {.o = o, .pieces = bvxi_piece_count(n, CELL_GRAIN)};
 
     BVXI_TRY(BVXI_ARRAY(ctx, bvxi_oblique_kind_bits(o) * n, what, o->inside));
     BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->split));
@@ -368,19 +350,14 @@ static bvx_status open_cells(bvxi_oblique *o)
     BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->touch_first));
     BVXI_TRY(BVXI_ARRAY(ctx, n * BVXI_BLOCK_SIZE, what, o->vertex_at));
     memset(o->vertex_at, 0xff, (size_t)(n * BVXI_BLOCK_SIZE * 4));
-    return BVX_OK;
-}
+    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_threads(ctx), "the planes of blocks", job.block));
 
-bvx_status bvxi_oblique_cells(bvxi_oblique *o)
-{
-    uint64_t const bytes = (uint64_t)bvxi_threads(o->ctx) * sizeof(oblique_block);
-    cells_job job;
-
-    BVXI_TRY(open_cells(o));
-    job.o = o;
-    job.pieces = bvxi_piece_count(o->known_count, CELL_GRAIN);
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the planes of blocks", &job.block));
-    BVXI_TRY(find_cells(&job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
+    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.1, 0.4, job.pieces, judge_piece, &job));
+    BVXI_TRY(number_cells(o));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
+    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.4, 0.5, job.pieces, list_piece, &job));
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);
 }
@@ -427,7 +404,6 @@ static bvx_status split_by_plane(bvxi_oblique *o, uint32_t t, uint32_t plane)
             if (side[k] > 0) a = k;
             if (side[k] < 0) b = k;
         }
-        /* No corner on one of the sides: the plane cuts it no more. */
         if (a < 0 || b < 0) return BVX_OK;
         share = height[a] - height[b] > 0.0 ? height[a] / (height[a] - height[b]) : 0.5;
         /* Rounding must not put the new vertex onto an old one. */

@@ -173,7 +173,7 @@ static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
             if (shared != 0 || o->vertex[x].sign * o->vertex[y].sign < 0 ||
                 bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
                 continue;
-            for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[x].at[k] + o->vertex[y].at[k]);
+            bvxi_oblique_middle(o, (uint32_t[]){x, y}, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
             o->vertex[m].sign = inside ? 1 : -1;
             o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
@@ -256,7 +256,6 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     return BVX_OK;
 }
 
-/* Stretches of a side in what was looked at. */
 static uint32_t count_handle_stretches(handle_work *w, int inside)
 {
     const bvxi_oblique *const o = w->o;
@@ -398,7 +397,6 @@ static bvx_status thicken_side(handle_work *w)
     return BVX_OK;
 }
 
-/* Whether contours hold round a vertex that was cut and those that did not come back. */
 static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
 {
     *hold = 1;
@@ -443,7 +441,6 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
     return BVX_OK;
 }
 
-/* Small numbers first: as little as possible changes. */
 static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
@@ -475,36 +472,27 @@ static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
     }
 }
 
-static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *found)
-{
-    BVXI_TRY(find_surface_patches(w));
-    for (uint32_t t = 0; t < w->triangles; t++) {
-        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
-         * each handle. */
-        int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
-        uint64_t const vertices = w->o->vertex_count;
-
-        /* Without a border it is a body that no contour touches, which goes. */
-        if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
-        *found += (uint64_t)handles;
-        BVXI_TRY(look_around_patch(w, owner, t));
-        w->done = 0.6 + 0.4 * t / (double)w->triangles;
-        BVXI_TRY(settle_surface_patch(w, handles));
-        give_middle_numbers(w->o, vertices);
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
-    handle_work w;
+    handle_work w = {.o = o, .triangles = o->triangle_count};
     uint64_t found = 0;
 
-    memset(&w, 0, sizeof w);
-    w.o = o;
-    w.triangles = o->triangle_count;
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
-    BVXI_TRY(settle_handles(&w, owner, &found));
+    BVXI_TRY(find_surface_patches(&w));
+    for (uint32_t t = 0; t < w.triangles; t++) {
+        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
+         * each handle. */
+        int32_t const handles = (2 - w.euler[t] - w.loops[t]) / 2;
+        uint64_t const vertices = o->vertex_count;
+
+        /* Without a border it is a body that no contour touches, which goes. */
+        if (w.patch[t] != t || handles <= 0 || w.loops[t] == 0) continue;
+        found += (uint64_t)handles;
+        BVXI_TRY(look_around_patch(&w, owner, t));
+        w.done = 0.6 + 0.4 * t / (double)w.triangles;
+        BVXI_TRY(settle_surface_patch(&w, handles));
+        give_middle_numbers(o, vertices);
+    }
     *settled = w.settled;
     o->handles_left = found > *settled ? found - *settled : 0;
     return BVX_OK;

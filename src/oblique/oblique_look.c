@@ -38,7 +38,6 @@ static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return 1;
 }
 
-/* The number of a vertex among those of the star. */
 static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
 {
     return l->place[look_slot(l, l->key, vertex)];
@@ -65,7 +64,6 @@ int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return 1;
 }
 
-/* Stretches of one sign in the link, of inside and of outside: more than one of either. */
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
 {
     uint32_t stretches[2] = {0, 0};
@@ -141,7 +139,6 @@ static uint32_t changes_round(const bvxi_oblique *o, uint32_t start, uint32_t a,
 {
     uint32_t changes = 0, at = start, stay = BVXI_NONE, left = BVXI_NONE;
 
-    /* The two corners off the edge: over the face without the first one the walk begins. */
     for (int k = 0; k < 4; k++) {
         uint32_t const v = o->tetra[start].v[k];
         if (v == a || v == b) continue;

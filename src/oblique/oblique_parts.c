@@ -11,7 +11,6 @@ enum { PARTS_IN_CELL = 64 };
 
 #define PARTS_ON_PLANE 1e-3 /* cells */
 
-/* A stretch of a contour in a cell. */
 typedef struct part_stretch {
     uint32_t root, plane;
     const double *at;
@@ -59,7 +58,6 @@ static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_
             uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
                                                                               : joined[o->output[v]];
             uint64_t const below = root == BVXI_NONE || !o->kept[root] ? 0 : cell_below(o, plane, at);
-            /* Holes are parts of their own. */
             if (below == 0 || below == before || p->contour[c].hole) continue;
             before = below;
             for (int side = 0; side < 2; side++) {

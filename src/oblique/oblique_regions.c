@@ -10,7 +10,6 @@
 
 enum { REGION_GRAIN = 4096 }; /* tetrahedra of a piece */
 
-/* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
 typedef struct oblique_region_work {
     uint32_t *joined; /* [vertex] */
     double *vote;     /* [vertex] area on the contours' left less that on their right; of several bodies what
@@ -77,7 +76,6 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
     }
 }
 
-/* Joins and votes first, then the votes to the roots, then signs. */
 static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
 {
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
@@ -142,7 +140,6 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
         plane_face_of(o, w->face[i], v);
         for (int k = 0; k < 3; k++) {
             bvxi_tetra_vertex *const x = &o->vertex[v[k]];
-            /* One that lies on several planes is of the first one's kind. */
             if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane)
                 x->value = w->kind[bvxi_root(w->joined, v[k])];
         }
@@ -204,28 +201,22 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
     return BVX_OK;
 }
 
-static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
-{
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
-                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
-    BVXI_TRY(list_plane_faces(o, w));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the regions of planes", w->joined));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the regions of planes", w->vote));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, o->body_count != 0 ? o->vertex_count : 1, "the regions of planes", w->kind));
-    /* A vertex on two planes belongs to a region of each, so planes go one after another. */
-    for (uint32_t p = 0; p < o->plane_count; p++) {
-        if (o->body_count != 0) settle_kinds(o, w, p);
-        else BVXI_TRY(settle_region(o, w, p));
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count)
 {
-    oblique_region_work w;
+    static const char what[] = "the regions of planes";
+    oblique_region_work w = {0};
 
-    memset(&w, 0, sizeof w);
-    BVXI_TRY(find_regions(o, &w));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
+                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
+    BVXI_TRY(list_plane_faces(o, &w));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.vote));
+    if (o->body_count != 0) BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.kind));
+    /* A vertex on two planes belongs to a region of each, so planes go one after another. */
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        if (o->body_count != 0) settle_kinds(o, &w, p);
+        else BVXI_TRY(settle_region(o, &w, p));
+    }
     *torn = w.torn;
     *torn_count = w.torn_count;
     return BVX_OK;

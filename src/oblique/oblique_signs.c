@@ -28,13 +28,11 @@ typedef struct signs_job {
 
 static void change_round(const signs_job *job, uint32_t v)
 {
-    /* Vertices that are added on the way lie on no contour, and are not gone through. */
     if (v < job->vertices) job->again[v] = 1;
 }
 
 static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
 {
-    /* On a plane its contours decide, off all planes the smooth number. */
     double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
                                             : bvxi_oblique_number(o, x->at);
 
@@ -113,7 +111,6 @@ static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look 
 {
     *look = &w->small;
     while (!bvxi_look_link(o, *look, v)) {
-        /* Doubled where the large one is too small as well. */
         if (w->large.most == 0 || *look == &w->large) {
             uint32_t const most = 2 * (*look)->most;
             uint32_t *block = NULL;
@@ -144,7 +141,6 @@ static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t 
     return euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, look, v);
 }
 
-/* Vertices around one that gets another sign are to be looked at again. */
 static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     bvxi_look *look;
@@ -193,18 +189,6 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
     for (uint32_t v = 0; v < job->vertices; v++)
         if (job->wrong[v] || (job->again[v] && is_loose_sign(o, v))) BVXI_TRY(settle_sign(o, &w, v, job));
     return BVX_OK;
-}
-
-/* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
- * it is told by the tetrahedra, from the direction in which the contours' edges run. */
-static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
-{
-    uint32_t *torn = NULL;
-    uint64_t count = 0;
-
-    /* Vertices that planes contradict each other of come first: others look at their signs. */
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
 }
 
 /* ---- contours' edges ---- */
@@ -456,27 +440,23 @@ static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
     return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 
-/* The ends of all are known now: later vertices lie on no contour. */
-static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
-{
-    uint64_t const most = job->vertices > o->contour_edge.room ? job->vertices : o->contour_edge.room;
-
-    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "the vertices to settle", job->wrong));
-    BVXI_TRY(BVXI_ARRAY(o->ctx, job->vertices, "the vertices to settle", job->again));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, settle_regions(o, job)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.7, settle_edges(o, job)));
-    return BVXI_SHARE(o->ctx, 0.7, 1.0, settle_vertices(o, job));
-}
-
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
-    signs_job job;
+    signs_job job = {.o = o};
+    uint32_t *torn = NULL;
+    uint64_t count = 0, most;
 
-    memset(&job, 0, sizeof job);
-    job.o = o;
     BVXI_TRY(
         BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
+
     job.vertices = o->vertex_count;
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
+    most = job.vertices > o->contour_edge.room ? job.vertices : o->contour_edge.room;
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "the vertices to settle", job.wrong));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.again));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_regions(o, &torn, &count)));
+    /* Vertices that planes contradict each other of come first: others look at their signs. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(o, &job, torn, count)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.64, 0.82, settle_edges(o, &job)));
+    return BVXI_SHARE(o->ctx, 0.82, 1.0, settle_vertices(o, &job));
 }

@@ -139,8 +139,6 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
         }
 }
 
-/* ---- the plate ---- */
-
 /* Rows of the transposed differences times the differences, along an axis with `size` nodes. */
 static void make_tables(smooth_work *w, int axis)
 {
@@ -186,7 +184,6 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
         add_row(out, x + d * w->step[2], plate_z[d + 2], n);
     }
 
-    /* The mixed differences of y and z act on whole rows too; those with x wait for the loop below. */
     for (int d = -1; d <= 1; d++) {
         add_row(across + 1, x + d * w->step[1], slope_y[d + 1], n);
         add_row(across + 1, x + d * w->step[2], slope_z[d + 1], n);
@@ -358,7 +355,6 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     BVXI_TRY(BVXI_ZEROS(ctx, w->nodes + 2 * w->padding, what, w->way));
     BVXI_TRY(BVXI_ZEROS(ctx, bands, what, w->band));
 
-    /* A coarse solution is near in all but the details, so that few rounds are enough. */
     if (coarser->node != NULL) begin_with(w, coarser);
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
@@ -380,7 +376,6 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
     memset(&w, 0, sizeof w);
     w.o = o;
 
-    /* The coarser nodes are needed until this level has begun with them. */
     lay_smooth_level(&w, spacing);
     BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;

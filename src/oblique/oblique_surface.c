@@ -28,13 +28,6 @@ static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *nu
     return BVX_OK;
 }
 
-static bvx_status contour_vertex(bvxi_oblique *o, uint32_t v, uint32_t *number)
-{
-    if (o->output[v] == BVXI_NONE) BVXI_TRY(add_position(o, o->vertex[v].at, &o->output[v]));
-    *number = o->output[v];
-    return BVX_OK;
-}
-
 /* The vertex that plain cells have on an edge of the lattice, or BVXI_NONE. */
 static uint32_t vertex_of_plain(const bvxi_oblique *o, uint32_t a, uint32_t b)
 {
@@ -68,9 +61,12 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
     const bvxi_tetra_vertex *const a = &o->vertex[in], *const b = &o->vertex[out];
     uint32_t *found;
 
-    if (b->sign == 0) return contour_vertex(o, out, number);
+    if (b->sign == 0) {
+        if (o->output[out] == BVXI_NONE) BVXI_TRY(add_position(o, b->at, &o->output[out]));
+        *number = o->output[out];
+        return BVX_OK;
+    }
 
-    /* Plain cells beside this one have made the vertex, and both must take the same. */
     *number = vertex_of_plain(o, in, out);
     if (*number != BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_edge_add(o, &o->crossing, in, out, &found));
@@ -91,7 +87,6 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 {
     uint32_t *t;
 
-    /* Corners on a contour may be one vertex: what is left of such a triangle is an edge. */
     if (a == b || b == c || c == a) return BVX_OK;
     BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
                           "the triangles of the surface"));
@@ -155,12 +150,9 @@ static void give_settled_signs(bvxi_oblique *o)
 
 static bvx_status march_all(bvxi_oblique *o)
 {
-    march_job job;
+    march_job job = {.o = o, .pieces = bvxi_piece_count(o->tetra_count, 4096)};
     uint64_t more = 0;
 
-    job.o = o;
-
-    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
     give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
                         bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
@@ -234,7 +226,6 @@ static bvx_status close_handles(bvxi_oblique *o)
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
                             bvxi_oblique_handles(o, o->owner, &settled)));
         if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
-        /* Vertices may have been added, which change nothing but must be marched over. */
         BVXI_TRY(
             BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
     }
@@ -250,7 +241,6 @@ static void give_contour_points(bvxi_oblique *o)
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
-            /* A contour point that the surface does not reach is counted later. */
             if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
             o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
             memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
@@ -414,8 +404,7 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
 
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
-    uint32_t *joined = NULL;
-    uint64_t bytes;
+    uint32_t *joined;
 
     o->output_room = o->vertex_count;
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->output_room, "the vertices on contours", o->output));
@@ -423,7 +412,6 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
-    bytes = o->position_count * 4;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
     return write_surface(o, joined, mesh);
 }

@@ -48,8 +48,6 @@ bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n
     return BVX_OK;
 }
 
-/* ---- looking round ---- */
-
 static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
 {
     BVXI_TRY(BVXI_GROW(o, o->ring, o->ring_count, o->ring_room, "the tetrahedra round an edge"));
@@ -64,7 +62,6 @@ static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t 
     uint32_t at = start;
 
     for (;;) {
-        /* On over the face opposite the corner that is left; the one that stayed is left next. */
         uint32_t const next = o->tetra[at].n[leave];
         uint32_t stay = BVXI_NONE;
         *closed = next == start;
@@ -139,8 +136,6 @@ bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_
     return BVX_OK;
 }
 
-/* ---- changing ---- */
-
 static void relink_neighbour(bvxi_oblique *o, uint32_t of, uint32_t from, uint32_t to)
 {
     if (of == BVXI_NONE) return;
@@ -209,7 +204,6 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
         half_a->v[corner_b] = half_b->v[corner_a] = *m;
         half_b->n[corner_b] = kept;
         half_a->n[corner_a] = twin;
-        /* Across the other faces the twin meets the neighbours' twins. */
         for (int k = 0; k < 4; k++)
             if (k != corner_a && k != corner_b && half_b->n[k] != BVXI_NONE)
                 half_b->n[k] = o->twin[half_b->n[k]];
