@@ -216,7 +216,6 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
     }
-    BVXI_TRY(bvxi_planes_open_trees(s->ctx, &s->all, s->plane, sizeof *s->plane, s->plane_count));
     BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
     BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
