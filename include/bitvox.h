@@ -603,7 +603,8 @@ typedef struct bvx_lattice_options {
 
 /** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
  *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
- *  smallest count that covers them. Of a mesh without triangles, a cloud of points, all vertices count.
+ *  smallest count that covers them. Of a mesh without triangles all vertices count: of a cloud of
+ *  points, or of two opposite corners of a box.
  *  resolution  [Limit: 1..2^25] below it is BVX_ERR_ARGUMENT, above BVX_ERR_RANGE
  *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (a coordinate that is not
  *  finite, an index beyond the vertices, dims beyond 2^25).
@@ -615,15 +616,6 @@ BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *me
 /** The same with all options; exactly one of resolution, axis_resolution and spacing is set. */
 BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
                                         const bvx_lattice_options *options, bvx_lattice *lattice);
-
-/** The same around a box in place of a mesh's bounds. Sides of 0 are allowed; a resolution needs one that is
- *  not 0.
- *  Returns BVX_ERR_ARGUMENT (also low above high), BVX_ERR_EMPTY (a point and no spacing), BVX_ERR_RANGE (a
- *  coordinate that is not finite, dims beyond 2^25).
- *  [Memory: none]
- *  [Cost: O(1)] */
-BVX_API bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
-                                       const bvx_lattice_options *options, bvx_lattice *lattice);
 
 /** A lattice from its parts; fraction_bits follows from dims.
  *  Returns BVX_ERR_RANGE. */
@@ -1665,20 +1657,16 @@ BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_fie
 
 /* ---- Set algebra --------------------------------------------------------------------------------------- */
 
-/** Combine two grids of one lattice and window, 64 voxels at a time: a or b; a and b; a without b; one of
- *  both. In place: the result may be one of the operands (after BVX_CANCELLED its bits are then unspecified).
+/** Combine two grids of one lattice and window, 64 voxels at a time. In place: the result may be one of the
+ *  operands (after BVX_CANCELLED its bits are then unspecified).
+ *  operation  BVX_BOOLEAN_...
  *  Returns BVX_ERR_LATTICE (their lattices or windows differ, and in which field).
  *  [Memory: the result]
  *  [Cost: O(words)] */
-BVX_API bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                  bvx_grid *result);
-BVX_API bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                         bvx_grid *result);
-BVX_API bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                     bvx_grid *result);
-BVX_API bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+BVX_API bvx_status bvx_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
+                                    int32_t operation, bvx_grid *result);
 
-/** The voxels of the window that are not set. As bvx_grid_union, also in place. */
+/** The voxels of the window that are not set. As bvx_grid_combine, also in place. */
 BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result);
 
 /** The same set on another lattice: a voxel is set when its centre lies in a set voxel of grid (half-open

@@ -152,6 +152,17 @@ BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint
  * in 20 without its area or turned over. */
 enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
 
+/** What readers will get of a mesh: its certificate has the positions as the file rounds them. */
+typedef struct bvx_write_report {
+    bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
+    uint64_t merged;      /**< positions that differ in the mesh and equal another in the file */
+    uint64_t spoilt;      /**< triangles that lose their area by rounding, or are turned over */
+    double largest_move;  /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
+    double mean_edge;     /**< mean length of edges, where there is rounding [Units: world] */
+    int32_t fits;         /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
+    int32_t reserved;
+} bvx_write_report;
+
 /* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
 enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
 
@@ -166,10 +177,11 @@ typedef struct bvx_write_options {
     int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
                            side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
                            formats are refused [Limit: 0..1] [Default: 0] */
-    const bvx_mesh *source; /**< its materials, textures and images go into a GLB. Where it was read with
+    const bvx_mesh *source;    /**< its materials, textures and images go into a GLB. Where it was read with
                                  keep_file and a single mesh has its vertices, as read (BVX_VERTICES_KEPT),
                                  the file is written again, with other indices
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
+    bvx_write_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_write_options;
 
 /** Write a mesh, or levels of detail into one file; frames are added. PLY, OBJ (without alpha) and OFF keep
@@ -177,7 +189,7 @@ typedef struct bvx_write_options {
  *  docs/formats.md. Coordinates stay as they are, whichever axis is up. A mesh that rounding to 32-bit floats
  *  would spoil, like one in metres of a map projection as STL, is refused (BVX_ROUNDING_REFUSE says from where
  *  on; below that a few vertices may become one): take another format, or subtract from mesh.frame an origin
- *  that the file's user knows. bvx_check_written reports what a file would hold.
+ *  that the file's user knows.
  *
  *  Normals are those of the mesh, at length 1; without any they are smooth, as bvx_mesh_normals computes them
  *  at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after the coordinates; OBJ: vn, with
@@ -188,41 +200,19 @@ typedef struct bvx_write_options {
  *  level_count  [Limit: 1..65536] 1 but for GLB
  *  options      NULL: all defaults
  *  format       BVX_FORMAT_STL, _OBJ, _PLY, _OFF or _GLB
+ *  file         NULL: nothing is written, and options.reports alone are filled; what rounding would spoil is
+ *               BVX_OK with fits 0. Levels in other formats than GLB are files of their own then
  *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds, or spoilt by
  *  rounding), BVX_ERR_UNSUPPORTED (no mesh format; levels or quantize in another one than GLB; normals in STL,
  *  which has those of triangles, or OFF). Messages name the level.
- *  [Memory: the file (text: up to about 1.5 times); normals: 24 bytes a vertex more where the mesh has none;
+ *  [Memory: the file (text: up to about 1.5 times); reports: what bvx_mesh_check takes, 24 bytes a vertex where
+ *  positions are rounded or there is a frame, and 10 while equal ones are counted; normals: 24 bytes a vertex more where the mesh has none;
  *  GLB: 84 a triangle while texture coordinates are split, 4 a triangle where materials differ, about 700 a
  *  level; turn: positions and normals once more]
  *  [Cost: O(vertices + triangles)]
  *  Source: Khronos Group. KHR_mesh_quantization; Microsoft. MSFT_lod: extensions of glTF 2.0. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                   const bvx_write_options *options, int32_t format, bvx_buffer *file);
-
-typedef struct bvx_write_report {
-    bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
-    uint64_t merged;      /**< positions that differ in the mesh and equal another in the file */
-    uint64_t spoilt;      /**< triangles that lose their area by rounding, or are turned over */
-    double largest_move;  /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
-    double mean_edge;     /**< mean length of edges, where there is rounding [Units: world] */
-    int32_t fits;         /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
-    int32_t reserved;
-} bvx_write_report;
-
-/** What readers will get of meshes in a format, without writing them: certificates with the positions as the
- *  file rounds them.
- *  levels   [Size: level_count] what one file is to hold, as for bvx_write_mesh
- *  options  those of the writer, or NULL
- *  format   STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of others are files of their own
- *  reports  [Size: level_count] out; unspecified after a failure
- *  Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0
- *  then.
- *  [Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and
- *  10 a vertex while equal ones are counted; turn: positions and normals of all levels once more]
- *  [Cost: O(vertices + triangles)] */
-BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                     const bvx_write_options *options, int32_t format,
-                                     bvx_write_report *reports);
 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice

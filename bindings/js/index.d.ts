@@ -532,7 +532,7 @@ export interface Bitvox {
     /** Sixteen hexadecimal digits, the same on every machine. [bvx_mesh_hash], [bvx_grid_hash] */
     hash(meshOrGrid: AnyMesh | GridIn, options?: CallOptions): string;
 
-    /** Around a mesh or a box. [bvx_lattice_fit_with], [bvx_lattice_fit_box] */
+    /** Around a mesh or a box. [bvx_lattice_fit_with] */
     fitLattice(mesh: AnyMesh | { low: TripleIn; high: TripleIn }, options: CallOptions & FitOptions): Lattice;
     /** The voxels whose centres lie inside a mesh. [bvx_voxelize_solid] */
     voxelize(mesh: AnyMesh, options?: VoxelizeOptions): { grid: Grid; report: SolidReport };

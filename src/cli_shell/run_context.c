@@ -33,9 +33,7 @@ uint64_t cli_memory_there(void)
     uint64_t memory = UINT64_MAX;
 
 #if RUN_POSIX
-    /* a number, or "max" */
-    static const char *const container[2] = {"/sys/fs/cgroup/memory.max",
-                                             "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
+    FILE *const container = fopen("/sys/fs/cgroup/memory.max", "r"); /* a number, or "max" */
     struct rlimit space;
 #if defined(_SC_PHYS_PAGES)
     long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
@@ -44,12 +42,11 @@ uint64_t cli_memory_there(void)
     /* The least of what the machine, the shell and the container allow. */
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
         memory = (uint64_t)space.rlim_cur;
-    for (int i = 0; i < 2; i++) {
+    if (container != NULL) {
         uint64_t most;
-        FILE *const file = fopen(container[i], "r");
-        if (file == NULL) continue;
-        if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
-        fclose(file);
+
+        if (fscanf(container, "%" SCNu64, &most) == 1 && most < memory) memory = most;
+        fclose(container);
     }
 #elif defined(_WIN32)
     MEMORYSTATUSEX now;

@@ -4,12 +4,12 @@
  * Rasterization. 1988.
  *
  * Triangles go in batches that stay in the nearest cache, through steps without unpredictable branches: keep
- * those whose box holds a centre; part boxes of one centre from boxes of several; judge all (triangle,
- * centre) pairs at once; divide for those inside. Boxes of more than a few centres are left to
+ * those whose box holds a centre; cut boxes into blocks of two by two centres; judge all (triangle, block)
+ * pairs at once; divide for the centres inside. Boxes of more than a few centres are left to
  * triangle_rows.c.
  *
- * Exactness: corners are taken relative to the centre. With |y|, |z| < 2^23 edge functions are below 2^48,
- * their sum below 2^50: integers, exact in doubles. The crossing x_a + (dx_b E_ca + dx_c E_ab) / (E_bc + E_ca
+ * Exactness: corners are taken relative to the block's first centre. With |y|, |z| < 2^23 there and 2^16 from
+ * centre to centre edge functions are below 2^50, their sum below 2^52: integers, exact in doubles. The crossing x_a + (dx_b E_ca + dx_c E_ab) / (E_bc + E_ca
  * + E_ab) has weights of one sign, so its error stays below 4 * 2^-53 * 2^32 + 2^-22 < 2^-18 fixed-point
  * steps; nearer than that to a centre, and for larger triangles, 128-bit integers decide (covered_rows.h).
  * Guarantee: the exact crossings; the vector code is the same code, compiled for wider registers. */
@@ -89,11 +89,21 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     }
 }
 
-/* Edge functions at the centre, and the least and greatest of their signs. Edge (u, v) at 0 is u_y v_z - v_y
- * u_z; a zero has the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when
- * 2^32 dz - dy < 0. Inside is where the three signs agree; a projection without area has signs that differ,
- * or cells that agree. */
-BVXI_VECTOR_INLINE void judge_pairs(bvxi_cross_batch *b)
+/* One edge (u, v) at the four centres of a block: e is its function u_y v_z - v_y u_z at the first. A zero has
+ * the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when 2^32 dz - dy < 0.
+ * Half a unit stands for that: it decides where the function is 0, and cannot reach the next integer. */
+BVXI_VECTOR_INLINE void judge_edge(double e, double dy, double dz, double turn, double step, double least[4])
+{
+    double const first = turn * (e + (dz * 4294967296.0 - dy < 0 ? 0.5 : -0.5));
+    double const along_y = turn * step * dz, along_z = turn * step * dy;
+    double const at[4] = {first, first - along_y, first + along_z, first - along_y + along_z};
+
+    for (int c = 0; c < 4; c++) least[c] = at[c] < least[c] ? at[c] : least[c];
+}
+
+/* Which of each block's centres lie inside, where the three signs are that of the area; a projection without
+ * area has signs that differ, or cells that agree. All where doubles cannot decide. */
+BVXI_VECTOR_INLINE void judge_blocks(bvxi_cross_batch *b, double step)
 {
     uint32_t const n = (b->count + 7u) & ~7u;
 
@@ -104,18 +114,15 @@ BVXI_VECTOR_INLINE void judge_pairs(bvxi_cross_batch *b)
         /* Each edge function from both of its ends: triangles that share an edge compute it from the same
          * numbers, so they agree on its sign. */
         double const bc = by * cz - cy * bz, ca = cy * az - ay * cz, ab = ay * bz - by * az;
-        double const sbc = bc + ((cz - bz) * 4294967296.0 - (cy - by) < 0 ? 0.5 : -0.5);
-        double const sca = ca + ((az - cz) * 4294967296.0 - (ay - cy) < 0 ? 0.5 : -0.5);
-        double const sab = ab + ((bz - az) * 4294967296.0 - (by - ay) < 0 ? 0.5 : -0.5);
-        double const low = sbc < sca ? sbc : sca, high = sbc < sca ? sca : sbc;
+        double const area = bc + ca + ab, turn = area < 0 ? -1.0 : 1.0;
+        double least[4] = {1.0, 1.0, 1.0, 1.0};
 
-        /* Half a unit stands for the displacement: it decides where the function is 0, and cannot reach the
-         * next integer. */
-        b->e[0][i] = bc;
-        b->e[1][i] = ca;
-        b->e[2][i] = ab;
-        b->least[i] = low < sab ? low : sab;
-        b->most[i] = high > sab ? high : sab;
+        judge_edge(bc, cy - by, cz - bz, turn, step, least);
+        judge_edge(ca, ay - cy, az - cz, turn, step, least);
+        judge_edge(ab, by - ay, bz - az, turn, step, least);
+        b->area[i] = area;
+        b->inside[i] = (least[0] > 0 ? (int64_t)1 : 0) | (least[1] > 0 ? 2 : 0) | (least[2] > 0 ? 4 : 0) |
+                       (least[3] > 0 ? 8 : 0);
     }
     for (uint32_t i = 0; i < n; i++) {
         int32_t const ay = b->y[0][i];
@@ -155,47 +162,56 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
     return 1;
 }
 
-/* Judge the pairs and write the crossings of those inside; the buffer has room for all. */
-BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch *b)
+/* The centres of a block that are inside, by the bits that judge_blocks sets, and how many. */
+static const uint16_t inside_centres[16][4] = {{0},       {0},       {1},       {0, 1},    {2},    {0, 2},
+                                               {1, 2},    {0, 1, 2}, {3},       {0, 3},    {1, 3}, {0, 1, 3},
+                                               {2, 3},    {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+static const uint8_t inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
+/* Judge the blocks and write the crossings of centres inside; the buffer has room for all. */
+BVXI_VECTOR_INLINE void flush_blocks(const bvxi_solid_job *job, bvxi_cross_batch *b)
 {
     const int32_t *const xyz = job->snapped.xyz;
-    int32_t const f = job->fraction_bits, half = 1 << (f - 1);
-    double const scale = 1.0 / (double)(1 << f), near_centre = scale / 262144.0;
+    int32_t const f = job->fraction_bits, step = 1 << f, half = step >> 1;
+    double const scale = 1.0 / (double)step, near_centre = scale / 262144.0;
     bvxi_crossing *out = b->found + b->found_count;
     uint32_t hits = 0;
 
-    judge_pairs(b);
+    judge_blocks(b, (double)step);
 
     /* Again without a branch: the hits are listed first, so that only they pay for a division. */
     for (uint32_t i = 0; i < b->count; i++) {
-        b->hit[hits] = (uint16_t)i;
-        hits += (uint32_t)(b->least[i] > 0) | (uint32_t)(b->most[i] < 0) |
-                (uint32_t)(b->spread[i] >= CROSS_SMALL);
+        uint32_t const inside = (b->spread[i] < CROSS_SMALL ? (uint32_t)b->inside[i] : 15u) & b->centres[i];
+        for (uint32_t c = 0; c < 4; c++) b->hit[hits + c] = (uint16_t)(4 * i + inside_centres[inside][c]);
+        hits += inside_count[inside];
     }
     for (uint32_t n = 0; n < hits; n++) {
-        uint32_t const i = b->hit[n];
+        uint32_t const i = b->hit[n] >> 2, j = b->hit[n] & 1, k = b->hit[n] >> 1 & 1;
+        uint32_t const row = b->row[i] + (k << 16 | j);
         const uint32_t *const corner = b->corner + 3 * (size_t)b->triangle[i];
-        int32_t const ax = xyz[3 * (size_t)corner[0]];
+        int32_t const ax = xyz[3 * (size_t)corner[0]], y = j != 0 ? step : 0, z = k != 0 ? step : 0;
+        double const ay = (double)(b->y[0][i] - y), az = (double)(b->z[0][i] - z);
+        double const by = (double)(b->y[1][i] - y), bz = (double)(b->z[1][i] - z);
+        double const cy = (double)(b->y[2][i] - y), cz = (double)(b->z[2][i] - z);
         double const bx = (double)(xyz[3 * (size_t)corner[1]] - ax);
         double const cx = (double)(xyz[3 * (size_t)corner[2]] - ax);
-        double const area = b->e[0][i] + b->e[1][i] + b->e[2][i];
-        double const q = (bx * b->e[1][i] + cx * b->e[2][i]) / area;
+        double const q = (bx * (cy * az - ay * cz) + cx * (ay * bz - by * az)) / b->area[i];
         double const v = (q + (double)(ax - half)) * scale;
         int32_t down, code;
         double part;
-        out->row = b->row[i];
+        out->row = row;
         if (BVXI_LIKELY(b->spread[i] < CROSS_SMALL)) {
             /* Floor without a call. Only a fraction close to a centre could be rounded to its other side, and
              * those go the exact way. */
             down = (int32_t)v - (v < (double)(int32_t)v);
             part = v - (double)down;
             if (BVXI_LIKELY(part > near_centre) && BVXI_LIKELY(part < 1.0 - near_centre)) {
-                out->code = (int32_t)((uint32_t)(down + 1) << 1 | (uint32_t)(b->least[i] > 0));
+                out->code = (int32_t)((uint32_t)(down + 1) << 1 | (uint32_t)(b->area[i] > 0));
                 out++;
                 continue;
             }
         }
-        if (cross_exactly(job, corner, b->row[i], &code)) {
+        if (cross_exactly(job, corner, row, &code)) {
             out->code = code;
             out++;
         }
@@ -204,17 +220,18 @@ BVXI_VECTOR_INLINE void flush_pairs(const bvxi_solid_job *job, bvxi_cross_batch 
     b->count = 0;
 }
 
-/* One pair of the batch: triangle m at row (j, k). */
-BVXI_VECTOR_INLINE void push_pair(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t m, int32_t j,
-                                  int32_t k)
+/* Up to two by two centres of kept triangle m's box, from its row (j, k) on. */
+BVXI_VECTOR_INLINE void push_block(const bvxi_solid_job *job, bvxi_cross_batch *b, uint32_t m, int32_t j,
+                                   int32_t k)
 {
     const int32_t *const xyz = job->snapped.xyz;
-    const uint32_t *const c = b->corner + 3 * (size_t)m;
+    const uint32_t *const c = b->corner + 3 * (size_t)b->kept[m];
     const int32_t *const pa = xyz + 3 * (size_t)c[0];
     const int32_t *const pb = xyz + 3 * (size_t)c[1];
     const int32_t *const pc = xyz + 3 * (size_t)c[2];
-    int32_t const f = job->fraction_bits, half = 1 << (f - 1);
-    int32_t const y = (job->block.y0 + j) * (1 << f) + half, z = (job->block.z0 + k) * (1 << f) + half;
+    int32_t const f = job->fraction_bits, half = 1 << (f - 1), row_j = b->j0[m] + j, row_k = b->k0[m] + k;
+    int32_t const y = (job->block.y0 + row_j) * (1 << f) + half;
+    int32_t const z = (job->block.z0 + row_k) * (1 << f) + half;
     uint32_t const n = b->count++;
 
     /* Relative to the centre, so that products of a voxel-sized triangle stay small enough to be exact in
@@ -225,8 +242,9 @@ BVXI_VECTOR_INLINE void push_pair(const bvxi_solid_job *job, bvxi_cross_batch *b
     b->z[1][n] = pb[2] - z;
     b->y[2][n] = pc[1] - y;
     b->z[2][n] = pc[2] - z;
-    b->row[n] = (uint32_t)k << 16 | (uint32_t)j;
-    b->triangle[n] = (uint16_t)m;
+    b->row[n] = (uint32_t)row_k << 16 | (uint32_t)row_j;
+    b->centres[n] = (uint8_t)((b->tall[m] - j > 1 ? 3 : 1) * (b->deep[m] - k > 1 ? 5 : 1));
+    b->triangle[n] = b->kept[m];
 }
 
 static void take_found(void *sink, uint32_t row, int32_t code)
@@ -255,36 +273,20 @@ BVXI_VECTOR_INLINE void cross_triangles(const bvxi_solid_job *job, bvxi_chunk *c
                                         uint64_t first, uint32_t n)
 {
     uint32_t const kept = keep_covering(job->snapped.cell, b, n);
-    uint32_t singles = 0, severals = 0;
 
     measure_boxes(b, kept);
-    for (uint32_t i = 0; i < kept; i++) { /* part the boxes of one centre from the others */
-        int const single = (b->tall[i] | b->deep[i]) == 1;
-        b->single[singles] = (uint16_t)i;
-        b->several[severals] = (uint16_t)i;
-        singles += (uint32_t)single;
-        severals += (uint32_t)!single;
-    }
-
-    /* Most triangles of a scan have one centre in their box; by themselves they need no loop and no test for
-     * room. */
-    for (uint32_t i = 0; i < singles; i++) {
-        uint32_t const m = b->single[i];
-        push_pair(job, b, b->kept[m], b->j0[m], b->k0[m]);
-    }
-    for (uint32_t i = 0; i < severals; i++) {
-        uint32_t const m = b->several[i];
-        int64_t const pairs = (int64_t)b->tall[m] * b->deep[m];
-        if (pairs > BVXI_CROSS_FEW) {
-            cross_many(job, chunk, b, (uint32_t)(first + b->kept[m]), pairs);
+    for (uint32_t m = 0; m < kept; m++) {
+        int64_t const centres = (int64_t)b->tall[m] * b->deep[m];
+        if (BVXI_UNLIKELY(centres > BVXI_CROSS_FEW)) {
+            cross_many(job, chunk, b, (uint32_t)(first + b->kept[m]), centres);
             continue;
         }
-        if (b->count + (uint32_t)pairs > BVXI_CROSS_BATCH) flush_pairs(job, b);
-        for (int32_t k = 0; k < b->deep[m]; k++)
-            for (int32_t j = 0; j < b->tall[m]; j++)
-                push_pair(job, b, b->kept[m], b->j0[m] + j, b->k0[m] + k);
+        /* Most triangles of a scan have one block; a needle of few centres has at most one for each two. */
+        if (b->count + BVXI_CROSS_FEW / 2 > BVXI_CROSS_BATCH) flush_blocks(job, b);
+        for (int32_t k = 0; k < b->deep[m]; k += 2)
+            for (int32_t j = 0; j < b->tall[m]; j += 2) push_block(job, b, m, j, k);
     }
-    flush_pairs(job, b);
+    flush_blocks(job, b);
 }
 
 /* The tile of a row. */

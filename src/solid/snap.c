@@ -16,25 +16,28 @@ typedef struct snap_job {
     uint8_t bad[BVXI_MOST_PIECES]; /* by piece */
 } snap_job;
 
-/* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. Vertices
- * that do not fit come out with coordinates of 0 and make the result other than 1. */
-BVXI_VECTOR_INLINE int snap_run(const float *BVXI_RESTRICT p, const double *BVXI_RESTRICT origin,
+/* Packed floats, SNAP_RUN vertices at a time as one row of numbers: the same arithmetic, in vectors. 0 where
+ * one does not fit; nothing is written then. */
+BVXI_VECTOR_INLINE int snap_run(const unsigned char *BVXI_RESTRICT from, const double *BVXI_RESTRICT origin,
                                 const double *BVXI_RESTRICT scale, int32_t *BVXI_RESTRICT q)
 {
-    uint64_t outside[3 * SNAP_RUN], any = 0;
+    double v[3 * SNAP_RUN];
+    int64_t outside = 0;
 
+    /* No branch in these loops, and no choice beside a cast: compilers make vectors of them so only. */
     for (int32_t i = 0; i < 3 * SNAP_RUN; i++) {
-        /* No branch in this loop: numbers that do not fit become 0 and are counted. */
-        double const v = ((double)p[i] - origin[i]) * scale[i];
-        int const inside = v > 0.5 - BVXI_FIXED_LIMIT && v < BVXI_FIXED_LIMIT - 0.5;
-        double const u = (inside ? v : 0.0) + 0.5;
-        double const t = (double)(int32_t)u;
-        outside[i] = inside ? 0 : 1;
+        float p;
+        memcpy(&p, from + sizeof p * (size_t)i, sizeof p);
+        v[i] = ((double)p - origin[i]) * scale[i];
+        outside |= (v[i] < 0 ? -v[i] : v[i]) < BVXI_FIXED_LIMIT - 0.5 ? 0 : 1;
+    }
+    if (BVXI_UNLIKELY(outside != 0)) return 0;
+    for (int32_t i = 0; i < 3 * SNAP_RUN; i++) {
+        double const u = v[i] + 0.5, t = (double)(int32_t)u;
         /* The cast goes towards 0; below 0 that is one too high, but for whole numbers. */
         q[i] = (int32_t)(t - (u < t ? 1.0 : 0.0));
     }
-    for (int32_t i = 0; i < 3 * SNAP_RUN; i++) any |= outside[i];
-    return any == 0;
+    return 1;
 }
 
 BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t end)
@@ -45,15 +48,14 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
 
     if (bvxi_view_packed_f32(view)) {
         double origin[3 * SNAP_RUN], scale[3 * SNAP_RUN];
-        float p[3 * SNAP_RUN];
         for (int32_t i = 0; i < 3 * SNAP_RUN; i++) {
             origin[i] = job->origin[i % 3];
             scale[i] = job->scale[i % 3];
         }
         for (; end - v >= SNAP_RUN; v += SNAP_RUN) {
-            memcpy(p, bvxi_view_position_at(view, v), sizeof p);
             /* the slow loop finds which */
-            if (BVXI_UNLIKELY(!snap_run(p, origin, scale, job->out->xyz + 3 * v))) break;
+            if (BVXI_UNLIKELY(!snap_run(bvxi_view_position_at(view, v), origin, scale, job->out->xyz + 3 * v)))
+                break;
         }
     }
     for (; v < end; v++) {

@@ -54,17 +54,15 @@ static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint6
     return (uint32_t)(carry & 1);
 }
 
-static void clear_tile(void *user, int32_t tile)
+void bvxi_clear_tile(const bvxi_solid_job *job, int32_t tile)
 {
-    bvxi_solid_job *const job = user;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     size_t const slice_bytes = (size_t)(r.j1 - r.j0) * (size_t)job->grid->words_per_row * 8;
     for (int32_t k = r.k0; k < r.k1; k++) memset(bvxi_block_words(job, r.j0, k), 0, slice_bytes);
 }
 
-static void close_tile(void *user, int32_t tile)
+void bvxi_close_tile(bvxi_solid_job *job, int32_t tile)
 {
-    bvxi_solid_job *const job = user;
     const bvx_grid *const g = job->grid;
     bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
     uint64_t const tail = bvxi_tail_mask(g->size[0]);
@@ -93,11 +91,7 @@ static bvx_status fill_parity_rows(bvx_context *ctx, bvxi_solid_job *job)
 {
     uint64_t unbalanced = 0;
 
-    BVXI_TRY(bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.05), bvxi_solid_progress(job, 0.15),
-                       job->tiles.count, clear_tile, job));
-    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.15, 0.75));
-    BVXI_TRY(bvxi_each(ctx, "solid", bvxi_solid_progress(job, 0.75), bvxi_solid_progress(job, 0.85),
-                       job->tiles.count, close_tile, job));
+    BVXI_TRY(bvxi_solid_rounds(ctx, job, job->summed ? BVXI_TOGGLE_SUMMED : BVXI_TOGGLE, 0.05, 0.85));
 
     /* Lists of crossings are made for unbalanced rows only: sound meshes have none and never pay for
      * sorting. */

@@ -55,6 +55,7 @@ struct bvxi_solid_job {
     double progress_from, progress_share; /* of this block in the stage's progress */
     bvxi_chunk *chunk;
     int32_t chunks, rounds;         /* rounds: that the last pass took */
+    int32_t last_round;             /* 1: after this one no triangles are left */
     struct bvxi_cross_batch *batch; /* one a worker */
 
     bvxi_tiles tiles;
@@ -79,8 +80,8 @@ struct bvxi_solid_job {
 /* What the tiles do with a crossing: job->mode. */
 enum { BVXI_TOGGLE = 0, BVXI_COUNT_LIST = 1, BVXI_FILL_LIST = 2, BVXI_HIGHEST = 3, BVXI_TOGGLE_SUMMED = 4 };
 
-/* A worker's batch of pairs of a triangle and a centre in its box (crossings.c). */
-enum { BVXI_CROSS_BATCH = 512, BVXI_CROSS_FEW = 8, BVXI_CROSS_MANY = 2048 };
+/* A worker's batch of pairs of a triangle and two by two centres of its box (crossings.c). */
+enum { BVXI_CROSS_BATCH = 256, BVXI_CROSS_FEW = 16, BVXI_CROSS_MANY = 2048 };
 
 typedef struct bvxi_cross_batch {
     uint32_t corner[3 * BVXI_CROSS_BATCH]; /* of the batch's triangles */
@@ -88,17 +89,17 @@ typedef struct bvxi_cross_batch {
     int32_t cell[3][BVXI_CROSS_BATCH];
     /* their boxes */
     int32_t j0[BVXI_CROSS_BATCH], k0[BVXI_CROSS_BATCH], tall[BVXI_CROSS_BATCH], deep[BVXI_CROSS_BATCH];
-    uint16_t single[BVXI_CROSS_BATCH], several[BVXI_CROSS_BATCH];
 
-    /* pairs: triangle within corner, row, corners relative to the centre */
+    /* pairs: triangle within corner, row of the first centre, corners relative to it */
     uint16_t triangle[BVXI_CROSS_BATCH];
     uint32_t row[BVXI_CROSS_BATCH];
     int32_t y[3][BVXI_CROSS_BATCH], z[3][BVXI_CROSS_BATCH];
-    double e[3][BVXI_CROSS_BATCH]; /* edge functions bc, ca, ab at the centre */
-    /* of the edges' signs: inside when above 0, or below */
-    double least[BVXI_CROSS_BATCH], most[BVXI_CROSS_BATCH];
-    int32_t spread[BVXI_CROSS_BATCH]; /* bits of the corners' distances */
-    uint16_t hit[BVXI_CROSS_BATCH];
+    double area[BVXI_CROSS_BATCH]; /* twice, positive when counter-clockwise */
+    /* bit 0 the first centre, 1 the next along y, 2 along z, 3 along both: those in the box, those inside */
+    uint8_t centres[BVXI_CROSS_BATCH];
+    int64_t inside[BVXI_CROSS_BATCH];
+    int32_t spread[BVXI_CROSS_BATCH];       /* bits of the corners' distances */
+    uint16_t hit[4 * BVXI_CROSS_BATCH + 4]; /* pair << 2 | centre */
     uint32_t count, found_count;
     bvxi_crossing found[BVXI_SOLID_BUFFER]; /* of the chunk, in the order found */
 } bvxi_cross_batch;
@@ -161,7 +162,10 @@ void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);
 typedef void bvxi_crossing_fn(void *sink, uint32_t row, int32_t code);
 void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take,
                       void *sink);
-/* solid.c: run rounds until all triangles are done, the tiles doing what mode says. */
+/* solid.c: set a tile's words to 0 before its crossings; turn what they toggled into runs. */
+void bvxi_clear_tile(const bvxi_solid_job *job, int32_t tile);
+void bvxi_close_tile(bvxi_solid_job *job, int32_t tile);
+/* solid_rounds.c: run rounds until all triangles are done, the tiles doing what mode says. */
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
 /* The same triangles once more in another mode; where one round was enough
  * the chunks still hold all crossings. */

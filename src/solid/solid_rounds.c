@@ -5,32 +5,51 @@
  * depend on rounds or threads. */
 #include "solid/solid.h"
 
+/* Where the rows of a tile are, by themselves: stores of words cannot change them. */
+typedef struct row_places {
+    uint64_t *words; /* of the block's first row */
+    size_t row, slice;
+    int32_t low, size; /* of the window along a row */
+} row_places;
+
+static inline row_places places_of(const bvxi_solid_job *job)
+{
+    const bvx_grid *const g = job->grid;
+    size_t const row = (size_t)g->words_per_row;
+    row_places const p = {bvxi_block_words(job, 0, 0), row, row * (size_t)g->size[1], g->low[0], g->size[0]};
+
+    return p;
+}
+
 /* sum: of the steps of crossings (BVXI_TOGGLE_SUMMED), else it is left alone. */
-static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code, int mode, uint64_t *sum)
+static inline void take_crossing(bvxi_solid_job *job, const row_places *p, uint32_t at, int32_t code,
+                                 int mode, uint64_t *sum)
 {
     int32_t const j = (int32_t)(at & 0xffff), k = (int32_t)(at >> 16);
-    uint64_t const row = bvxi_block_row(job, j, k);
 
     if (mode == BVXI_TOGGLE || mode == BVXI_TOGGLE_SUMMED) {
-        int32_t const x = bvxi_floor_shift(code, 1) - job->grid->low[0];
+        int32_t const x = bvxi_floor_shift(code, 1) - p->low;
 
         /* A crossing before the window is taken as one at its first voxel: it turns all that follows. One
          * beyond it only counts for the row's balance. */
-        if (x < job->grid->size[0]) {
+        if (x < p->size) {
             int32_t const bit = x < 0 ? 0 : x;
-            bvxi_block_words(job, j, k)[bit >> 6] ^= UINT64_C(1) << (bit & 63);
+            p->words[(size_t)k * p->slice + (size_t)j * p->row + (size_t)(bit >> 6)] ^= UINT64_C(1)
+                                                                                        << (bit & 63);
             if (mode == BVXI_TOGGLE_SUMMED) {
                 uint64_t const step = bvxi_step_sum(bvxi_window_row(job, j, k), bit);
                 *sum += (code & 1) != 0 ? 0 - step : step;
             }
         } else {
-            job->beyond[row] ^= 1;
+            job->beyond[bvxi_block_row(job, j, k)] ^= 1;
         }
     } else if (mode == BVXI_HIGHEST) {
         int32_t *const highest = job->highest + bvxi_window_row(job, j, k);
         int32_t const x = bvxi_floor_shift(code, 1);
         if (x > *highest) *highest = x;
-    } else if (job->listed == NULL || job->listed[row]) {
+    } else {
+        uint64_t const row = bvxi_block_row(job, j, k);
+        if (job->listed != NULL && !job->listed[row]) return;
         if (mode == BVXI_FILL_LIST) job->lists.crossing[job->lists.row_end[row]] = code;
         job->lists.row_end[row]++;
     }
@@ -38,6 +57,7 @@ static inline void take_crossing(bvxi_solid_job *job, uint32_t at, int32_t code,
 
 typedef struct tile_sink {
     bvxi_solid_job *job;
+    row_places places;
     int32_t tile;
     uint64_t sum;
 } tile_sink;
@@ -47,14 +67,19 @@ static void take_large(void *user, uint32_t row, int32_t code)
     tile_sink *const sink = user;
     if (sink->job->mode != BVXI_COUNT_LIST && sink->job->mode != BVXI_FILL_LIST)
         sink->job->crossings[sink->tile]++;
-    take_crossing(sink->job, row, code, sink->job->mode, &sink->sum);
+    take_crossing(sink->job, &sink->places, row, code, sink->job->mode, &sink->sum);
 }
 
 static void take_tile(void *user, int32_t tile)
 {
     bvxi_solid_job *const job = user;
     bvxi_rows const rows = bvxi_tiles_rows(&job->tiles, tile);
-    tile_sink sink = {job, tile, 0};
+    row_places const places = places_of(job);
+    int const toggles = job->mode == BVXI_TOGGLE || job->mode == BVXI_TOGGLE_SUMMED;
+    tile_sink sink = {job, places, tile, 0};
+
+    /* A tile's words stay in the cache from the first crossing to the runs between them. */
+    if (toggles && job->rounds == 1) bvxi_clear_tile(job, tile);
 
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
@@ -64,15 +89,15 @@ static void take_tile(void *user, int32_t tile)
         /* The mode as a constant: the compiler makes one loop of each, without the questions in between. */
         if (job->mode == BVXI_TOGGLE) {
             for (uint32_t i = begin; i < end; i++)
-                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
+                take_crossing(job, &places, x[i].row, x[i].code, BVXI_TOGGLE, &sink.sum);
             job->crossings[tile] += end - begin;
         } else if (job->mode == BVXI_TOGGLE_SUMMED) {
             for (uint32_t i = begin; i < end; i++)
-                take_crossing(job, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
+                take_crossing(job, &places, x[i].row, x[i].code, BVXI_TOGGLE_SUMMED, &sink.sum);
             job->crossings[tile] += end - begin;
         } else {
             for (uint32_t i = begin; i < end; i++)
-                take_crossing(job, x[i].row, x[i].code, job->mode, &sink.sum);
+                take_crossing(job, &places, x[i].row, x[i].code, job->mode, &sink.sum);
             if (job->mode == BVXI_HIGHEST) job->crossings[tile] += end - begin;
         }
 
@@ -81,6 +106,7 @@ static void take_tile(void *user, int32_t tile)
             bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
     job->tile_sums[tile][0] += sink.sum;
+    if (toggles && job->last_round) bvxi_close_tile(job, tile);
 }
 
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
@@ -107,6 +133,7 @@ bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode
                 return bvxi_view_fail_index(ctx, job->function, job->view, job->chunk[c].bad);
             left += job->chunk[c].end - job->chunk[c].next;
         }
+        job->last_round = left == 0;
         BVXI_TRY(bvxi_each(ctx, "solid", at, at, job->tiles.count, take_tile, job));
     }
     return BVX_OK;

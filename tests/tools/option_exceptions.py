@@ -27,7 +27,7 @@ OWN = {
     ("sections", "--parts"): "of the result, a wish", ("sections", "--genus"): "of the result, a wish",
     ("sections", "--touching"): "a call of its own, bvx_build_bodies",
     ("info", "--crossings"): "another call", ("render", "--compare"): "another call", ("render", "--from"): "bvx_render_options.direction",
-    ("render", "--slices"): "another call", ("render", "--turntable"): "how many pictures", ("render", "--voxels"): "the resolution of a solid",
+    ("render", "--slices"): "another call", ("render", "--voxels"): "the resolution of a solid",
     ("lod", "--normals"): "bvx_write_options.normals", ("repair", "--normals"): "bvx_write_options.normals", ("simplify", "--normals"): "bvx_write_options.normals",
     ("*", "--quantize"): "bvx_write_options.quantize", ("*", "--input-up"): "bvx_write_options.turn",
     ("components", "--up"): "bvx_write_options.turn", ("convert", "--up"): "bvx_write_options.turn", ("lod", "--up"): "bvx_write_options.turn",

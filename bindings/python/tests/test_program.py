@@ -48,7 +48,7 @@ NAMES = {
     "info": ([bitvox.read, bitvox.read_volume], {"crossings": bitvox.Mesh.crossings, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
                                                "voxel-size": "spacing"}),
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
-                                 "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
+                                 "expand": bitvox.Octree.expand, **OF_VOLUMES}),
 }
 OF_THE_PROGRAM = {"format", "json", "quiet", "help", "help-all", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
 

@@ -563,7 +563,8 @@ class Mesh:
             subtract(mesh, origin)
             options = options_of("write_options")
             options.quantize = int(bool(quantize))
-            run.check(lib.bvx_check_written(run.context, mesh, 1, options, number_of(format.lower().lstrip(".")), out))
+            options.reports = out
+            run.check(lib.bvx_write_mesh(run.context, mesh, 1, options, number_of(format.lower().lstrip(".")), ffi.NULL))
         return record(out)
 
     def crossings(self, *, threads: int | None = None, memory_limit: int | None = None, progress: Progress = None) -> Array:
