@@ -57,9 +57,8 @@ static bvx_status give_normals(bvx_context *ctx, const bvx_sections *given, bvx_
 
 static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t count, bvx_mesh *meshes)
 {
-    bvxi_joint_cut cut;
+    bvxi_joint_cut cut = {0};
 
-    memset(&cut, 0, sizeof cut);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));

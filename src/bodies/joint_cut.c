@@ -15,30 +15,11 @@
 
 /* ---- vertices ---- */
 
-/* Some plane that all of them lie on. */
-static int are_on_a_plane(const bvxi_oblique *o, const uint32_t *v, int n)
-{
-    for (uint32_t w = 0; w < o->plane_words; w++) {
-        uint64_t on = UINT64_MAX;
-        for (int i = 0; i < n; i++) on &= bvxi_tetra_on(o, v[i])[w];
-        if (on != 0) return 1;
-    }
-    return 0;
-}
-
 /* An edge on a plane between two vertices of contours that is no contour's. */
 static int is_chord(const bvxi_oblique *o, const uint32_t v[2])
 {
-    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && are_on_a_plane(o, v, 2) &&
+    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && bvxi_share_plane(o, v, 2) &&
            bvxi_edge_find(&o->contour_edge, v[0], v[1]) == BVXI_NONE;
-}
-
-static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
-{
-    int n = 0;
-
-    for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
-    return n;
 }
 
 /* Edges and faces on planes between vertices of contours get a vertex, which has what the plane says there.
@@ -46,7 +27,7 @@ static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
 static bvx_status open_plane_faces(bvxi_oblique *o)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (corners_on_contours(o, &o->tetra[t]) < 2) continue;
+        if (bvxi_on_contours(o, &o->tetra[t]) < 2) continue;
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
                 /* Splitting an edge moves the new half behind the others, so that the loop comes to it
@@ -66,7 +47,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
             /* Three corners on contours of one plane: nothing of the face says on which side it is. */
             for (int j = 0; j < 4; j++)
                 if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
-            if (n < 3 || !are_on_a_plane(o, v, 3)) continue;
+            if (n < 3 || !bvxi_share_plane(o, v, 3)) continue;
             bvxi_oblique_middle(o, v, 3, at);
             BVXI_TRY(bvxi_tetra_split_face(o, (uint32_t)t, k, at, &m));
         }
@@ -116,11 +97,11 @@ static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 
     /* A contour's vertex lies between what the planes say around it. */
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (corners_on_contours(o, &o->tetra[t]) == 0) continue;
+        if (bvxi_on_contours(o, &o->tetra[t]) == 0) continue;
         for (int a = 0; a < 4; a++)
             for (int b = 0; b < 4; b++) {
                 uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
-                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && are_on_a_plane(o, v, 2))
+                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && bvxi_share_plane(o, v, 2))
                     cut->among[v[0]] |= cut->among[v[1]];
             }
     }
@@ -145,7 +126,7 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
     lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
 
-    if (!are_on_a_plane(o, v, 2))
+    if (!bvxi_share_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
 }
@@ -279,11 +260,6 @@ typedef struct surface_work {
     uint8_t *beside;  /* [vertex] at roots: which */
 } surface_work;
 
-static int is_on_surface(const bvxi_joint_cut *cut, uint32_t v)
-{
-    return (cut->among[v] & JOINT_OUTSIDE) != 0 && cut->among[v] != JOINT_OUTSIDE;
-}
-
 /* Both ends of an edge on the surface, from the crossing's side. */
 static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uint64_t first, uint32_t v,
                                  uint32_t other)
@@ -291,7 +267,7 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
     uint32_t root;
 
-    if (v < first || !is_on_surface(cut, other)) return;
+    if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
     root = bvxi_root(w->joined, v);
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;

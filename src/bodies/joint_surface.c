@@ -45,15 +45,6 @@ typedef struct joint_faces {
 
 /* ---- faces ---- */
 
-static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int against)
-{
-    const bvxi_tetra *const x = &f->o->tetra[t];
-
-    /* Seen from outside of the body, which lies beyond the face where it is against. */
-    for (int i = 0; i < 3; i++) f->corner[number][i] = x->v[tetra_face[k][against ? 2 - i : i]];
-    f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
-}
-
 /* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is
  * beyond it but cells of one kind, that kind. Every other face is seen from both sides. */
 static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
@@ -105,7 +96,7 @@ static bvx_status open_faces(joint_faces *f)
     return BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number);
 }
 
-/* Before the next body's: only one body's are needed at a time. */
+/* Only one body's are needed at a time. */
 static void close_faces(const joint_faces *f)
 {
     bvxi_drop(f->o->ctx, f->number);
@@ -182,8 +173,12 @@ static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
                              "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
     BVXI_TRY(open_faces(f));
     /* Where the tetrahedron is not the body's, the body lies beyond the face. */
-    for (uint64_t i = 0; i < f->count; i++)
-        fill_face(f, i, face[i] / 4, (int)(face[i] % 4), f->cut->kind[face[i] / 4] != kind);
+    for (uint64_t i = 0; i < f->count; i++) {
+        int const against = f->cut->kind[face[i] / 4] != kind;
+        for (int k = 0; k < 3; k++)
+            f->corner[i][k] = f->o->tetra[face[i] / 4].v[tetra_face[face[i] % 4][against ? 2 - k : k]];
+        f->from[i] = against ? BVXI_NONE : face[i];
+    }
     list_sides(f, list);
     return BVX_OK;
 }
@@ -217,24 +212,19 @@ static int is_pinched(const joint_faces *f, uint32_t first)
 static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint_list *list, int kind,
                                pinched_edges *pinched)
 {
-    joint_faces f;
-    bvx_status status;
+    joint_faces f = {.o = o, .cut = cut};
 
-    memset(&f, 0, sizeof f);
-    f.o = o;
-    f.cut = cut;
-    status = take_faces(&f, list, kind);
-    for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
+    BVXI_TRY(take_faces(&f, list, kind));
+    for (uint64_t i = 0; i < 3 * f.count; i++) {
         const uint32_t *const v = f.corner[i / 3];
 
         if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
-        status = BVXI_GROW(o, pinched->edge, pinched->count, pinched->room, "the edges of a body");
-        if (status != BVX_OK) break;
+        BVXI_TRY(BVXI_GROW(o, pinched->edge, pinched->count, pinched->room, "the edges of a body"));
         pinched->edge[pinched->count][0] = v[i % 3];
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
     close_faces(&f);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- vertices ---- */
@@ -401,26 +391,13 @@ static void count_unkept_points(const joint_faces *f)
             const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
             if (is_kept_point(f, o->point_vertex[first + n], given)) continue;
             o->report.unkept_points++;
-            if (o->report.located < BVX_SECTIONS_LOCATED)
-                memcpy(o->report.unkept[o->report.located++], given, 24);
+            bvxi_report_place(&o->report, given);
         }
         first += q->point_count;
     }
 }
 
 /* ---- meshes ---- */
-
-static void write_joint_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
-{
-    double at[3];
-
-    joint_place(f, v, at);
-    for (uint64_t k = 0; k < 3; k++) {
-        if (f->o->options.position_type == BVX_F64)
-            ((double *)mesh->positions)[3 * (uint64_t)number + k] = at[k];
-        else ((float *)mesh->positions)[3 * (uint64_t)number + k] = (float)at[k];
-    }
-}
 
 static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
 {
@@ -440,9 +417,12 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     for (uint64_t i = 0; i < corners; i++) {
         uint32_t const v = f->corner[i / 3][i % 3];
         uint32_t *const number = &f->number[bvxi_root(f->joined, (uint32_t)i)];
+        double at[3];
+
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
-            write_joint_position(f, mesh, *number, v);
+            joint_place(f, v, at);
+            bvxi_put_position(mesh, o->options.position_type, *number, at);
             f->used[v] = (uint8_t)f->kind;
         }
         mesh->triangles[i] = *number;
@@ -485,9 +465,8 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
 static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *list)
 {
     int const count = (int)o->body_count;
-    pinched_edges pinched;
+    pinched_edges pinched = {0};
 
-    memset(&pinched, 0, sizeof pinched);
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
                             find_pinched(o, cut, list, kind, &pinched)));

@@ -35,12 +35,8 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
         g->du[n] = b[0] - a[0];
         g->dv[n] = b[1] - a[1];
         g->square[n] = g->du[n] * g->du[n] + g->dv[n] * g->dv[n];
-        for (int k = 0; k < 2; k++) {
-            if (a[k] < box[k]) box[k] = a[k];
-            if (a[k] > box[k + 2]) box[k + 2] = a[k];
-            if (b[k] < box[k]) box[k] = b[k];
-            if (b[k] > box[k + 2]) box[k + 2] = b[k];
-        }
+        bvxi_widen(box, box + 2, a, 2);
+        bvxi_widen(box, box + 2, b, 2);
     }
 }
 

@@ -100,12 +100,6 @@ static void add_arc(arc_walk *w, uint32_t from, uint32_t to, uint32_t point, uin
     w->out->cell[n] = bvxi_cell_key(w->cell[0], w->cell[1]);
 }
 
-static void turn_beyond(arc_walk *w, int32_t row)
-{
-    int32_t const bit = w->cell[0] + 1;
-    w->p->inside[(size_t)row * (size_t)w->s->words + (size_t)(bit >> 6)] ^= UINT64_C(1) << (bit & 63);
-}
-
 /* Over one line; cell is still the one before it. */
 static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
 {
@@ -118,7 +112,10 @@ static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
     c->line = (int32_t)((uint32_t)index << w->s->fine);
     c->ring = BVXI_NONE;
     /* A crossing of a row's line turns all grid points beyond it in that row. */
-    if (axis == 1) turn_beyond(w, index);
+    if (axis == 1) {
+        int32_t const bit = w->cell[0] + 1;
+        w->p->inside[(size_t)index * (size_t)w->s->words + (size_t)(bit >> 6)] ^= UINT64_C(1) << (bit & 63);
+    }
     /* The first arc of a loop is closed at the end, when its beginning is known. */
     if (w->last == BVXI_NONE) {
         w->head.to = cut;
@@ -258,12 +255,8 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 
 void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratch)
 {
-    arc_walk w;
+    arc_walk w = {.s = s, .p = p, .out = scratch};
 
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.p = p;
-    w.out = scratch;
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
     sort_arcs(s, p, scratch);

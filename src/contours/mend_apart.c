@@ -170,15 +170,6 @@ static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t s
     for (int k = 0; k < 2; k++) nudge[k] = (int32_t)floor(steps * s->way[k] + 0.5);
 }
 
-static void put_stop(const apart_work *w, uint32_t stop, int32_t q[2])
-{
-    const int32_t *const at = w->paths->w->node[w->paths->stop[stop].node].q;
-    int32_t nudge[2];
-
-    stop_nudge(w->paths, w, stop, nudge);
-    for (int k = 0; k < 2; k++) q[k] = at[k] + 2 * nudge[k];
-}
-
 static void put_segments(apart_work *w)
 {
     const bvxi_mend_paths *const p = w->paths;
@@ -189,7 +180,13 @@ static void put_segments(apart_work *w)
         apart_segment *const s = &w->segment[w->segments++];
         s->stop[0] = i;
         s->stop[1] = w->stop[i].next;
-        for (int end = 0; end < 2; end++) put_stop(w, s->stop[end], s->q[end]);
+        for (int end = 0; end < 2; end++) {
+            const int32_t *const at = m->node[p->stop[s->stop[end]].node].q;
+            int32_t nudge[2];
+
+            stop_nudge(p, w, s->stop[end], nudge);
+            for (int k = 0; k < 2; k++) s->q[end][k] = at[k] + 2 * nudge[k];
+        }
     }
     for (uint32_t i = 0; i < m->edge_count; i++) {
         apart_segment *const s = &w->segment[w->segments];

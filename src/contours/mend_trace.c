@@ -114,12 +114,6 @@ static void mend_turn_ends(mend_trace *t)
     }
 }
 
-/* The end that is joined to this one: they lie beside each other. */
-static uint32_t mend_partner(const mend_trace *t, uint32_t end)
-{
-    return t->end[t->start[mend_end_node(t, end)] + (t->rank[end] ^ 1)];
-}
-
 /* Stops from one on are a loop that comes back to its node by an end. */
 static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_t back)
 {
@@ -153,7 +147,8 @@ static void mend_follow(mend_trace *t, uint32_t edge)
             t->path[count].in = in;
             count++;
         }
-        out = mend_partner(t, in);
+        /* The end that is joined to this one lies beside it. */
+        out = t->end[t->start[node] + (t->rank[in] ^ 1)];
     }
     for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
 }
@@ -187,16 +182,6 @@ static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, doub
     }
 }
 
-/* A node's place in steps of the fixed point, beside where its point will be snapped to. */
-static void mend_give_stop(const mend_trace *t, uint32_t node, const int16_t nudge[2], int32_t steps[2])
-{
-    const bvxi_mend_node *const n = &t->w->node[node];
-
-    for (int k = 0; k < 2; k++)
-        steps[k] = nudge[k] + (n->q[k] - 1) / 2 -
-                   bvxi_snap_steps(t->w->s, k, bvxi_along_axis(t->w->s->axis[k], n->at));
-}
-
 static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 {
     const bvxi_mend_work *const w = t->w;
@@ -205,11 +190,14 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
         uint32_t const end = l + 1 < t->loop_count ? t->loop[l + 1] : t->stop_count;
         BVXI_TRY(bvxi_mended_add_loop(t->mended, w->plane->section, w->s->options.label));
         for (uint32_t i = t->loop[l]; i < end; i++) {
-            uint32_t const node = t->stop[i].node;
+            const bvxi_mend_node *const n = &w->node[t->stop[i].node];
             int32_t steps[2];
 
-            mend_give_stop(t, node, nudge[i], steps);
-            BVXI_TRY(bvxi_mended_add_point(t->mended, w->node[node].at, steps[0], steps[1]));
+            /* The node's place in steps of the fixed point, beside where its point will be snapped to. */
+            for (int k = 0; k < 2; k++)
+                steps[k] = nudge[i][k] + (n->q[k] - 1) / 2 -
+                           bvxi_snap_steps(w->s, k, bvxi_along_axis(w->s->axis[k], n->at));
+            BVXI_TRY(bvxi_mended_add_point(t->mended, n->at, steps[0], steps[1]));
         }
     }
     return BVX_OK;

@@ -197,13 +197,6 @@ static bvx_status open_cut_scratch(planes_job *job)
     return BVX_OK;
 }
 
-static bvx_status snap_planes(planes_job *job)
-{
-    BVXI_TRY(open_snap_scratch(job));
-    BVXI_TRY(bvxi_parallel(job->s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job));
-    return settle_planes(job);
-}
-
 bvx_status bvxi_planes_ready(bvxi_stack *s)
 {
     uint64_t const n = s->plane_count;
@@ -219,7 +212,10 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
     BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
     BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
-    BVXI_TRY(BVXI_SCOPE(s->ctx, snap_planes(&job)));
+    BVXI_TRY(open_snap_scratch(&job));
+    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
+    BVXI_TRY(settle_planes(&job));
+    bvxi_drop(s->ctx, job.scratch[0].sorted); /* the block of all */
     BVXI_TRY(open_cuts(&job));
     BVXI_TRY(open_cut_scratch(&job));
     return bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job.pieces, plane_cut_piece, &job);

@@ -172,6 +172,15 @@ static inline double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
     return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
 }
 
+/* Bounds widened by a place of n coordinates. */
+static inline void bvxi_widen(double *low, double *high, const double *at, int n)
+{
+    for (int k = 0; k < n; k++) {
+        low[k] = at[k] < low[k] ? at[k] : low[k];
+        high[k] = at[k] > high[k] ? at[k] : high[k];
+    }
+}
+
 /* Words of a bit a grid point. */
 static inline uint64_t bvxi_grid_words(const bvxi_stack *s)
 {
@@ -379,26 +388,6 @@ void bvxi_plane_parts(const bvxi_plane *plane, uint32_t *part);
 /* Distance to the nearest contour, and its number: the least of those that lie so near. */
 double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
 
-/* ---- fill_loop.c ---- */
-
-typedef struct bvxi_loop_fill {
-    uint32_t count;
-    const uint32_t *vertex; /* of the mesh, in the direction of the triangles */
-    const uint8_t *faces;   /* cell faces that each lies on */
-    const int32_t *low;     /* of the cell, in fixed point */
-    int32_t size;
-    double low_w, high_w;
-    /* 1: around a vertex at the loop's middle in any case, 2: half way from there to the cell's */
-    int cone;
-    int strip;         /* out: it became a strip from below to above */
-    const double **at; /* scratch: count each */
-    uint32_t *next, *before;
-} bvxi_loop_fill;
-
-/* Triangles inside a loop whose inner edges lie on no cell face; where
- * there are none, around a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
-
 bvx_status bvxi_section_add_vertex(bvxi_stack *stack, const double position[3], uint32_t *number);
 bvx_status bvxi_section_more_triangles(bvxi_stack *stack);
 
@@ -448,6 +437,21 @@ uint32_t bvxi_map_find(const bvxi_map *map, uint64_t key);
 void bvxi_map_clear(bvxi_map *map);
 /* The same for maps that do not grow in views. */
 bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *map, uint64_t key, uint32_t **value);
+
+/* Keep a place in a report. */
+static inline void bvxi_report_place(bvx_sections_report *report, const double at[3])
+{
+    if (report->located < BVX_SECTIONS_LOCATED) memcpy(report->unkept[report->located++], at, 24);
+}
+
+/* A vertex of a mesh that is made. */
+static inline void bvxi_put_position(const bvx_mesh *mesh, int32_t type, uint64_t number, const double at[3])
+{
+    for (uint64_t k = 3 * number; k < 3 * number + 3; k++, at++) {
+        if (type == BVX_F64) ((double *)mesh->positions)[k] = *at;
+        else ((float *)mesh->positions)[k] = (float)*at;
+    }
+}
 
 /* ---- slab.c, caps.c ---- */
 

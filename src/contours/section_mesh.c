@@ -31,8 +31,10 @@ void bvxi_section_place(const bvxi_stack *s, double u, double v, double w, doubl
 
 void bvxi_section_locate(bvxi_stack *s, double u, double v, double w)
 {
-    if (s->report.located >= BVX_SECTIONS_LOCATED) return;
-    bvxi_section_place(s, u, v, w, s->report.unkept[s->report.located++]);
+    double at[3];
+
+    bvxi_section_place(s, u, v, w, at);
+    bvxi_report_place(&s->report, at);
 }
 
 /* ---- Numbers by a key ---- */

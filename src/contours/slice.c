@@ -126,8 +126,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
         w->height[i] = bvxi_along_axis(w->axis[2], p);
         for (int k = 0; k < 2; k++) {
             double const at = bvxi_along_axis(w->axis[k], p);
-            if (at < across[k][0]) across[k][0] = at;
-            if (at > across[k][1]) across[k][1] = at;
+            bvxi_widen(&across[k][0], &across[k][1], &at, 1);
         }
     }
     for (int k = 0; k < 2; k++)
@@ -137,11 +136,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint32_t c[3];
         bvxi_view_triangle(w->view, t, c);
-        for (int k = 0; k < 3; k++) {
-            double const h = w->height[w->weld[c[k]]];
-            if (h < *low) *low = h;
-            if (h > *high) *high = h;
-        }
+        for (int k = 0; k < 3; k++) { bvxi_widen(low, high, &w->height[w->weld[c[k]]], 1); }
     }
     return BVX_OK;
 }
@@ -161,11 +156,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 
     slice_corners(w, t, c);
     low = high = w->height[c[0]];
-    for (int k = 1; k < 3; k++) {
-        double const h = w->height[c[k]];
-        if (h < low) low = h;
-        if (h > high) high = h;
-    }
+    for (int k = 1; k < 3; k++) bvxi_widen(&low, &high, &w->height[c[k]], 1);
 
     /* Planes above its lowest corner and up to its highest; none where both counts are equal. */
     *begin = planes_up_to(w, low);
@@ -431,7 +422,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
                                  const bvx_slice_options *options, bvx_sections *sections)
 {
     bvx_slice_options o;
-    slice_work w;
+    slice_work w = {.ctx = context, .view = mesh};
     bvx_status status;
 
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
@@ -439,9 +430,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, slice_name, &o, BVXI_OPTIONS(slice_rows)));
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
-    memset(&w, 0, sizeof w);
-    w.ctx = context;
-    w.view = mesh;
     w.label = bvxi_label_taken(o.label, 1);
     if (bvxi_vec_is_zero(o.normal)) o.normal[2] = 1.0;
     status = slice_all(&w, &o, sections);

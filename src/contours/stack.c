@@ -74,16 +74,6 @@ static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *o
     return BVX_OK;
 }
 
-/* Half a spacing beyond the ends; of a plane alone, half the thickness. */
-static void find_reach(bvxi_stack *s)
-{
-    const bvxi_plane *const p = s->plane;
-    uint32_t const n = s->plane_count;
-
-    s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
-    s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);
-}
-
 static int same_place(const double *a, const double *b)
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
@@ -239,32 +229,31 @@ static bvx_status gather_planes(bvxi_stack *s)
     return check_flatness(s);
 }
 
-/* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
- * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
-static void choose_blend(bvxi_stack *s)
-{
-    bvx_sections_options *const o = &s->options;
-    int const many = s->plane_count >= LEAST_CUBIC;
-
-    if (o->blend != BVX_BLEND_AUTO) return;
-    o->blend = many && o->crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
-}
-
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *s)
 {
-    memset(s, 0, sizeof *s);
-    s->ctx = ctx;
-    s->function = function;
-    s->given = given;
-    s->options = *options;
-    s->low[0] = s->low[1] = 1e300;
-    s->high[0] = s->high[1] = -1e300;
+    const bvxi_plane *p;
+    uint32_t n;
+
+    *s = (bvxi_stack){.ctx = ctx,
+                      .function = function,
+                      .given = given,
+                      .options = *options,
+                      .low = {1e300, 1e300},
+                      .high = {-1e300, -1e300}};
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
     BVXI_TRY(bvxi_choose_label(ctx, function, given, &s->options.label));
     BVXI_TRY(gather_planes(s));
-    choose_blend(s);
-    find_reach(s);
+    p = s->plane;
+    n = s->plane_count;
+    /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
+     * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
+    if (s->options.blend == BVX_BLEND_AUTO)
+        s->options.blend = n >= LEAST_CUBIC && s->options.crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC
+                                                                                           : BVX_BLEND_LINEAR;
+    /* Half a spacing beyond the ends; of a plane alone, half the thickness. */
+    s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
+    s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);
     return bvxi_stack_grid(s);
 }
 

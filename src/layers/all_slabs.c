@@ -33,14 +33,6 @@ typedef struct slabs_job {
     uint64_t *vertex, *triangle; /* where each slab's begin */
 } slabs_job;
 
-/* Places of the ring and crossings; of a nesting level about those of its
- * own loops, of which each arc ends at one crossing. */
-static uint64_t count_ring(const bvxi_plane *p)
-{
-    return p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
-                            : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
-}
-
 /* Vertices that all loops of the slab's cells have together, about: a
  * ring's points once a cell, crossings twice, heights four times. */
 static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices, uint64_t *triangles)
@@ -52,7 +44,13 @@ static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices,
     slab->lines = 0;
     for (uint64_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
     heights = (uint64_t)slab->lines + slab->hanging_count;
-    for (int k = 0; k < 2; k++) rings += count_ring(slab->plane[k]);
+    /* Places of the ring and crossings; of a nesting level about those of its own loops, of which each arc ends at
+     * one crossing. */
+    for (int k = 0; k < 2; k++) {
+        const bvxi_plane *const p = slab->plane[k];
+        rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
+                                  : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
+    }
     *vertices = heights + rings / 16 + SLAB_SPARE;
     *triangles = rings + 4 * heights + SLAB_SPARE;
 }

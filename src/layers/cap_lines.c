@@ -40,9 +40,8 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
 {
     uint64_t const vertices = s->mesh.vertex_count;
     uint32_t *behind = NULL;
-    bvxi_plane p;
+    bvxi_plane p = {0};
 
-    memset(&p, 0, sizeof p);
     if (count == 0) return BVX_OK;
     p.lines = 1;
     BVXI_TRY(BVXI_ARRAY(s->ctx, vertices, "the lines of a cap", behind));

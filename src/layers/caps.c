@@ -53,13 +53,6 @@ static int is_free(const cap_work *w, uint32_t a, uint32_t b)
     return 1;
 }
 
-static uint64_t cap_square(const cap_work *w, uint32_t a, uint32_t b)
-{
-    int64_t const x = (int64_t)w->plane->q[a][0] - w->plane->q[b][0];
-    int64_t const y = (int64_t)w->plane->q[a][1] - w->plane->q[b][1];
-    return (uint64_t)(x * x) + (uint64_t)(y * y);
-}
-
 static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
 {
     const int32_t *const o = w->plane->q[w->corner[i]];
@@ -80,7 +73,9 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
         uint64_t best = UINT64_MAX;
         uint32_t at = BVXI_NONE;
         for (uint32_t i = 0; i < w->count; i++) {
-            uint64_t const d = cap_square(w, from, w->corner[i]);
+            const int32_t *const a = w->plane->q[from], *const b = w->plane->q[w->corner[i]];
+            int64_t const x = (int64_t)a[0] - b[0], y = (int64_t)a[1] - b[1];
+            uint64_t const d = (uint64_t)(x * x) + (uint64_t)(y * y);
             if (d < last || (d == last && last_at != BVXI_NONE && i <= last_at)) continue;
             if (d < best) {
                 best = d;
@@ -329,12 +324,8 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
 {
     uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
     uint32_t *owner = NULL;
-    cap_work w;
+    cap_work w = {.s = s, .plane = plane, .side = side};
 
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.plane = plane;
-    w.side = side;
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
     BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));

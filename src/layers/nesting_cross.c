@@ -39,8 +39,7 @@ static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, ui
             const double *const p = nest_slab_vertex(m, slab,
                                                      slab->mesh.triangle[3 * triangle + (uint64_t)c]);
             double const at = (bvxi_along_axis(s->axis[k], p) - s->origin[k]) / s->step[k];
-            if (at < low) low = at;
-            if (at > high) high = at;
+            bvxi_widen(&low, &high, &at, 1);
         }
         /* A little wider, as vertices on a border belong to both cells. */
         low = floor(low - NEST_SPARE);

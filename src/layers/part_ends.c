@@ -71,11 +71,7 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
 
-    for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
-        for (int k = 0; k < 2; k++) {
-            if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
-            if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
-        }
+    for (uint32_t i = outer->first; i < outer->first + outer->count; i++) bvxi_widen(low, high, p->uv[i], 2);
     for (uint32_t i = 0; i < other->point_count; i++) {
         const double *const at = other->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;

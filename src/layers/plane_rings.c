@@ -89,17 +89,6 @@ static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_
     for (int k = 0; k < 3; k++) at[k] = from[k] + t * (to[k] - from[k]);
 }
 
-static void place_ring(const bvxi_stack *s, const bvxi_plane *p)
-{
-    double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
-    for (uint32_t i = 0; i < p->point_count; i++)
-        memcpy(position + 3 * (uint64_t)p->ring[i], s->given->points + 3 * (uint64_t)p->given[i], 24);
-    for (uint32_t i = 0; i < p->cut_count; i++)
-        cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
-}
-
-/* ---- all planes ---- */
-
 typedef struct ring_job {
     bvxi_stack *s;
     uint32_t *start, *sorted; /* of each plane */
@@ -124,8 +113,15 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 
 static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
 {
-    const ring_job *const job = user;
-    for (uint64_t i = begin; i < end; i++) place_ring(job->s, &job->s->plane[i]);
+    const bvxi_stack *const s = ((const ring_job *)user)->s;
+
+    for (const bvxi_plane *p = s->plane + begin; p < s->plane + end; p++) {
+        double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
+        for (uint32_t i = 0; i < p->point_count; i++)
+            memcpy(position + 3 * (uint64_t)p->ring[i], s->given->points + 3 * (uint64_t)p->given[i], 24);
+        for (uint32_t i = 0; i < p->cut_count; i++)
+            cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
+    }
 }
 
 bvx_status bvxi_rings_make(bvxi_stack *s)

@@ -19,11 +19,7 @@ enum { SHIFT_MOST_STEPS = 64, SHIFT_STEPS_A_WIDTH = 8 };
 static void disc_box(const bvxi_plane *p, const bvxi_contour *c, double box[4])
 {
     for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->uv[c->first][k];
-    for (uint32_t i = c->first; i < c->first + c->count; i++)
-        for (int k = 0; k < 2; k++) {
-            if (p->uv[i][k] < box[k]) box[k] = p->uv[i][k];
-            if (p->uv[i][k] > box[k + 2]) box[k + 2] = p->uv[i][k];
-        }
+    for (uint32_t i = c->first; i < c->first + c->count; i++) bvxi_widen(box, box + 2, p->uv[i], 2);
 }
 
 /* Area, centre and width, from the loop's first point, so that far coordinates cost no digits. */

@@ -116,10 +116,8 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 
 static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
-    bvxi_split_work w;
+    bvxi_split_work w = {.s = s};
 
-    memset(&w, 0, sizeof w);
-    w.s = s;
     for (uint32_t i = 0; i < count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / count));
         w.is_last = slabs[i].below == slabs[count - 1].below;

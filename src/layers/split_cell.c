@@ -39,18 +39,13 @@ static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
 
 /* Counts are of planes, of which most have a slab on either side: the one
  * above counts, for the last plane the one below. */
-static int counts_here(const bvxi_split_work *w, int k)
-{
-    return k == 0 || w->is_last;
-}
-
 /* What is still crossed more than once is counted once an edge: at its cell with higher coordinates. */
 static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_stack *const s = w->s;
 
     for (int k = 0; k < 2; k++) {
-        if (!counts_here(w, k)) continue;
+        if (k != 0 && !w->is_last) continue;
         const bvxi_plane *const p = w->slab->plane[k];
         double const middle[2] = {bvxi_fixed_u(s, 0, c->low[0] + c->size / 2),
                                   bvxi_fixed_u(s, 1, c->low[1] + c->size / 2)};
@@ -147,11 +142,8 @@ static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, ui
 static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
 {
     uint32_t segment = p->cut[arc->from].segment, point = arc->point;
-    piece_walk a;
+    piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]), .last = arc->from};
 
-    memset(&a, 0, sizeof a);
-    a.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]);
-    a.last = arc->from;
     for (uint32_t i = 0; i < arc->count; i++) {
         BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
         if (a.count++ == 0) a.point = point;
@@ -165,11 +157,8 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
 static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
 {
     uint32_t point = arc->point;
-    piece_walk a;
+    piece_walk a = {.quadrant = quadrant_of_point(w, p->q[point]), .last = BVXI_NONE};
 
-    memset(&a, 0, sizeof a);
-    a.quadrant = quadrant_of_point(w, p->q[point]);
-    a.last = BVXI_NONE;
     for (uint32_t i = 0; i < arc->count; i++) {
         if (a.count++ == 0) a.point = point;
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
@@ -326,10 +315,9 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
 {
     bvxi_stack *const s = w->s;
     bvxi_slab *const slab = w->slab;
-    bvxi_split_cell c;
+    bvxi_split_cell c = {0};
     bvxi_split *split;
 
-    memset(&c, 0, sizeof c);
     w->pool_count = 0;
     c.low[0] = i << s->fine;
     c.low[1] = j << s->fine;

@@ -68,6 +68,10 @@ typedef struct bvxi_trace {
         uint32_t point;
     } * insert; /* contour points of one line */
     /* a loop */
+    uint32_t count; /* of the loop that is filled */
+    /* 1: around a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int cone;
+    int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
     uint32_t loop_room;
@@ -97,7 +101,10 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
 /* trace_loops.c: 1 when triangles from a number on cross. */
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
-/* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
+/* fill_loop.c: triangles inside the loop that vertex and faces hold, whose inner edges lie on no cell face; where there
+ * are none, around a vertex inside the cell. */
+bvx_status bvxi_fill_loop(bvxi_trace *t);
+/* Such a loop of count vertices is one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);

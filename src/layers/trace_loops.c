@@ -40,10 +40,8 @@ static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
 {
     for (int c = 0; c < 3; c++) {
         const double *const p = bvxi_section_vertex(s, t[c]);
-        for (int k = 0; k < 3; k++) {
-            if (c == 0 || p[k] < box[k]) box[k] = p[k];
-            if (c == 0 || p[k] > box[k + 3]) box[k + 3] = p[k];
-        }
+        for (int k = 0; k < 3 && c == 0; k++) box[k] = box[k + 3] = p[k];
+        bvxi_widen(box, box + 3, p, 3);
     }
 }
 
@@ -115,27 +113,14 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
-    bvxi_loop_fill l;
+    uint32_t digits = t->choice; /* to the base of three */
 
-    l.count = count;
-    l.vertex = t->vertex;
-    l.faces = t->faces;
-    l.at = t->at;
-    l.next = t->next;
-    l.before = t->before;
-    l.low = t->low;
-    l.size = t->size;
-    l.low_w = t->low_w;
-    l.high_w = t->high_w;
-    l.cone = 0;
-    if (t->loop_count < TRACE_CHOICES) { /* digits to the base of three */
-        uint32_t digits = t->choice;
-        for (uint32_t i = 0; i < t->loop_count; i++) digits /= 3;
-        l.cone = (int)(digits % 3);
-    }
+    for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) digits /= 3;
+    t->cone = t->loop_count < TRACE_CHOICES ? (int)(digits % 3) : 0;
+    t->count = count;
     t->loop_count++;
-    BVXI_TRY(bvxi_fill_loop(t->s, &l));
-    t->strips += (uint32_t)l.strip;
+    BVXI_TRY(bvxi_fill_loop(t));
+    t->strips += (uint32_t)t->strip;
     return BVX_OK;
 }
 

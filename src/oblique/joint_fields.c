@@ -140,10 +140,7 @@ static void bound_surroundings(bvxi_oblique *b)
         for (uint32_t n = 0; n < p->point_count; n++) {
             double at[3], way;
             bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
-            for (int k = 0; k < 3; k++) {
-                low[k] = at[k] < low[k] ? at[k] : low[k];
-                high[k] = at[k] > high[k] ? at[k] : high[k];
-            }
+            bvxi_widen(low, high, at, 3);
             way = n % stride == 0 ? way_to_next_planes(b, i, at) : 0.0;
             margin = way > margin ? way : margin;
         }

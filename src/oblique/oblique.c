@@ -45,14 +45,9 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
                              const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
-    bvxi_oblique o;
+    bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
     bvx_status status;
 
-    memset(&o, 0, sizeof o);
-    o.ctx = ctx;
-    o.function = function;
-    o.given = given;
-    o.options = *options;
     status = make_oblique(&o, mesh);
 
     /* A failure leaves the caller's report as it was. */

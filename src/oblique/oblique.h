@@ -257,6 +257,12 @@ static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c
            (uint64_t)(c[0] >> 2);
 }
 
+/* A vertex or cell by its number in a block that begins at first. */
+static inline void bvxi_oblique_in_block(const int32_t first[3], int bit, int32_t at[3])
+{
+    for (int k = 0; k < 3; k++) at[k] = first[k] + (bit >> 2 * k & 3);
+}
+
 /* The planes in a block or near its vertices and those behind it; plane: [BVXI_OBLIQUE_PLANES]. */
 uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane);
 
@@ -361,8 +367,9 @@ int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
 /* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is
  * inside, *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
-/* The stretches of outside, contours included, and of inside in the link that was looked at. */
-void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex, uint32_t stretches[2]);
+/* The stretches of outside, contours as part of it or of neither, and of inside in the link that was looked at. */
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex, int contours,
+                         uint32_t stretches[2]);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
 /* How often the sign changes round an edge; 0: there are too many tetrahedra. */
@@ -398,6 +405,33 @@ static inline int bvxi_is_on(const bvxi_oblique *o, uint32_t vertex, uint32_t pl
 static inline void bvxi_set_on(bvxi_oblique *o, uint32_t vertex, uint32_t plane)
 {
     bvxi_tetra_on(o, vertex)[plane / 64] |= UINT64_C(1) << plane % 64;
+}
+
+/* 1: n vertices lie on one plane. */
+static inline int bvxi_share_plane(const bvxi_oblique *o, const uint32_t *v, int n)
+{
+    for (uint32_t w = 0; w < o->plane_words; w++) {
+        uint64_t on = UINT64_MAX;
+        for (int i = 0; i < n; i++) on &= bvxi_tetra_on(o, v[i])[w];
+        if (on != 0) return 1;
+    }
+    return 0;
+}
+
+/* The corners of the face opposite one. */
+static inline void bvxi_tetra_face(const bvxi_tetra *t, int corner, uint32_t v[3])
+{
+    for (int k = 0, n = 0; k < 4; k++)
+        if (k != corner) v[n++] = t->v[k];
+}
+
+/* How many corners lie on contours. */
+static inline int bvxi_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
+{
+    int n = 0;
+
+    for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
+    return n;
 }
 
 /* The first plane that a vertex lies on, or BVXI_NONE. */

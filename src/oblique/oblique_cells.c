@@ -93,8 +93,9 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
     for (uint32_t i = 0; i < b->planes; i++)
         for (uint64_t left = b->touched[i] & cells & ~found; left != 0; left &= left - 1) {
             int const c = bvxi_lowest(left);
-            int32_t const at[3] = {b->first[0] + (c & 3), b->first[1] + (c >> 2 & 3), b->first[2] + (c >> 4)};
+            int32_t at[3];
             double place[3];
+            bvxi_oblique_in_block(b->first, c, at);
             /* Corners that agree may have a bit of the surface between them all the same, on the plane
              * alone. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
@@ -274,9 +275,7 @@ static bvx_status make_tetrahedra_of(bvxi_oblique *o, uint64_t cell, const uint3
     uint32_t corner[8];
 
     bvxi_oblique_block_place(o, o->cell[cell][0], at);
-    at[0] += c & 3;
-    at[1] += c >> 2 & 3;
-    at[2] += c >> 4;
+    bvxi_oblique_in_block(at, c, at);
     for (int k = 0; k < 8; k++) {
         int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
         BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));

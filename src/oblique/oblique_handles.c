@@ -65,22 +65,17 @@ static uint32_t handle_next_corner(uint32_t c)
 
 /* ---- patches ---- */
 
-static int is_contours_edge(const handle_work *w, uint32_t a, uint32_t b)
-{
-    uint32_t const x = w->vertex_of[a], y = w->vertex_of[b];
-
-    return x != BVXI_NONE && y != BVXI_NONE && bvxi_edge_find(&w->o->contour_edge, x, y) != BVXI_NONE;
-}
-
 static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
 {
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        uint32_t const a = corner[c], b = corner[handle_next_corner(c)];
+        uint32_t const a = corner[c], b = corner[handle_next_corner(c)], x = w->vertex_of[a],
+                       y = w->vertex_of[b];
         uint32_t *first;
 
         BVXI_TRY(report_patches(w, 0.0, c));
         /* Patches end at contours, whatever the surface does beyond them. */
-        if (is_contours_edge(w, a, b)) continue;
+        if (x != BVXI_NONE && y != BVXI_NONE && bvxi_edge_find(&w->o->contour_edge, x, y) != BVXI_NONE)
+            continue;
         BVXI_TRY(bvxi_edge_add(w->o, &w->pair, a, b, &first));
         if (*first == BVXI_NONE) {
             *first = c;
@@ -149,13 +144,6 @@ static bvx_status find_surface_patches(handle_work *w)
     return count_surface_patches(w);
 }
 
-/* ---- vertices that may be on either side ---- */
-
-static int is_either_side(const bvxi_oblique *o, uint32_t v)
-{
-    return o->vertex[v].sign != 0 && bvxi_first_plane(o, v) == BVXI_NONE;
-}
-
 /* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
 static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
@@ -163,17 +151,15 @@ static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
             int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
-            uint64_t shared = 0;
+            uint32_t const ends[2] = {x, y};
             double at[3];
             uint32_t m;
 
             /* An edge within a plane must not be cut: what is on the plane is fixed. */
-            for (uint32_t k = 0; k < o->plane_words; k++)
-                shared |= bvxi_tetra_on(o, x)[k] & bvxi_tetra_on(o, y)[k];
-            if (shared != 0 || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+            if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
                 bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
                 continue;
-            bvxi_oblique_middle(o, (uint32_t[]){x, y}, 2, at);
+            bvxi_oblique_middle(o, ends, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
             o->vertex[m].sign = inside ? 1 : -1;
             o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
@@ -194,20 +180,6 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
     return BVX_OK;
 }
 
-/* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
-static int is_face_on_plane(const bvxi_oblique *o, const bvxi_tetra *t, int corner)
-{
-    uint64_t on_plane = 0;
-
-    for (uint32_t word = 0; word < o->plane_words; word++) {
-        uint64_t on = UINT64_MAX;
-        for (int c = 0; c < 4; c++)
-            if (c != corner) on &= bvxi_tetra_on(o, t->v[c])[word];
-        on_plane |= on;
-    }
-    return on_plane != 0;
-}
-
 /* The tetrahedra that a patch runs through, and others between the same planes, the nearest first. */
 static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
 {
@@ -223,8 +195,11 @@ static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t p
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
-            if (next != BVXI_NONE && !is_face_on_plane(o, &o->tetra[t], k))
-                BVXI_TRY(add_handle_tetra(w, next));
+            uint32_t face[3];
+            if (next == BVXI_NONE) continue;
+            /* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
+            bvxi_tetra_face(&o->tetra[t], k, face);
+            if (!bvxi_share_plane(o, face, 3)) BVXI_TRY(add_handle_tetra(w, next));
         }
     return BVX_OK;
 }
@@ -315,7 +290,7 @@ static bvx_status change_side(handle_work *w, uint32_t v, uint32_t wanted, uint3
     *around = 0;
     BVXI_TRY(report_look(w));
     if (!bvxi_look_link(o, &w->look, v)) return BVX_OK;
-    bvxi_look_stretches(o, &w->look, v, stretches);
+    bvxi_look_stretches(o, &w->look, v, 1, stretches);
     if (stretches[!inside] != 1 || (wanted == 1 ? stretches[inside] != 1 : stretches[inside] < 2))
         return BVX_OK;
     bvxi_flip_sign(o, v);
@@ -336,7 +311,9 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         float const size = (float)bvxi_absolute(o->vertex[x].value);
         uint32_t bits;
 
-        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth) continue;
+        if (o->vertex[x].sign == 0 || (o->vertex[x].sign > 0) != inside || size > depth ||
+            bvxi_first_plane(o, x) != BVXI_NONE)
+            continue;
         BVXI_TRY(report_look(w));
         if (!bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x)) continue;
         BVXI_TRY(BVXI_GROW(o, w->loose, n, w->loose_room, "the vertices of a handle"));
@@ -397,15 +374,6 @@ static bvx_status thicken_side(handle_work *w)
     return BVX_OK;
 }
 
-static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
-{
-    *hold = 1;
-    BVXI_TRY(contours_hold(w, v, hold));
-    for (uint32_t i = 0; i < w->flips && *hold; i++)
-        if (!w->back[i]) BVXI_TRY(contours_hold(w, w->flip[i], hold));
-    return BVX_OK;
-}
-
 /* A thread whose cut leaves as many stretches as there were was a handle. It is cut where that moves the
  * surface least, and thickened again; one that the contours would not bear is left. */
 static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
@@ -426,7 +394,10 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
         BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
-            BVXI_TRY(cut_holds(w, v, &hold));
+            hold = 1;
+            BVXI_TRY(contours_hold(w, v, &hold));
+            for (uint32_t k = 0; k < w->flips && hold; k++)
+                if (!w->back[k]) BVXI_TRY(contours_hold(w, w->flip[k], &hold));
             if (hold) {
                 *gain = (int32_t)around - 1;
                 return BVX_OK;

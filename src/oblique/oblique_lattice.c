@@ -168,9 +168,7 @@ static void known_piece(void *user, uint64_t begin, uint64_t end)
         near_count = bvxi_oblique_near_planes(o, first, near);
         heard_count = bvxi_oblique_heard_planes(o, first, heard);
         for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
-            at[0] = first[0] + (n & 3);
-            at[1] = first[1] + (n >> 2 & 3);
-            at[2] = first[2] + (n >> 4);
+            bvxi_oblique_in_block(first, n, at);
             value[n] = value_among(o, at, near, near_count, heard, heard_count);
         }
     }

@@ -324,9 +324,8 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
-    oblique_line_work w;
+    oblique_line_work w = {0};
 
-    memset(&w, 0, sizeof w);
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
         for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));

@@ -314,6 +314,20 @@ static void blocks_beside(const bvxi_oblique *o, uint32_t known, uint32_t beside
     for (int c = 0; c < 8; c++) beside[c] = block_beside(o, known, c, 1, &block);
 }
 
+/* The vertex that is on from one by a way: its number in its block; *beyond: in which of those beside. */
+static int vertex_on(int bit, int way, int *beyond)
+{
+    int n = 0;
+
+    *beyond = 0;
+    for (int k = 0; k < 3; k++) {
+        int const place = (bit >> 2 * k & 3) + (way >> k & 1);
+        *beyond |= place >> 2 << k;
+        n |= (place & 3) << 2 * k;
+    }
+    return n;
+}
+
 static void plain_positions(const bvxi_oblique *o, uint32_t known)
 {
     uint32_t plane[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], planes, heard_count, beside[8];
@@ -331,14 +345,11 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
             int in;
 
             for (int e = 0; e < 2; e++) {
-                int32_t place[3], in_block[3];
-                int beyond = 0, n;
-                for (int k = 0; k < 3; k++) {
-                    in_block[k] = (bit >> 2 * k & 3) + (e == 1 ? way >> k & 1 : 0);
-                    place[k] = first[k] + in_block[k];
-                    beyond |= in_block[k] >> 2 << k;
-                }
-                n = (in_block[0] & 3) | (in_block[1] & 3) << 2 | (in_block[2] & 3) << 4;
+                int32_t place[3];
+                int beyond, n = vertex_on(bit, e == 1 ? way : 0, &beyond);
+
+                bvxi_oblique_in_block(first, n, place);
+                for (int k = 0; k < 3; k++) place[k] += BVXI_BLOCK_SIDE * (beyond >> k & 1);
                 bvxi_oblique_place_among(o, place, plane, planes, end[e]);
                 value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
             }
@@ -369,12 +380,7 @@ static void plain_triangles(const plain_job *job, uint32_t known)
         uint32_t number[PLAIN_EDGES];
 
         for (int e = 0; e < c->edges; e++) {
-            int beyond = 0, n = 0;
-            for (int k = 0; k < 3; k++) {
-                int const place = (cell >> 2 * k & 3) + (c->edge[e] >> k & 1);
-                beyond |= place >> 2 << k;
-                n |= (place & 3) << 2 * k;
-            }
+            int beyond, n = vertex_on(cell, c->edge[e] & 7, &beyond);
             number[e] = bvxi_oblique_plain_vertex(o, beside[beyond], n, c->edge[e] >> 3);
         }
         for (int i = 0; i < c->triangles; i++, t += 3)

@@ -77,11 +77,7 @@ static bvx_status bound_contours(bvxi_oblique *o)
         /* Other bodies neither widen the lattice nor make its cells coarser. */
         if (g->loops[i].label != o->options.label && !o->of_all) continue;
         for (uint64_t n = 0; n < g->loops[i].point_count; n++)
-            for (int k = 0; k < 3; k++) {
-                double const x = g->points[3 * (g->loops[i].first_point + n) + (uint64_t)k];
-                low[k] = x < low[k] ? x : low[k];
-                high[k] = x > high[k] ? x : high[k];
-            }
+            bvxi_widen(low, high, g->points + 3 * (g->loops[i].first_point + n), 3);
     }
     return lay_lattice(o, low, high);
 }
@@ -130,10 +126,7 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
                 "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed", o->function,
                 (uint64_t)p->given[i], (uint64_t)p->section, p->w, off * o->step,
                 OBLIQUE_OFF * o->longest * o->step);
-        for (int k = 0; k < 2; k++) {
-            f->low[k] = p->uv[i][k] < f->low[k] ? p->uv[i][k] : f->low[k];
-            f->high[k] = p->uv[i][k] > f->high[k] ? p->uv[i][k] : f->high[k];
-        }
+        bvxi_widen(f->low, f->high, p->uv[i], 2);
     }
 
     return BVX_OK;

@@ -150,10 +150,7 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
                                   (corner & 4 ? o->near_high : o->near_low)[2]};
             double uv[2];
             bvxi_oblique_uv(p, at, uv);
-            for (int k = 0; k < 2; k++) {
-                low[k] = uv[k] < low[k] ? uv[k] : low[k];
-                high[k] = uv[k] > high[k] ? uv[k] : high[k];
-            }
+            bvxi_widen(low, high, uv, 2);
         }
         for (int k = 0; k < 2; k++) {
             p->raster_low[k] = low[k];

@@ -47,14 +47,6 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
     }
 }
 
-static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
-{
-    int n = 0;
-
-    for (int k = 0; k < 4; k++)
-        if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
-}
-
 /* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
  * votes. */
 static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
@@ -63,7 +55,7 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
     uint32_t v[3];
 
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             w->joined[v[k]] = v[k];
             w->vote[v[k]] = 0.0;
@@ -71,7 +63,7 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
         }
     }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         look_at_plane_face(o, w, plane, v);
     }
 }
@@ -83,7 +75,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
 
     vote_on_plane(o, w, plane);
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
             if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || bvxi_root(w->joined, x) == x) continue;
@@ -92,7 +84,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         }
     }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
             double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[bvxi_root(w->joined, x)];
@@ -124,7 +116,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
         for (uint64_t i = begin; i < end; i++) {
             double at[3][2], area;
             uint32_t root;
-            plane_face_of(o, w->face[i], v);
+            bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
             if (o->vertex[v[v_at]].sign == 0) continue;
             for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
             area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
@@ -137,7 +129,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
             w->vote[root] = -w->vote[root];
         }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             bvxi_tetra_vertex *const x = &o->vertex[v[k]];
             if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane)
@@ -164,11 +156,11 @@ static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {
-            uint64_t on = 0;
+            uint32_t v[3];
             /* The border's BVXI_NONE is larger than all: such faces are marked at their only one. */
             if (o->tetra[t].n[k] < t) continue;
-            for (uint32_t w = 0; w < o->plane_words; w++) on |= planes_of_face(o, (uint32_t)t, k, w);
-            if (on != 0) o->mark[t] |= (uint8_t)(1 << k);
+            bvxi_tetra_face(&o->tetra[t], k, v);
+            if (bvxi_share_plane(o, v, 3)) o->mark[t] |= (uint8_t)(1 << k);
         }
     }
 }

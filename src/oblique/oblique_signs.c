@@ -66,10 +66,7 @@ void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double
 
 static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
-    int on_contours = 0;
-
-    for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
-    if (on_contours < 2) return BVX_OK;
+    if (bvxi_on_contours(o, &o->tetra[t]) < 2) return BVX_OK;
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
@@ -422,11 +419,7 @@ static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
 
-    for (uint64_t t = begin; t < end; t++) {
-        int on_contours = 0;
-        for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
-        o->mark[t] = on_contours >= 2;
-    }
+    for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
 }
 
 static bvx_status part_contours(bvxi_oblique *o, signs_job *job)

@@ -257,15 +257,6 @@ static void make_scale(const smooth_work *w)
             }
 }
 
-static double dot_way_image(const smooth_work *w)
-{
-    const double *const way = w->way + w->padding;
-    double sum = 0.0;
-
-    for (uint64_t i = 0; i < w->nodes; i++) sum += way[i] * w->image[i];
-    return sum;
-}
-
 /* residual -= share * image; what is left of it, squared by the scale */
 static double lessen_residual(const smooth_work *w, double share)
 {
@@ -293,10 +284,10 @@ static bvx_status solve_plate(smooth_work *w)
     for (uint64_t i = 0; i < w->nodes; i++) way[i] = w->residual[i] * w->scale[i];
     for (int round = 0; round < SMOOTH_ROUNDS && left > SMOOTH_ENOUGH * first; round++) {
         double const done = (double)round / SMOOTH_ROUNDS;
-        double curvature, share, turn, before = left;
+        double curvature = 0.0, share, turn, before = left;
 
         BVXI_TRY(BVXI_SHARE(w->o->ctx, done, done + 1.0 / SMOOTH_ROUNDS, make_image(w)));
-        curvature = dot_way_image(w);
+        for (uint64_t i = 0; i < w->nodes; i++) curvature += way[i] * w->image[i];
         /* Only where rounding is all that is left: the matrix is positive. */
         if (!(curvature > 0.0)) break;
         share = left / curvature;
@@ -371,10 +362,7 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
-    smooth_work w;
-
-    memset(&w, 0, sizeof w);
-    w.o = o;
+    smooth_work w = {.o = o};
 
     lay_smooth_level(&w, spacing);
     BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));

@@ -139,21 +139,16 @@ static void mark_inside_piece(void *user, int32_t index, uint64_t begin, uint64_
     job->triangles[index] = triangles;
 }
 
-/* Signs of lattice vertices that were settled are those of the lattice too. */
-static void give_settled_signs(bvxi_oblique *o)
-{
-    for (uint64_t i = 0; i < o->vertex_count; i++) {
-        const bvxi_tetra_vertex *const x = &o->vertex[i];
-        if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
-    }
-}
-
 static bvx_status march_all(bvxi_oblique *o)
 {
     march_job job = {.o = o, .pieces = bvxi_piece_count(o->tetra_count, 4096)};
     uint64_t more = 0;
 
-    give_settled_signs(o);
+    /* Signs of lattice vertices that were settled are those of the lattice too. */
+    for (uint64_t i = 0; i < o->vertex_count; i++) {
+        const bvxi_tetra_vertex *const x = &o->vertex[i];
+        if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
+    }
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
                         bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
                                         mark_inside_piece, &job)));
@@ -250,18 +245,9 @@ static void give_contour_points(bvxi_oblique *o)
     }
 }
 
-/* Points of two planes may be one place but for rounding: the first one's coordinates are those of both. */
-static int is_there(const bvxi_oblique *o, const double a[3], const double b[3])
-{
-    double const most = ONE_PLACE * o->longest * o->step;
-
-    for (int k = 0; k < 3; k++)
-        if (!(bvxi_absolute(a[k] - b[k]) <= most)) return 0;
-    return 1;
-}
-
 static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
 {
+    double const most = ONE_PLACE * o->longest * o->step;
     uint32_t first = 0;
 
     for (uint32_t i = 0; i < o->plane_count; i++) {
@@ -269,12 +255,13 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
         for (uint32_t n = 0; n < p->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
             const double *const given = o->given->points + 3 * (uint64_t)p->given[n];
-            if (v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE &&
-                is_there(o, o->position + 3 * (uint64_t)o->output[v], given))
-                continue;
+            int kept = v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE;
+            /* Points of two planes may be one place but for rounding: the first one's coordinates are both's. */
+            for (uint64_t k = 0; k < 3 && kept; k++)
+                kept = bvxi_absolute(o->position[3 * (uint64_t)o->output[v] + k] - given[k]) <= most;
+            if (kept) continue;
             o->report.unkept_points++;
-            if (o->report.located < BVX_SECTIONS_LOCATED)
-                memcpy(o->report.unkept[o->report.located++], given, 24);
+            bvxi_report_place(&o->report, given);
         }
         first += p->point_count;
     }
@@ -285,13 +272,11 @@ static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_
 {
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
 
-    for (uint32_t n = 0; n < loop->count; n++)
-        for (int k = 0; k < 3; k++) {
-            double const x = o->given->points[3 * (uint64_t)p->given[loop->first + n] + (uint64_t)k];
-            low[k] = x < low[k] ? x : low[k];
-            high[k] = x > high[k] ? x : high[k];
+    for (uint32_t n = 0; n < loop->count; n++) {
+        bvxi_widen(low, high, o->given->points + 3 * (uint64_t)p->given[loop->first + n], 3);
+        for (int k = 0; k < 3; k++)
             if (high[k] - low[k] > o->step) return 0;
-        }
+    }
     return 1;
 }
 
@@ -390,15 +375,9 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     BVXI_TRY(
         bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, o->triangle_count, mesh));
     memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
-    for (uint64_t i = 0; i < o->position_count; i++) {
-        if (joined[i] == BVXI_NONE) continue;
-        for (uint64_t k = 0; k < 3; k++) {
-            double const x = o->position[3 * i + k];
-            if (o->options.position_type == BVX_F64)
-                ((double *)mesh->positions)[3 * (uint64_t)joined[i] + k] = x;
-            else ((float *)mesh->positions)[3 * (uint64_t)joined[i] + k] = (float)x;
-        }
-    }
+    for (uint64_t i = 0; i < o->position_count; i++)
+        if (joined[i] != BVXI_NONE)
+            bvxi_put_position(mesh, o->options.position_type, joined[i], o->position + 3 * i);
     return BVX_OK;
 }
 

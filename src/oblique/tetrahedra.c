@@ -243,10 +243,9 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
     uint32_t const beside = o->tetra[tetra].n[corner];
     uint32_t face[3], part[2][3];
     uint64_t *on;
-    int n = 0, across[2];
+    int across[2];
 
-    for (int k = 0; k < 4; k++)
-        if (k != corner) face[n++] = o->tetra[tetra].v[k];
+    bvxi_tetra_face(&o->tetra[tetra], corner, face);
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
     on = bvxi_tetra_on(o, *m);
 
