@@ -376,16 +376,6 @@ typedef struct speck_work {
     uint32_t *lead;   /* [tetrahedra] by how many faces */
 } speck_work;
 
-static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
-{
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int k = 0; k < 4; k++) {
-            uint32_t const n = o->tetra[t].n[k];
-            if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
-            bvxi_join(w->joined, (uint32_t)t, n);
-        }
-}
-
 /* What no plane has anything of is of the kind that is around it. */
 static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
 {
@@ -414,7 +404,13 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
     for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
-    join_specks(o, cut, &w);
+    for (uint64_t t = 0; t < n; t++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const beside = o->tetra[t].n[k];
+            /* Each face once, from the tetrahedron with the higher number. */
+            if (beside != BVXI_NONE && beside <= t && cut->kind[beside] == cut->kind[t])
+                bvxi_join(w.joined, (uint32_t)t, beside);
+        }
     find_speck_kinds(o, cut, &w);
     /* A piece whose neighbours are of several kinds may get one without a majority: any of them is as
      * right. */

@@ -84,18 +84,6 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
     return BVX_OK;
 }
 
-static bvx_status open_faces(joint_faces *f)
-{
-    static const char what[] = "the faces of a body";
-    bvx_context *const ctx = f->o->ctx;
-
-    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->corner));
-    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->from));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->next));
-    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->joined));
-    return BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number);
-}
-
 /* Only one body's are needed at a time. */
 static void close_faces(const joint_faces *f)
 {
@@ -164,14 +152,20 @@ static int is_first_side(const joint_faces *f, uint64_t side)
 
 static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
 {
+    static const char what[] = "the faces of a body";
     const uint32_t *const face = list->face + list->first[kind - 1];
+    bvx_context *const ctx = f->o->ctx;
 
     f->kind = kind;
     f->count = list->first[kind] - list->first[kind - 1];
     if (f->count > UINT32_MAX / 3)
         return bvxi_fail_for(f->o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
-    BVXI_TRY(open_faces(f));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->corner));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->from));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->next));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->joined));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number));
     /* Where the tetrahedron is not the body's, the body lies beyond the face. */
     for (uint64_t i = 0; i < f->count; i++) {
         int const against = f->cut->kind[face[i] / 4] != kind;
@@ -430,25 +424,12 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-/* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
-static bvx_status check_joint_mesh(const bvxi_oblique *o, const bvx_mesh *mesh, int32_t label)
-{
-    bvx_certificate c;
-    bvx_mesh_view view;
-
-    bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
-    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
-    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
-                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
-                         o->function, (int64_t)label);
-}
-
 static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int kind, bvx_mesh *mesh)
 {
     bvxi_oblique *const o = f->o;
     int32_t const label = o->body[kind - 1].options.label;
+    bvx_certificate c;
+    bvx_mesh_view view;
 
     BVXI_TRY(take_faces(f, list, kind));
     if (f->count == 0)
@@ -458,7 +439,14 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
     find_fans(f);
     BVXI_TRY(write_joint_mesh(f, mesh));
     count_unkept_points(f);
-    return check_joint_mesh(o, mesh, label);
+    /* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
+    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
+                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
+                         o->function, (int64_t)label);
 }
 
 /* All cuts before all faces: a cut for one body changes faces that another shares. */

@@ -8,52 +8,31 @@
  * through in that order find theirs one after the other. */
 #include "contours/section.h"
 
-static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
-{
-    bvxi_line_cut *larger = NULL;
-
-    BVXI_TRY(BVXI_ARRAY(s->ctx, room, "the crossings of a section", larger));
-    if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
-    if (p->cut != p->shared_cut) bvxi_drop(s->ctx, p->cut);
-    p->cut = larger;
-    p->cut_room = room;
-    return BVX_OK;
-}
-
-static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
-                              uint32_t *number)
-{
-    bvxi_line_cut *c;
-
-    /* Half as much again, in an array of the plane's own: the shared one is cut to what was counted. */
-    if (p->cut_count == p->cut_room) {
-        uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
-        if (room > INT32_MAX)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
-                                 (uint64_t)p->section);
-        BVXI_TRY(own_cuts(s, p, (uint32_t)room));
-    }
-    *number = p->cut_count++;
-    c = &p->cut[*number];
-    c->segment = segment;
-    c->axis = axis;
-    c->line = line;
-    c->ring = BVXI_NONE;
-    return BVX_OK;
-}
-
 /* Crossings of a nesting level are its section's: one ring holds them all. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
                               uint32_t *number)
 {
-    bvxi_plane *const whole = p->whole;
+    bvxi_plane *const of = p->whole == NULL ? p : p->whole;
 
-    if (whole == NULL) return add_own_cut(s, p, segment, axis, line, number);
+    /* Half as much again, in an array of the plane's own: the shared one is cut to what was counted. */
+    if (of->cut_count == of->cut_room) {
+        uint64_t const room = of->cut_room < 256 ? 256 : (uint64_t)of->cut_room + of->cut_room / 2;
+        bvxi_line_cut *larger;
 
-    BVXI_TRY(add_own_cut(s, whole, segment, axis, line, number));
-    p->cut = whole->cut;
-    p->cut_count = whole->cut_count;
+        if (room > INT32_MAX)
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
+                                 (uint64_t)p->section);
+        BVXI_TRY(BVXI_ARRAY(s->ctx, room, "the crossings of a section", larger));
+        if (of->cut_count != 0) memcpy(larger, of->cut, of->cut_count * sizeof *larger);
+        if (of->cut != of->shared_cut) bvxi_drop(s->ctx, of->cut);
+        of->cut = larger;
+        of->cut_room = (uint32_t)room;
+    }
+    *number = of->cut_count++;
+    of->cut[*number] = (bvxi_line_cut){segment, line, axis, BVXI_NONE};
+    p->cut = of->cut;
+    p->cut_count = of->cut_count;
     return BVX_OK;
 }
 

@@ -270,37 +270,32 @@ static bvx_status choose_steps(apart_work *w)
     return BVX_OK;
 }
 
-static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
+static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
 {
-    bvx_context *const ctx = paths->w->s->ctx;
-    uint64_t const stops = paths->stop_count, nodes = paths->w->node_count;
+    const bvxi_mend_paths *const p = w->paths;
+    bvx_context *const ctx = p->w->s->ctx;
+    uint64_t const stops = p->stop_count, nodes = p->w->node_count;
 
-    *w = (apart_work){.paths = paths};
     BVXI_TRY(BVXI_ARRAY(ctx, stops, "stops at a node", w->stop));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes + 1, "the nodes' stops", w->first));
     BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the steps of nodes", w->steps));
     BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the marks of nodes", w->mark));
-    BVXI_TRY(BVXI_ARRAY(ctx, stops + paths->w->edge_count, "the segments apart", w->segment));
-    return BVXI_ARRAY(ctx, stops + paths->w->edge_count, "the segments apart", w->box);
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->segment));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->box));
+    aim_nodes(w, stays);
+    BVXI_TRY(choose_steps(w));
+    /* The farthest step still fits 16 bits. */
+    for (uint32_t i = 0; i < stops; i++) {
+        int32_t steps[2];
+        stop_nudge(p, w, i, steps);
+        for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])
 {
-    bvx_context *const ctx = paths->w->s->ctx;
-    uint64_t const mark = bvxi_scratch_begin(ctx);
-    apart_work w;
-    bvx_status status = open_apart(paths, &w);
-
-    if (status == BVX_OK) {
-        aim_nodes(&w, stays);
-        status = choose_steps(&w);
-    }
-    /* The farthest step still fits 16 bits. */
-    for (uint32_t i = 0; i < paths->stop_count && status == BVX_OK; i++) {
-        int32_t steps[2];
-        stop_nudge(paths, &w, i, steps);
-        for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
-    }
-    return bvxi_scratch_end(ctx, mark, status);
+    apart_work w = {.paths = paths};
+    return BVXI_SCOPE(paths->w->s->ctx, move_apart(&w, stays, nudge));
 }

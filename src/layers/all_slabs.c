@@ -35,31 +35,29 @@ typedef struct slabs_job {
 
 /* Vertices that all loops of the slab's cells have together, about: a
  * ring's points once a cell, crossings twice, heights four times. */
-static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices, uint64_t *triangles)
-{
-    uint64_t const words = bvxi_grid_words(s);
-    const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
-    uint64_t rings = 0, heights;
-
-    slab->lines = 0;
-    for (uint64_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
-    heights = (uint64_t)slab->lines + slab->hanging_count;
-    /* Places of the ring and crossings; of a nesting level about those of its own loops, of which each arc ends at
-     * one crossing. */
-    for (int k = 0; k < 2; k++) {
-        const bvxi_plane *const p = slab->plane[k];
-        rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
-                                  : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
-    }
-    *vertices = heights + rings / 16 + SLAB_SPARE;
-    *triangles = rings + 4 * heights + SLAB_SPARE;
-}
-
 static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
 {
     slabs_job *const job = user;
-    for (uint64_t i = begin; i < end; i++)
-        count_slab(job->s, &job->slab[i], &job->room[2 * i], &job->room[2 * i + 1]);
+    uint64_t const words = bvxi_grid_words(job->s);
+
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_slab *const slab = &job->slab[i];
+        const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
+        uint64_t rings = 0, heights;
+
+        slab->lines = 0;
+        for (uint64_t k = 0; k < words; k++) slab->lines += bvxi_popcount(below[k] ^ above[k]);
+        heights = (uint64_t)slab->lines + slab->hanging_count;
+        /* Places of the ring and crossings; of a nesting level about those of its own loops, of which each arc ends
+         * at one crossing. */
+        for (int k = 0; k < 2; k++) {
+            const bvxi_plane *const p = slab->plane[k];
+            rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
+                                      : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
+        }
+        job->room[2 * i] = heights + rings / 16 + SLAB_SPARE;
+        job->room[2 * i + 1] = rings + 4 * heights + SLAB_SPARE;
+    }
 }
 
 static bvx_status open_slab_meshes(slabs_job *job)

@@ -134,15 +134,6 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
     }
 }
 
-static uint32_t rightmost(const cap_work *w, const bvxi_contour *c)
-{
-    uint32_t best = BVXI_NONE;
-    for (uint32_t i = c->first; i < c->first + c->count; i++)
-        if (w->after[i] != BVXI_NONE && (best == BVXI_NONE || w->plane->q[i][0] > w->plane->q[best][0]))
-            best = i;
-    return best;
-}
-
 /* 1 when a point lies on the straight line from the one before it to the
  * next: no corner, but a vertex on a side as crossings are. */
 static int is_straight(const bvxi_plane *p, uint32_t before, uint32_t i)
@@ -200,10 +191,11 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
         for (uint32_t h = 0; h < p->contour_count; h++) {
             uint32_t r;
             if (owner[h] != outer) continue;
-            r = rightmost(w, &p->contour[h]);
-            if (next != BVXI_NONE && p->q[r][0] <= p->q[from][0]) continue;
-            next = h;
-            from = r;
+            for (r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
+                if (w->after[r] != BVXI_NONE && (next == BVXI_NONE || p->q[r][0] > p->q[from][0])) {
+                    next = h;
+                    from = r;
+                }
         }
         if (next == BVXI_NONE) return BVX_OK;
         owner[next] = BVXI_NONE;

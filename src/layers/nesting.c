@@ -127,22 +127,19 @@ static uint32_t nest_choose_candidates(nest_work *w, uint8_t *const level[2], ui
     return count[0] < count[1] ? count[0] : count[1];
 }
 
-static int nest_are_all_met(const nest_work *w)
-{
-    for (int k = 0; k < 2; k++)
-        for (uint32_t c = 0; c < w->plane[k]->contour_count; c++)
-            if (w->on[k][c].candidate && !w->on[k][c].met) return 0;
-    return 1;
-}
-
 /* Levels of the loops of this depth; *found when some are of a level of their own. */
 static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_t depth, int goes_on,
                                   int *found)
 {
+    int all_met = 1;
+
     *found = 0;
     if (goes_on && depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
         nest_meet_by_points(w);
-        if (!nest_are_all_met(w)) BVXI_TRY(nest_meet_by_segments(w));
+        for (int k = 0; k < 2; k++)
+            for (uint32_t c = 0; c < w->plane[k]->contour_count; c++)
+                all_met &= !w->on[k][c].candidate || w->on[k][c].met;
+        if (!all_met) BVXI_TRY(nest_meet_by_segments(w));
     }
 
     for (int k = 0; k < 2; k++)

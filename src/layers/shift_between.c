@@ -153,22 +153,14 @@ static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
 
 /* Sides of a cell are 0 low v, 1 high u, 2 high v, 3 low u, its corners 0 to 3 counter-clockwise from the
  * low one; side n runs from corner n to the next one. */
-static void cell_corners(shift_lattice *l, int32_t i, int32_t j, int inside[4])
-{
-    inside[0] = value_inside(l, i, j);
-    inside[1] = value_inside(l, i + 1, j);
-    inside[2] = value_inside(l, i + 1, j + 1);
-    inside[3] = value_inside(l, i, j + 1);
-}
-
 /* The side by which a border leaves that came in by one, inside on its left. Where all four sides are
  * crossed it turns right around the corner outside when the middle is inside, else left. */
 static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
 {
-    int inside[4];
+    int const inside[4] = {value_inside(l, i, j), value_inside(l, i + 1, j), value_inside(l, i + 1, j + 1),
+                           value_inside(l, i, j + 1)};
     double middle;
 
-    cell_corners(l, i, j, inside);
     if (inside[0] != inside[1] && inside[1] != inside[2] && inside[2] != inside[3]) {
         middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
                  (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));

@@ -12,10 +12,16 @@ static uint64_t hanging_key(const bvxi_hanging *h, int first)
     return (uint64_t)(uint32_t)h->at[first] << 32 | (uint32_t)h->at[1 - first];
 }
 
-static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
+static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
 {
+    static const char what[] = "the order of corners";
     uint32_t const n = slab->hanging_count;
     uint32_t kept = 0;
+
+    if (n == 0) return BVX_OK;
+    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, what));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, what));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->sorted, n, w->sorted_room, what));
 
     /* By the second coordinate and then the first, which also brings equal points together: two cells of one
      * side report the same corner. */
@@ -33,17 +39,6 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
         w->order[i] = i;
     }
     return bvxi_radix_sort(w->s->ctx, w->key, w->order, kept);
-}
-
-static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
-{
-    bvxi_stack *const s = w->s;
-    uint32_t const n = slab->hanging_count;
-    if (n == 0) return BVX_OK;
-    BVXI_TRY(BVXI_RESERVE(s, w->key, n, w->key_room, "the order of corners"));
-    BVXI_TRY(BVXI_RESERVE(s, w->order, n, w->order_room, "the order of corners"));
-    BVXI_TRY(BVXI_RESERVE(s, w->sorted, n, w->sorted_room, "the order of corners"));
-    return sort_hanging(w, slab);
 }
 
 /* Copy a part of the slab's block; all of them are of four byte numbers or less. */
@@ -114,18 +109,6 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
     return keep_slab(w, slab);
 }
 
-static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
-{
-    bvxi_split_work w = {.s = s};
-
-    for (uint32_t i = 0; i < count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / count));
-        w.is_last = slabs[i].below == slabs[count - 1].below;
-        BVXI_TRY(split_slab(&w, &slabs[i]));
-    }
-    return BVX_OK;
-}
-
 static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, double low, double high)
 {
     slab->plane[0] = below;
@@ -175,15 +158,6 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     return b->level == 0 ? whole : NULL;
 }
 
-static void look_beyond(const bvxi_stack *s, bvxi_slab *slabs)
-{
-    if (s->options.blend != BVX_BLEND_CUBIC) return;
-    for (uint32_t i = 0; i < s->slab_count; i++) {
-        if (bvxi_plane_is_nothing(slabs[i].plane[0]) || bvxi_plane_is_nothing(slabs[i].plane[1])) continue;
-        for (int side = 0; side < 2; side++) slabs[i].far[side] = plane_beyond(s, slabs, i, side);
-    }
-}
-
 /* Between neighbours; towards an empty plane half the way; beyond the ends
  * half a spacing when they taper. nothing: a plane without loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
@@ -220,6 +194,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 {
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
+    bvxi_split_work w = {.s = s};
 
     BVXI_TRY(BVXI_ZEROS(s->ctx, room, "the slabs of a body", *slabs));
 
@@ -228,10 +203,18 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     nothing->section = BVXI_NONE;
     BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
-    look_beyond(s, *slabs);
+    for (uint32_t i = 0; i < s->slab_count && s->options.blend == BVX_BLEND_CUBIC; i++) {
+        bvxi_slab *const b = &(*slabs)[i];
+        if (bvxi_plane_is_nothing(b->plane[0]) || bvxi_plane_is_nothing(b->plane[1])) continue;
+        for (int side = 0; side < 2; side++) b->far[side] = plane_beyond(s, *slabs, i, side);
+    }
 
     /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
      * themselves. */
-    if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
-    return split_slabs(s, *slabs, s->slab_count);
+    for (uint32_t i = 0; i < s->slab_count && s->options.crossings == BVX_CROSSINGS_EXACT; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / s->slab_count));
+        w.is_last = (*slabs)[i].below == (*slabs)[s->slab_count - 1].below;
+        BVXI_TRY(split_slab(&w, &(*slabs)[i]));
+    }
+    return BVX_OK;
 }

@@ -60,17 +60,6 @@ static void mark_split(bvxi_slab_work *w, int set)
     }
 }
 
-/* How many arcs lie in the cell on either plane; they are the next ones. */
-static void count_arcs(const bvxi_slab_work *w, uint32_t key, uint32_t count[2])
-{
-    for (int k = 0; k < 2; k++) {
-        const bvxi_plane *const p = w->field.slab->plane[k];
-        uint32_t a = w->arc[k];
-        while (a < p->arc_count && p->arc_cell[a] == key) a++;
-        count[k] = a - w->arc[k];
-    }
-}
-
 /* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left
  * corners was met at the right ones of the cell before, which it makes one to look at too. */
 static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], uint32_t line[4])
@@ -150,7 +139,11 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
     t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
     t->size = 1 << w->s->fine;
-    if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, t->key, arcs);
+    /* How many arcs lie in the cell on either plane; they are the next ones. */
+    for (int k = 0; k < 2 && w->s->options.crossings == BVX_CROSSINGS_EXACT; k++) {
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        while (w->arc[k] + arcs[k] < p->arc_count && p->arc_cell[w->arc[k] + arcs[k]] == t->key) arcs[k]++;
+    }
 
     /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
      * full. */

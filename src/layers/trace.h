@@ -125,7 +125,7 @@ bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t verte
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
                            uint32_t *vertex);
 /* Field levels: links across the cell's face. */
-bvx_status bvxi_trace_face(bvxi_trace *t, int k);
+void bvxi_trace_face(bvxi_trace *t, int k);
 /* Contour points between two points of a section in the field's way, appended to the loop at *count. */
 bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, int back, uint32_t *count);
 

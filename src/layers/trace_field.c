@@ -68,7 +68,7 @@ static int face_joins(bvxi_trace *t, int k)
     return bvxi_field_at(t->field, x, y, t->level[k].k >= 0 ? t->level[k].k : t->level[k].t) > 0.0;
 }
 
-bvx_status bvxi_trace_face(bvxi_trace *t, int k)
+void bvxi_trace_face(bvxi_trace *t, int k)
 {
     uint32_t const n = t->cross_count[k];
     uint32_t const *const cross = t->cross[k];
@@ -83,7 +83,6 @@ bvx_status bvxi_trace_face(bvxi_trace *t, int k)
         p->next = k == 0 ? in : out;
         p->link = k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK;
     }
-    return BVX_OK;
 }
 
 /* ---- contour points ---- */

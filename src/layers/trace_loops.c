@@ -145,13 +145,6 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
     return BVX_OK;
 }
 
-static bvx_status refuse_open(const bvxi_trace *t)
-{
-    if (t->s->fixed) return BVX_ERR_FORMAT;
-    return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)",
-                     t->s->function, (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
-}
-
 static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
 {
     uint32_t count = 0, i = start;
@@ -159,7 +152,12 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
     do {
         bvxi_trace_point *const p = &t->point[i];
         /* Each point has one successor and is passed once; otherwise the cell does not close. */
-        if (p->seen || p->next == BVXI_NONE) return refuse_open(t);
+        if (p->seen || p->next == BVXI_NONE)
+            return t->s->fixed
+                       ? BVX_ERR_FORMAT
+                       : bvxi_fail(t->s->ctx, BVX_ERR_FORMAT,
+                                   "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
+                                   (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
         p->seen = 1;
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex, p->faces));
         if (p->link == BVXI_LINK_ARC || p->link == BVXI_LINK_ARC_BACK) {

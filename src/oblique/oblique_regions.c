@@ -138,16 +138,6 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
     }
 }
 
-/* The planes that three vertices lie on, 64 at a time. */
-static uint64_t planes_of_face(const bvxi_oblique *o, uint32_t tetra, int corner, uint32_t word)
-{
-    uint64_t on = UINT64_MAX;
-
-    for (int k = 0; k < 4; k++)
-        if (k != corner) on &= bvxi_tetra_on(o, o->tetra[tetra].v[k])[word];
-    return on;
-}
-
 /* Which faces lie on planes, each marked at one of the two tetrahedra beside it. */
 static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
 {
@@ -177,9 +167,13 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4 && o->mark[t] != 0; k++) {
+                uint32_t v[3];
                 if (!(o->mark[t] >> k & 1)) continue;
+                bvxi_tetra_face(&o->tetra[t], k, v);
                 for (uint32_t word = 0; word < o->plane_words; word++)
-                    for (uint64_t on = planes_of_face(o, (uint32_t)t, k, word); on != 0; on &= on - 1) {
+                    for (uint64_t on = bvxi_tetra_on(o, v[0])[word] & bvxi_tetra_on(o, v[1])[word] &
+                                       bvxi_tetra_on(o, v[2])[word];
+                         on != 0; on &= on - 1) {
                         uint32_t const plane = 64 * word + (uint32_t)bvxi_lowest(on);
                         if (fill) w->face[next[plane]++] = 4 * t + (uint64_t)k;
                         else next[plane + 1]++;

@@ -198,16 +198,6 @@ static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
 }
 
-/* The vertex of a ring's tetrahedron that the next one has too. */
-static uint32_t shared_in_ring(const bvxi_oblique *o, uint32_t t, uint32_t next, uint32_t a, uint32_t b)
-{
-    for (int k = 0; k < 4; k++) {
-        uint32_t const v = o->tetra[t].v[k];
-        if (v != a && v != b && bvxi_corner_of(&o->tetra[next], v) < 4) return v;
-    }
-    return BVXI_NONE;
-}
-
 static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_job *job)
 {
     for (int k = 0; k < 4; k++) change_round(job, o->tetra[tetra].v[k]);
@@ -256,8 +246,14 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
     /* Of each two neighbours in the ring the vertex that both have: so each comes once, in turn. */
     o->star_count = 0;
     for (uint64_t i = 0; i < o->ring_count; i++) {
+        const uint32_t *const v = o->tetra[o->ring[i]].v;
+        const bvxi_tetra *const next = &o->tetra[o->ring[(i + 1) % o->ring_count]];
+
         BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the vertices round an edge"));
-        o->star[o->star_count++] = shared_in_ring(o, o->ring[i], o->ring[(i + 1) % o->ring_count], a, b);
+        o->star[o->star_count] = BVXI_NONE;
+        for (int k = 3; k >= 0; k--)
+            if (v[k] != a && v[k] != b && bvxi_corner_of(next, v[k]) < 4) o->star[o->star_count] = v[k];
+        o->star_count++;
     }
     *count = o->star_count;
     return BVX_OK;
