@@ -179,8 +179,8 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job = {.s = s, .slab = slabs, .count = count};
 
-    return s->options.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
-                                                       : fill_in_order(s, slabs, count);
+    return s->options.slabs.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
+                                                             : fill_in_order(s, slabs, count);
 }
 
 /* ---- joining ---- */

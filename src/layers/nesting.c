@@ -212,7 +212,7 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
 
-    if (s->report.holes == 0 || s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
+    if (s->report.holes == 0 || s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->count));
     BVXI_TRY(BVXI_ZEROS(s->ctx, s->plane_count, "the levels of loops", n->joined));
     for (int k = 0; k < 2; k++)

@@ -362,10 +362,10 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
     /* A plane without loops has nothing that levels could blend. */
-    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
+    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.slabs.layers;
     /* What was above is below now: its distances and hints
      * stay valid, so both are swapped, not measured again. */
-    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
+    if (f->s->options.slabs.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
         f->plane[0] = up;
@@ -386,15 +386,15 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
     memset(f, 0, sizeof *f);
     f->s = s;
     f->line_room = lines;
-    for (int k = 0; k < (s->options.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
+    for (int k = 0; k < (s->options.slabs.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(BVXI_ARRAY(s->ctx, s->size[0] + 3, "the distances of a section", f->plane[k].column));
         BVXI_TRY(BVXI_ZEROS(s->ctx, lines, "the distances of a section", f->line[k]));
         /* Each line is measured once then; keeping distances would only cost memory. */
-        if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
+        if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT && s->options.slabs.layers == 1) continue;
         BVXI_TRY(BVXI_ARRAY(s->ctx, points, "the distances of a section", f->plane[k].distance));
         BVXI_TRY(BVXI_ZEROS(s->ctx, known_words(s), "the distances of a section", f->plane[k].known));
     }
-    if (s->options.layers > 1) BVXI_TRY(BVXI_ARRAY(s->ctx, lines, "the crossings of lines", f->layer));
+    if (s->options.slabs.layers > 1) BVXI_TRY(BVXI_ARRAY(s->ctx, lines, "the crossings of lines", f->layer));
     BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[0] + 2, "the corners of cells", f->hanging_column));
     BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[1] + 2, "the corners of cells", f->hanging_row));
     BVXI_TRY(BVXI_ARRAY(s->ctx, words, "the crossed lines", f->before));

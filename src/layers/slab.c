@@ -203,7 +203,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     nothing->section = BVXI_NONE;
     BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
-    for (uint32_t i = 0; i < s->slab_count && s->options.blend == BVX_BLEND_CUBIC; i++) {
+    for (uint32_t i = 0; i < s->slab_count && s->options.slabs.blend == BVX_BLEND_CUBIC; i++) {
         bvxi_slab *const b = &(*slabs)[i];
         if (bvxi_plane_is_nothing(b->plane[0]) || bvxi_plane_is_nothing(b->plane[1])) continue;
         for (int side = 0; side < 2; side++) b->far[side] = plane_beyond(s, *slabs, i, side);
@@ -211,7 +211,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 
     /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
      * themselves. */
-    for (uint32_t i = 0; i < s->slab_count && s->options.crossings == BVX_CROSSINGS_EXACT; i++) {
+    for (uint32_t i = 0; i < s->slab_count && s->options.slabs.crossings == BVX_CROSSINGS_EXACT; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / s->slab_count));
         w.is_last = (*slabs)[i].below == (*slabs)[s->slab_count - 1].below;
         BVXI_TRY(split_slab(&w, &(*slabs)[i]));

@@ -8,7 +8,7 @@
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
-int32_t bvxi_repair_need(const bvx_certificate *c)
+static int32_t repair_need(const bvx_certificate *c)
 {
     if (!c->closed) return BVX_NEEDS_LIDS;
     if (!c->edge_manifold || !c->vertex_manifold) return BVX_NEEDS_MANIFOLD;
@@ -50,7 +50,7 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int const several = r->before.components > 1;
     int right = 1;
 
-    r->needs = bvxi_repair_need(&r->before);
+    r->needs = repair_need(&r->before);
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 
@@ -127,10 +127,10 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     job->report.sharp = 0;
     if (job->options->report == NULL) return BVX_OK;
     bvx_mesh_view_of(copy, &view);
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->measure ? 0.3 : 1.0,
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->samples != 0 ? 0.3 : 1.0,
                         bvx_mesh_check(job->ctx, &view, 0, &job->report.after)));
-    if (!job->options->measure) return BVX_OK;
-    return BVXI_SHARE(job->ctx, 0.3, 1.0,
-                      bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1,
-                                        &job->report.distance));
+    if (job->options->samples == 0) return BVX_OK;
+    return BVXI_SHARE(
+        job->ctx, 0.3, 1.0,
+        bvx_mesh_distance(job->ctx, job->given, &view, job->options->samples, 1, &job->report.distance));
 }
