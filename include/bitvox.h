@@ -387,6 +387,9 @@ typedef struct bvx_mesh_view {
     uint64_t uv_count; /**< of uvs, with uv_indices */
     const float *uvs2; /**< second texture coordinates of each vertex [Default: NULL] */
     const uint32_t *materials; /**< index of each triangle's material [Default: NULL] */
+    const double *transform; /**< three rows of four, applied to positions, which are doubles then, as ((m0 x + m1 y)
+                                  + m2 z) + m3; normals stay as they are, and a mirror turns triangles inside out
+                                  [Size: 12] [Default: NULL] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -408,10 +411,12 @@ static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_
     view.colours = nullptr;
     view.normals = view.uvs = view.uvs2 = nullptr;
     view.uv_indices = view.materials = nullptr;
+    view.transform = nullptr;
 #else
     view.colours = NULL;
     view.normals = view.uvs = view.uvs2 = NULL;
     view.uv_indices = view.materials = NULL;
+    view.transform = NULL;
 #endif
     view.uv_count = 0;
     view.reserved = 0;
@@ -1490,8 +1495,8 @@ typedef struct bvx_hollow_options {
 /** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the drain hole.
  *  The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to where the axis first
  *  meets the hollow. Where nothing is deep enough the result is the grid itself, without a hole.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness
- *  below a voxel). */
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a voxel).
+ */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options,
                                    bvx_grid *result);
 
@@ -1685,43 +1690,38 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
-    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
-                             [Default: 128] */
+    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048] [Default: 128] */
     int32_t reserved;
 } bvx_measure_options;
 
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
-    double volume;        /**< [Units: world^3] */
-    double area;          /**< of the triangles as they are [Units: world^2] */
-    double mass;          /**< density times volume */
-    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
-    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error;  /**< distance from center [Units: world] */
+    double volume; /**< [Units: world^3] */
+    double area; /**< of the triangles as they are [Units: world^2] */
+    double mass; /**< density times volume */
+    double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error; /**< distance from center [Units: world] */
     double inertia_error; /**< of each element [Units: mass * world^2] */
-    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
-    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
+    int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason; /**< BVX_FILL_REASON_... */
     int32_t reserved;
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
 
-/** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors.
- *  What is inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND), flipped triangles
- *  turned, the moments of triangles are summed up: the errors are those of rounding, and of moving corners by
- *  2^-16 of a voxel where triangles meet no nearer. Of meshes with holes, overlaps or cavities that face
- *  outwards, voxels of 1/resolution of the bounds along each axis are counted: the bounds are what all voxels
- *  at the surface can make; over a hole the body ends where its winding number passes a half.
- *  Vertices have no frame here: add a mesh's own to center.
- *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check]
- *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
- *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
- *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
-BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
-                               const bvx_measure_options *options, bvx_measure_report *report);
+/** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors. What is
+ *  inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND), flipped triangles turned, the
+ *  moments of triangles are summed up: the errors are those of rounding, and of moving corners by 2^-16 of a voxel
+ *  where triangles meet no nearer. Of meshes with holes, overlaps or cavities that face outwards, voxels of
+ *  1/resolution of the bounds along each axis are counted: the bounds are what all voxels at the surface can make;
+ *  over a hole the body ends where its winding number passes a half. Vertices have no frame here: add a mesh's own to
+ *  center.
+ *  Returns BVX_ERR_EMPTY also where there is one position only. */
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
+                               bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
