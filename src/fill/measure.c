@@ -17,9 +17,9 @@
 
 #include <math.h>
 
-static const char measure_name[] = "bvx_measure";
+static const char mass_name[] = "bvx_measure";
 
-enum { MEASURE_GRAIN = 4096, MEASURE_RESOLUTION = 128, MEASURE_MOST = 2048 };
+enum { MASS_GRAIN = 4096, MEASURE_RESOLUTION = 128, MEASURE_MOST = 2048 };
 
 #define MEASURE_ROUNDING 0x1p-46 /* of all products, in sums that are compensated */
 
@@ -102,10 +102,10 @@ static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
     w->pieces[piece] = s;
 }
 
-static bvx_status sum_triangles(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
-                                triangle_sums *all)
+static bvx_status sum_moments(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
+                              triangle_sums *all)
 {
-    int32_t const pieces = bvxi_piece_count(view->triangle_count, MEASURE_GRAIN);
+    int32_t const pieces = bvxi_piece_count(view->triangle_count, MASS_GRAIN);
     uint64_t const bytes = (uint64_t)pieces * sizeof *w->pieces;
 
     w->view = view;
@@ -136,14 +136,14 @@ static bvx_status sum_sheet(bvx_context *ctx, measure_work *w, const bvx_mesh_vi
     bvxi_holes holes = {0};
     uint32_t *corner;
 
-    BVXI_TRY(bvxi_holes_open_rule(ctx, measure_name, view, lattice, BVX_FILL_WINDING, &holes));
+    BVXI_TRY(bvxi_holes_open_rule(ctx, mass_name, view, lattice, BVX_FILL_WINDING, &holes));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes.points * 12, "the sheet's corners", &corner));
     sheet.triangle_count = bvxi_sheet_triangles(&holes, corner);
     for (uint64_t i = 0; i < 3 * sheet.triangle_count; i++) corner[i] = holes.vertex[corner[i]];
     sheet.indices = corner;
     sheet.index_type = BVX_U32;
     sheet.index_stride = 0;
-    if (sheet.triangle_count != 0) BVXI_TRY(sum_triangles(ctx, w, &sheet, all));
+    if (sheet.triangle_count != 0) BVXI_TRY(sum_moments(ctx, w, &sheet, all));
     bvxi_drop(ctx, corner);
     bvxi_holes_close(ctx, &holes);
     return BVX_OK;
@@ -157,7 +157,7 @@ static bvx_status sum_shells(bvx_context *ctx, measure_work *w, const bvx_mesh_v
     triangle_sums s, sheet = {{0}, {0}, 0, 0, 0};
     bvx_certificate c = {0};
 
-    BVXI_TRY(sum_triangles(ctx, w, view, &s));
+    BVXI_TRY(sum_moments(ctx, w, view, &s));
     if (lattice != NULL) BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, sum_sheet(ctx, w, view, lattice, &sheet)));
     else BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvx_mesh_check(ctx, view, 1, &c)));
     w->summed = 1;
@@ -383,10 +383,10 @@ static bvx_status open_voxels(bvx_context *ctx, const bvx_mesh_view *mesh, measu
     solid->word_capacity = bvx_grid_bound(&l, NULL);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid->word_capacity * 8, "the measured voxels", &solid->words));
     memcpy(whole.size, l.dims, sizeof whole.size);
-    return bvxi_grid_open(ctx, measure_name, &l, &whole, solid);
+    return bvxi_grid_open(ctx, mass_name, &l, &whole, solid);
 }
 
-static bvx_status measure_body(bvx_context *ctx, const bvx_mesh_view *mesh, measure_work *w,
+static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, measure_work *w,
                                bvx_measure_report *r)
 {
     bvx_grid solid = {0}, shell;
@@ -395,10 +395,10 @@ static bvx_status measure_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
     uint64_t inside = 0;
 
     BVXI_TRY(open_voxels(ctx, mesh, w, &solid));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, sum_triangles(ctx, w, mesh, &surface)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, sum_moments(ctx, w, mesh, &surface)));
     r->area = surface.area / w->scale / w->scale;
     BVXI_TRY(
-        BVXI_SHARE(ctx, 0.1, 0.6, bvxi_fill_auto(ctx, measure_name, mesh, fill_and_sum, &solid, &w->solid)));
+        BVXI_SHARE(ctx, 0.1, 0.6, bvxi_fill_auto(ctx, mass_name, mesh, fill_and_sum, &solid, &w->solid)));
     r->fill = w->solid.fill;
     r->fill_reason = w->solid.fill_reason;
     r->turned = w->solid.turned;
@@ -416,7 +416,7 @@ static bvx_status measure_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
     return BVX_OK;
 }
 
-static const bvxi_option measure_rows[] = {
+static const bvxi_option mass_rows[] = {
     BVXI_OR(bvx_measure_options, density, ABOVE, 1.0, 0.0, BVXI_FINITE),
     BVXI_OR(bvx_measure_options, resolution, WHOLE, MEASURE_RESOLUTION, 1, MEASURE_MOST),
     BVXI_RESERVED(bvx_measure_options, reserved),
@@ -428,12 +428,12 @@ static bvx_status run_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const
     bvx_measure_report r = {0};
     measure_work w = {.scale = 1.0};
 
-    if (report == NULL) return bvxi_fail_null(ctx, measure_name, "report");
+    if (report == NULL) return bvxi_fail_null(ctx, mass_name, "report");
     memset(report, 0, sizeof *report);
-    BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &w.options, sizeof w.options));
-    BVXI_TRY(bvxi_check_options(ctx, measure_name, &w.options, BVXI_OPTIONS(measure_rows)));
-    BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
-    BVXI_TRY(bvxi_view_bounds(ctx, measure_name, mesh, w.low, w.high));
+    BVXI_TRY(bvxi_take_options(ctx, mass_name, options, &w.options, sizeof w.options));
+    BVXI_TRY(bvxi_check_options(ctx, mass_name, &w.options, BVXI_OPTIONS(mass_rows)));
+    BVXI_TRY(bvxi_view_check(ctx, mass_name, mesh));
+    BVXI_TRY(bvxi_view_bounds(ctx, mass_name, mesh, w.low, w.high));
 
     /* Scaled, products neither overflow nor vanish. A power of two: nothing is rounded. */
     w.scale = bvxi_unit_scale(w.low, w.high);
@@ -444,7 +444,7 @@ static bvx_status run_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const
         w.radius += (0.5 * high - 0.5 * low) * (0.5 * high - 0.5 * low);
     }
     w.radius = sqrt(w.radius);
-    BVXI_TRY(BVXI_SCOPE(ctx, measure_body(ctx, mesh, &w, &r)));
+    BVXI_TRY(BVXI_SCOPE(ctx, mass_of_body(ctx, mesh, &w, &r)));
     *report = r;
     return BVX_OK;
 }
