@@ -11,8 +11,8 @@ static void start_render(void *options)
 {
     cli_render_options *const o = options;
 
-    o->picture = (bvx_render_options){
-        .struct_size = sizeof o->picture, .direction = {3.0, -4.0, 2.0}, .up = {0.0, 0.0, 1.0}};
+    o->picture = (bvx_render_options){.struct_size = sizeof o->picture,
+                                      .camera = {.direction = {3.0, -4.0, 2.0}, .up = {0.0, 0.0, 1.0}}};
 }
 
 #define OWN(name) CLI_OWN(cli_render_options, name)

@@ -66,12 +66,12 @@ void cli_free_scene(cli_run *run, cli_scene *s)
 static void take_cut(const cli_run *run, bvx_render_options *r)
 {
     const cli_planes *const cut = &run->options->cut;
-    const double *const direction = r->direction;
+    const double *const direction = r->camera.direction;
 
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;
-        r->cut |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
-        (direction[a] < 0.0 ? r->cut_low : r->cut_high)[a] = cut->value[a];
+        r->cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
+        (direction[a] < 0.0 ? r->cut.low : r->cut.high)[a] = cut->value[a];
     }
 }
 
@@ -84,8 +84,8 @@ int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t heig
 
     r.width = width;
     r.height = height;
-    if (own->from.given) memcpy(r.direction, own->from.value, sizeof r.direction);
-    if (own->up.given) memcpy(r.up, own->up.value, sizeof r.up);
+    if (own->from.given) memcpy(r.camera.direction, own->from.value, sizeof r.camera.direction);
+    if (own->up.given) memcpy(r.camera.up, own->up.value, sizeof r.camera.up);
     take_cut(run, &r);
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);

@@ -263,15 +263,15 @@ static int near_origin(const bvx_certificate *c, double origin[3])
     double longest = 0.0, farthest = 0.0, step = 1.0;
 
     for (int a = 0; a < 3; a++) {
-        longest = fmax(longest, c->high[a] - c->low[a]);
-        farthest = fmax(farthest, fmax(fabs(c->low[a]), fabs(c->high[a])));
+        longest = fmax(longest, c->box.high[a] - c->box.low[a]);
+        farthest = fmax(farthest, fmax(fabs(c->box.low[a]), fabs(c->box.high[a])));
     }
     /* A box near 0 loses nothing by floats that another origin would save. */
     if (!(farthest > 16.0 * longest) || farthest > 1e15) return 0;
 
     while (step < longest) step *= 10.0;
     for (int a = 0; a < 3; a++)
-        origin[a] = floor((c->low[a] * 0.5 + c->high[a] * 0.5) / step + 0.5) * step + 0.0;
+        origin[a] = floor((c->box.low[a] * 0.5 + c->box.high[a] * 0.5) / step + 0.5) * step + 0.0;
     return 1;
 }
 

@@ -96,8 +96,8 @@ static void give_block(void *user, void *block, size_t size, size_t align)
 
 static void offer_blocks(bvx_context_options *options)
 {
-    options->alloc = take_block;
-    options->free = give_block;
+    options->allocator.alloc = take_block;
+    options->allocator.free = give_block;
 }
 
 #else
@@ -119,8 +119,8 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     if (run->context != NULL) return CLI_DONE;
     o.threads = run->general->threads;
     offer_blocks(&o);
-    o.progress = cli_progress;
-    o.progress_user = run;
+    o.progress.call = cli_progress;
+    o.progress.user = run;
     /* The file in memory counts against the same limit. */
     if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
     /* choices do not depend on the machine */

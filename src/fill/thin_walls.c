@@ -425,11 +425,18 @@ bvx_status bvxi_walls_open(bvxi_walls *t)
     return bvxi_alloc(t->ctx, BVXI_SCRATCH, t->bytes, "the thin places", &t->places.words);
 }
 
-void bvxi_walls_close(bvxi_walls *t)
+void bvxi_walls_forget(bvxi_walls *t)
 {
     bvxi_closest_shut(t->ctx, &t->closest);
     bvxi_drop(t->ctx, t->against);
     bvxi_drop(t->ctx, t->corner);
+    t->against = NULL;
+    t->corner = NULL;
+}
+
+void bvxi_walls_close(bvxi_walls *t)
+{
+    bvxi_walls_forget(t);
     bvxi_walls_drop(t);
     bvxi_drop(t->ctx, t->places.words);
 }

@@ -83,8 +83,9 @@ bvx_status bvxi_walls_near(bvxi_walls *t);
 bvx_status bvxi_walls_ask(bvxi_walls *t, double limit);
 bvx_status bvxi_walls_gather(bvxi_walls *t);
 bvx_status bvxi_walls_find(bvxi_walls *t);
-/* Forget the list. */
+/* Forget the list; the triangles around the places. */
 void bvxi_walls_drop(bvxi_walls *t);
+void bvxi_walls_forget(bvxi_walls *t);
 
 /* What was found. Places without a thin wall are places no more. */
 void bvxi_walls_report(bvxi_walls *t, bvxi_wall_report *report);

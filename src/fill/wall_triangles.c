@@ -138,13 +138,16 @@ static int is_in_marked_block(const near_job *t, const uint32_t c[3])
     const int32_t *const r = t->block_of + 3 * (size_t)c[2];
     int32_t from[3], to[3];
 
+    /* Most triangles lie in one block, where one look tells that there is no mark, and the rest in two along each
+     * axis. */
+    if (((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]) | (p[0] ^ r[0]) | (p[1] ^ r[1]) | (p[2] ^ r[2])) == 0)
+        return block_row(t, p[1], p[2])[p[0]] == MARK;
     for (int a = 0; a < 3; a++) {
         int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
 
         from[a] = r[a] < low ? r[a] : low;
         to[a] = r[a] > high ? r[a] : high;
     }
-    /* Most triangles lie in a block or two along each axis: one look tells that there is no mark. */
     if (((to[0] - from[0]) | (to[1] - from[1]) | (to[2] - from[2])) <= 1 &&
         BVXI_LIKELY(block_row(t, from[1], from[2])[from[0]] == 0))
         return 0;
@@ -338,7 +341,7 @@ static bvx_status order_triangles_nearby(near_job *job, double low[3], double hi
 bvx_status bvxi_walls_near(bvxi_walls *t)
 {
     near_job job = {.ctx = t->ctx, .walls = t};
-    double const reach = (1.0 + 2 * BVXI_WALL_DEPTH + (t->beside ? WALL_BESIDE : 0.0)) * t->unit;
+    double const reach = (1.0 + 2 * BVXI_WALL_DEPTH + (t->beside || t->parts ? WALL_BESIDE : 0.0)) * t->unit;
     double low[3], high[3];
 
     /* Without area a triangle has no side that it could face. Enough are those of the nearest point within one

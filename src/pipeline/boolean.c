@@ -148,6 +148,7 @@ typedef struct boolean_job {
     bvx_lattice lattice;
     boolean_body body[2];
     bvxi_body_box box[2];
+    bvxi_crumb_source source[2]; /* pieces once they are known */
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
@@ -242,7 +243,7 @@ static bvx_status keep_thin_walls(boolean_job *job, int32_t i)
 
     /* The walls' search goes by the mesh and the solid as they are. */
     bvxi_walls_of_solid(job->ctx, boolean_name, b->mesh, &b->solid, r, &walls);
-    walls.beside = walls.parts = keep;
+    walls.parts = keep;
     BVXI_TRY(bvxi_walls_open(&walls));
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 0.7, bvxi_walls_gather(&walls)));
     if (walls.count != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.7, 0.8, bvxi_walls_ask(&walls, 1.0)));
@@ -359,40 +360,20 @@ static bvx_status fill_boolean(boolean_job *job)
 
 /* ---- Small parts ---- */
 
-/* The pieces of both meshes, whose vertices count where they are equal. */
-static bvx_status open_boolean_pieces(boolean_job *job, uint32_t *piece[2])
-{
-    for (int32_t i = 0; i < 2; i++) {
-        const bvx_mesh_view *const mesh = job->body[i].mesh;
-        /* A vertex of each place stands for all that are there. */
-        uint32_t *representative;
-        uint64_t different;
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "a mesh's pieces", &piece[i]));
-        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, mesh->vertex_count * 4, "the vertices' places",
-                            &representative));
-        BVXI_TRY(bvxi_weld(job->ctx, mesh, representative, &different));
-        bvxi_pieces(mesh, representative, piece[i]);
-        bvxi_drop(job->ctx, representative);
-    }
-    return BVX_OK;
-}
-
 static bvx_status drop_boolean_crumbs(boolean_job *job)
 {
-    uint32_t *piece[2] = {NULL, NULL};
-
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.3, open_boolean_pieces(job, piece)));
-    bvxi_crumb_source const source[2] = {{job->body[0].mesh, piece[0]}, {job->body[1].mesh, piece[1]}};
+    for (int32_t i = 0; i < 2; i++)
+        BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->source[i].mesh->vertex_count * 4, "a mesh's pieces",
+                            &job->source[i].piece));
 
     /* Parts first, then pockets: a crumb that goes may have had a pocket of its own. */
     for (int32_t empty = 0; empty < 2; empty++) {
         uint64_t crumbs = 0;
-        BVXI_TRY(BVXI_SHARE(job->ctx, 0.3 + 0.35 * empty, 0.65 + 0.35 * empty,
+        BVXI_TRY(BVXI_SHARE(job->ctx, 0.5 * empty, 0.5 + 0.5 * empty,
                             BVXI_SCOPE(job->ctx, bvxi_drop_crumbs(job->ctx, boolean_name, &job->inside, empty,
-                                                                  source, 2, &crumbs))));
+                                                                  job->source, 2, &crumbs))));
         job->report.crumbs += crumbs;
     }
-    for (int32_t i = 2; i-- > 0;) bvxi_drop(job->ctx, piece[i]);
     return BVX_OK;
 }
 
@@ -545,8 +526,7 @@ static double shared_volume(const boolean_job *job)
     return shared[0] < shared[1] ? shared[0] : shared[1];
 }
 
-/* The volume of the result beside those of the meshes, these seen nearer where it matters. An intersection's does
- * not follow from these. */
+/* The volume of the result beside those of the meshes, these seen nearer where it matters. */
 static bvx_status warn_of_operands_volume(boolean_job *job, double volume, double finer)
 {
     bvx_boolean_report *const r = &job->report;
@@ -557,7 +537,7 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
 
     for (int i = 0; i < count; i++)
         if (!(bvxi_known_volume(of[i]) > 0.0)) return BVX_OK;
-    if (job->operation == BVX_BOOLEAN_INTERSECTION || r->few != 0 || r->parts_dropped != 0) return BVX_OK;
+    if (r->few != 0 || r->parts_dropped != 0) return BVX_OK;
     shared = shared_volume(job) * (job->operation == BVX_BOOLEAN_XOR ? 2.0 : 1.0);
     for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
     for (int i = 0; i < count; i++)
@@ -623,14 +603,14 @@ static int boxes_meet(const piece_box *a, const piece_box *b)
 /* Groups of pieces whose boxes meet: a union of closed meshes has no fewer parts. 0: too many to compare. */
 static bvx_status count_apart(boolean_job *job, uint64_t *groups)
 {
-    uint32_t *piece[2] = {NULL, NULL}, group[BOOLEAN_BOXES], count = 0;
+    uint32_t group[BOOLEAN_BOXES], count = 0;
     piece_box *box;
 
-    BVXI_TRY(open_boolean_pieces(job, piece));
+    for (int i = 0; i < 2; i++) BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[i]));
     BVXI_TRY(
         bvxi_alloc(job->ctx, BVXI_SCRATCH, BOOLEAN_BOXES * sizeof *box, "the boxes of the pieces", &box));
     for (int i = 0; i < 2 && count <= BOOLEAN_BOXES; i++)
-        BVXI_TRY(add_piece_boxes(job, job->body[i].mesh, piece[i], box, &count));
+        BVXI_TRY(add_piece_boxes(job, job->body[i].mesh, job->source[i].piece, box, &count));
     *groups = 0;
     for (uint32_t i = 0; i < count && count <= BOOLEAN_BOXES; i++) {
         group[i] = i;
@@ -677,13 +657,37 @@ static void warn_of_operand(boolean_job *job, int32_t i)
         BVXI_WARN(job->ctx, BVX_WARN_FEW, bvxi_advised(job->report.advised_resolution))->input = i;
 }
 
+/* What is compared with the operands: the volume about the middle, and how many parts there are. All vertices of
+ * the result are of triangles, and those of a part hang together through edges. */
+static bvx_status measure_result(boolean_job *job, const bvx_mesh_view *result, double *volume,
+                                 uint64_t *parts)
+{
+    double low[3], high[3], centre[3];
+    uint32_t *part;
+
+    BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, result->vertex_count * 4, "the result's parts", &part));
+    bvxi_view_used_bounds(result, low, high);
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * low[a] + 0.5 * high[a];
+    for (uint64_t v = 0; v < result->vertex_count; v++) part[v] = (uint32_t)v;
+    *parts = result->vertex_count;
+    *volume = 0.0;
+    for (uint64_t t = 0; t < result->triangle_count; t++) {
+        uint32_t c[3];
+
+        bvxi_view_triangle(result, t, c);
+        *parts -= (uint64_t)(bvxi_join(part, c[0], c[1]) + bvxi_join(part, c[0], c[2]));
+        *volume += bvxi_patches_volume(result, t, centre) / 6.0;
+    }
+    bvxi_drop(job->ctx, part);
+    return BVX_OK;
+}
+
 static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
 {
     bvx_boolean_report *const r = &job->report;
     const int32_t *const n = job->lattice.dims;
     double const longest = n[0] > n[1] ? (n[0] > n[2] ? n[0] : n[2]) : (n[1] > n[2] ? n[1] : n[2]);
     double const finer = bvxi_advised(2.0 * (longest - 2.0));
-    bvx_certificate c;
     bvx_mesh_view view;
 
     for (int32_t i = 0; i < 2; i++) warn_of_operand(job, i);
@@ -694,13 +698,19 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         BVXI_WARN(job->ctx, BVX_WARN_FEW_RESULT, bvxi_advised(r->advised_resolution));
     /* Their room is what the check needs. */
     for (int32_t i = 0; i < 2; i++) bvxi_sparse_close(job->ctx, &job->body[i].values);
-    if (result->triangle_count != 0) {
+    if (result->triangle_count != 0 && job->operation != BVX_BOOLEAN_INTERSECTION) {
+        uint64_t parts;
+        double volume;
+
         bvx_mesh_view_of(result, &view);
-        BVXI_TRY(bvx_mesh_check(job->ctx, &view, 0, &c));
-        BVXI_TRY(warn_of_operands_parts(job, c.components, finer));
-        BVXI_TRY(warn_of_operands_volume(job, c.volume, finer));
-        bvxi_warn_of_lids(job->ctx, &job->lattice, r->surface.lids, c.area, job->holes, job->longest_hole);
+        BVXI_TRY(measure_result(job, &view, &volume, &parts));
+        BVXI_TRY(warn_of_operands_parts(job, parts, finer));
+        BVXI_TRY(warn_of_operands_volume(job, volume, finer));
     }
+    /* A vertex for each crossed edge. */
+    if (result->triangle_count != 0)
+        bvxi_warn_of_lids(job->ctx, (double)r->surface.lids / (double)result->vertex_count, job->holes,
+                          job->longest_hole);
     r->warnings = bvxi_warned(job->ctx);
     return BVX_OK;
 }
@@ -721,9 +731,9 @@ static bvx_status run_boolean(bvx_context *context, const bvx_mesh_view *a, cons
     job.options = &o;
     job.operation = operation;
 
-    job.body[0].mesh = a;
+    job.body[0].mesh = job.source[0].mesh = a;
     mine = result->positions == NULL;
-    job.body[1].mesh = b;
+    job.body[1].mesh = job.source[1].mesh = b;
     status = BVXI_SHARE(context, 0.0, 0.97, boolean_steps(&job, result));
     if (status == BVX_OK && o.report != NULL)
         status = BVXI_SHARE(context, 0.97, 1.0, warn_of_boolean(&job, result));

@@ -74,8 +74,7 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
     result->positions = world;
     result->position_type = BVX_F64;
     result->position_stride = 0;
-    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
-                             &job->report.distance);
+    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->samples, 1, &job->report.distance);
 }
 
 #define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
@@ -142,7 +141,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
-    if (!job->options->measure) return BVX_OK;
+    if (job->options->samples == 0) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }
 
@@ -188,16 +187,19 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
 }
 
-/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
-void bvxi_warn_of_lids(bvx_context *ctx, const bvx_lattice *lattice, uint64_t edges, double area,
-                       uint64_t holes, double longest)
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest)
 {
-    const double *const h = lattice->spacing;
-    double const all = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
-    double const share = (double)edges * 6.0 / (all * area);
-
     if (holes != 0 && share > REPAIR_LIDS)
         BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5), longest);
+}
+
+/* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
+static double share_of_lids(const bvx_repair_report *r, const bvxi_repair_facts *f)
+{
+    const double *const h = r->lattice.spacing;
+    double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
+
+    return (double)f->sheet_edges * 6.0 / (edges * r->after.area);
 }
 
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
@@ -235,7 +237,7 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
     if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
-    bvxi_warn_of_lids(ctx, &r->lattice, f->sheet_edges, r->after.area, r->holes, f->longest_hole);
+    bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, f->longest_hole);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

@@ -70,8 +70,7 @@ bvx_status bvxi_repair_thicken(bvxi_repair_job *job)
     t.walls.function = bvxi_repair_name;
     t.walls.mesh = &job->body;
     t.walls.solid = &job->inside;
-    t.walls.beside = job->options->thin == BVX_THIN_KEEP;
-    t.walls.parts = t.walls.beside && job->report.before.components > 1;
+    t.walls.parts = job->options->thin == BVX_THIN_KEEP && job->report.before.components > 1;
     t.walls.unoriented = job->fill == BVX_FILL_VOTE;
     t.walls.open = job->holes.loops != 0 ? BVXI_WALLS_HOLES : BVXI_WALLS_CLOSED;
 

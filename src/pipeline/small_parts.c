@@ -58,7 +58,7 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 {
     const bvx_repair_options *const o = job->options;
     bvx_repair_report *const r = &job->report;
-    bvxi_crumb_source const source = {&job->mesh, job->piece};
+    bvxi_crumb_source source = {&job->mesh, job->piece, 1};
     uint64_t crumbs[2] = {0, 0};
 
     for (int32_t empty = 0; empty < 2 && !o->parts.keep_crumbs; empty++)
@@ -110,7 +110,7 @@ typedef struct crumb_job {
     const char *function;
     bvx_grid *inside;
     int32_t empty, sources;
-    const bvxi_crumb_source *source;
+    bvxi_crumb_source *source;
     bvxi_spaces spaces;
     crumb_part *part; /* [Size: spaces.count] */
     uint64_t small_parts;
@@ -231,6 +231,25 @@ static int crumb_beside(const crumb_job *job, const double p[3][3])
         if (found != 0) return found;
     }
     return 0;
+}
+
+bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source)
+{
+    /* A vertex of each place stands for all that are there. */
+    uint32_t *representative;
+    uint64_t different;
+
+    if (source->known) return BVX_OK;
+    if (source->piece == NULL)
+        BVXI_TRY(
+            bvxi_alloc(ctx, BVXI_SCRATCH, source->mesh->vertex_count * 4, "a mesh's pieces", &source->piece));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, source->mesh->vertex_count * 4, "the vertices' places",
+                        &representative));
+    BVXI_TRY(bvxi_weld(ctx, source->mesh, representative, &different));
+    bvxi_pieces(source->mesh, representative, source->piece);
+    bvxi_drop(ctx, representative);
+    source->known = 1;
+    return BVX_OK;
 }
 
 /* 1 when one mesh of one piece is all there is: then no part needs to look for the nearest one. */
@@ -425,6 +444,7 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
     job->small.words = NULL;
     job->grid_bytes = (uint64_t)bvxi_grid_rows(job->inside) * (uint64_t)job->inside->words_per_row * 8;
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, job->grid_bytes, "the small parts", &job->small.words));
+    for (int32_t s = 0; s < job->sources; s++) BVXI_TRY(bvxi_know_pieces(job->ctx, &job->source[s]));
     for (int32_t s = 0; s < job->sources; s++)
         BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH,
                                  job->source[s].mesh->vertex_count * sizeof *job->piece[s],
@@ -438,7 +458,7 @@ static bvx_status judge_small_parts(crumb_job *job, uint64_t *dropped)
 }
 
 bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty,
-                            const bvxi_crumb_source *source, int32_t sources, uint64_t *dropped)
+                            bvxi_crumb_source *source, int32_t sources, uint64_t *dropped)
 {
     crumb_job job = {.ctx = ctx,
                      .function = function,

@@ -27,19 +27,22 @@ typedef struct bvxi_lids {
 
 void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio);
 
-/* repair_report.c: warn where lids are a large share of a surface of that area, edges of it crossed by lids. */
-void bvxi_warn_of_lids(bvx_context *ctx, const bvx_lattice *lattice, uint64_t edges, double area,
-                       uint64_t holes, double longest);
+/* repair_report.c: warn where lids are a large share of the surface. */
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest);
 /* The longest loop of a mesh's holes. */
 double bvxi_longest_loop(const bvx_mesh_view *mesh, const bvxi_holes *holes);
 
 /* ---- Small parts of a solid that the meshes it was made from have no part for ---- */
 
-/* A mesh that the solid was made from. piece: of each vertex, as bvxi_pieces fills it. */
+/* A mesh that the solid was made from. piece: of each vertex, as bvxi_pieces fills it, once they are known. */
 typedef struct bvxi_crumb_source {
     const bvx_mesh_view *mesh;
-    const uint32_t *piece;
+    uint32_t *piece; /* [Size: mesh->vertex_count]; the caller's, or scratch where it has none */
+    int32_t known;
 } bvxi_crumb_source;
+
+/* Fill a source's pieces where they are not known: vertices count as one where they are equal. */
+bvx_status bvxi_know_pieces(bvx_context *ctx, bvxi_crumb_source *source);
 
 enum { BVXI_CRUMB_SOURCES = 2 };
 
@@ -49,7 +52,7 @@ enum { BVXI_CRUMB_SOURCES = 2 };
  * parts' runs, a grid, for small parts 12 bytes a vertex and, where the meshes have several pieces, what
  * bvx_closest_create needs. */
 bvx_status bvxi_drop_crumbs(bvx_context *ctx, const char *function, bvx_grid *inside, int32_t empty,
-                            const bvxi_crumb_source *source, int32_t sources, uint64_t *dropped);
+                            bvxi_crumb_source *source, int32_t sources, uint64_t *dropped);
 
 /* ---- The lattice that fits an operation on two boxes, and whether it is fine enough for them ---- */
 

@@ -186,6 +186,10 @@ static bvx_status widen(thin_job *t)
     bvx_status status;
     int mended = 0;
 
+    /* From here on only what lies around the walls matters; most places had none. */
+    bvxi_walls_forget(t->walls);
+    t->walls->beside = 1;
+    BVXI_TRY(bvxi_walls_near(t->walls));
     widen_places(t);
     BVXI_TRY(bvxi_walls_list(t->walls));
     BVXI_TRY(BVXI_SHARE(t->walls->ctx, 0.0, 0.4, bvxi_walls_ask(t->walls, THIN_BESIDE)));

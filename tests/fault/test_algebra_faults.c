@@ -248,7 +248,7 @@ static void test_cancelled_in_place_keeps_the_words(void **state)
     memcpy(copy, a.words, words * 8);
     own.words = copy;
     own.owned = 0;
-    o.progress = stop;
+    o.progress.call = stop;
     o.threads = 1;
     ctx = context_with(&o);
     assert_int_equal(bvx_grid_combine(ctx, &own, &b, BVX_BOOLEAN_UNION, &own), BVX_CANCELLED);

@@ -213,11 +213,11 @@ static void test_writers_live_in_an_arena(void **state)
         int good = 0;
         o.threads = 1;
         writing w = start(i, &o);
-        o.arena = memory;
+        o.arena.memory = memory;
         for (size_t n = 1; n <= STEPS; n++) {
             bvx_context *ctx;
             bvx_status first;
-            o.arena_size = most / STEPS * n;
+            o.arena.size = most / STEPS * n;
             ctx = context_with(&o);
             first = run_writing(&w, ctx);
             assert_true(first == BVX_OK || first == BVX_ERR_MEMORY);

@@ -75,6 +75,13 @@ reports 'info --json: pairs that cross' 'r["meshes"][0]["crossings"] == 1' info 
 reports 'info --json: no pair crosses' 'r["meshes"][0]["crossings"] == 0' info plain.obj --crossings
 reports 'info --json: crossings are not counted' '"crossings" not in r["meshes"][0]' info crossing.obj
 
+works 'info --measure' info plain.obj --measure
+holds 'info: the element of MuJoCo' says '^  MJCF +<inertial pos="[-0-9.e+ ]+" mass="[0-9.e+-]+" fullinertia="[-0-9.e+ ]+"/>'
+reports 'info --json: a mass of its density' 'abs(r["mass"]["mass"] - 4 * r["mass"]["volume"]) < 1e-9 and r["mass"]["volume_error"] >= 0 and r["mass"]["urdf"].startswith("<inertial><origin")' info plain.obj --measure --density 4
+reports 'info --json: no mass' '"mass" not in r' info plain.obj
+refuses 2 'density is used with --measure' info plain.obj --density 4
+refuses 2 'resolution is used with --measure' info plain.obj --resolution 4
+refuses 2 '--measure is used with meshes' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --measure
 works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
 refuses 2 'box.npy is not a mesh' info box.npy --crossings

@@ -120,6 +120,13 @@ static bvx_status mesh_distance(const world *w)
 {
     return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out);
 }
+static bvx_status measure(const world *w)
+{
+    TAKE_OPTIONS(measure, o);
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_measure(w->ctx, w->mesh, &o, (bvx_measure_report *)w->out);
+}
 static bvx_status mesh_crossings(const world *w)
 {
     return bvx_mesh_crossings(w->ctx, w->mesh, w->second, (uint32_t *)w->out, 8);
@@ -567,6 +574,7 @@ static const call calls[] = {
     CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
+    CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
     CALL(mesh_drop_nonfinite, BODY, PLAIN),

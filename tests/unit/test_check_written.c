@@ -142,7 +142,7 @@ static void test_a_frame_brings_it_near(void)
     bvx_write_report const r = report_of(&m, BVX_FORMAT_STL);
     TEST_ASSERT_TRUE(r.fits && r.file.closed && r.file.vertex_manifold);
     TEST_ASSERT_EQUAL_UINT64(BALL_VERTICES, r.file.vertices);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -10.0, r.file.low[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, -10.0, r.file.box.low[1]);
     bvx_buffer b = {0};
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, NULL, BVX_FORMAT_STL, &b));
     bvx_buffer_free(ctx, &b);

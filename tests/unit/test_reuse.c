@@ -441,9 +441,9 @@ static void test_failures_leave_results_that_can_be_used(void)
         results r = {0};
         bvx_status status = BVX_ERR_MEMORY;
 
-        o.alloc = fail_alloc;
-        o.free = fail_free;
-        o.alloc_user = &f;
+        o.allocator.alloc = fail_alloc;
+        o.allocator.free = fail_free;
+        o.allocator.user = &f;
         o.threads = 1;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
         for (int64_t n = 0; status != BVX_OK; n += 1 + n / (long_run ? 8 : 2)) {

@@ -312,8 +312,8 @@ static void test_helpers_end_with_an_arenas_context(void)
     work_record r = {.together = WORKERS};
 
     if (bvxi_pool_size(2) == 0) TEST_IGNORE_MESSAGE("no threads are built in");
-    o.arena = memory;
-    o.arena_size = sizeof memory;
+    o.arena.memory = memory;
+    o.arena.size = sizeof memory;
     o.threads = WORKERS;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     bvxi_pool_be_eager(ctx->pool, 2);

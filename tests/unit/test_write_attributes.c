@@ -489,7 +489,8 @@ static void test_turns_take_normals_and_certificates_along(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &as_it_is, BVX_FORMAT_GLB, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_GLB, NULL));
     o.reports = NULL;
-    TEST_ASSERT_TRUE(turned.file.low[2] == plain.file.low[1] && turned.file.low[1] == -plain.file.high[2]);
+    TEST_ASSERT_TRUE(turned.file.box.low[2] == plain.file.box.low[1] &&
+                     turned.file.box.low[1] == -plain.file.box.high[2]);
     o.turn = 3;
     bvx_buffer b = {0};
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_write_mesh(ctx, &m, 1, &o, BVX_FORMAT_GLB, &b));

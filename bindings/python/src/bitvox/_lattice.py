@@ -149,8 +149,9 @@ class Lattice:
         (8, 4, 2)
         """
         ends = triple("low", low), triple("high", high)
-        if any(a > b for a, b in zip(*ends)):
-            raise ArgumentError(f"low is above high: {ends[0]} and {ends[1]}")
+        for axis, a, b in zip("xyz", *ends):
+            if a > b:
+                raise ArgumentError(f"low is above high along {axis}: {a} and {b}")
         with Run() as run:
             return cls._fitted(run, call("points_view", ends, run), resolution, spacing, padding, corner)
 
