@@ -8,7 +8,7 @@
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
-int32_t bvxi_repair_need(const bvx_certificate *c)
+static int32_t repair_need(const bvx_certificate *c)
 {
     if (!c->closed) return BVX_NEEDS_LIDS;
     if (!c->edge_manifold || !c->vertex_manifold) return BVX_NEEDS_MANIFOLD;
@@ -50,7 +50,7 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int const several = r->before.components > 1;
     int right = 1;
 
-    r->needs = bvxi_repair_need(&r->before);
+    r->needs = repair_need(&r->before);
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 

@@ -150,7 +150,8 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
-int bvxi_changed_as_asked(const bvx_repair_report *r)
+/* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
+static int changed_as_asked(const bvx_repair_report *r)
 {
     return r->parts_dropped + r->cavities_dropped > r->crumbs;
 }
@@ -178,7 +179,7 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
 
     if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
     /* Parts that cross become one as they should. */
-    if (after < before && r->needs == BVX_NEEDS_NOTHING && !bvxi_changed_as_asked(r) && !has_lost_walls(r))
+    if (after < before && r->needs == BVX_NEEDS_NOTHING && !changed_as_asked(r) && !has_lost_walls(r))
         BVXI_WARN(ctx, BVX_WARN_JOINED, after, before, finer);
     if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
         has > f->handles + (int64_t)r->crossings)
@@ -215,10 +216,9 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvx
 
     if (all == 0.0 && f->thin_shelled != 0)
         BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)f->thin_shelled, finer);
-    if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
-        !(bvxi_changed_as_asked(r) && r->cavities_dropped))
+    if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all && !(changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
-    else if (bvxi_changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
+    else if (changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
     else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
              (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
