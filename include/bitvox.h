@@ -1685,7 +1685,7 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
     int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
                              [Default: 128] */
     int32_t reserved;
@@ -1693,35 +1693,35 @@ typedef struct bvx_measure_options {
 
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
-    double volume;        /**< [Units: world^3] */
-    double area;          /**< of the triangles as they are [Units: world^2] */
-    double mass;          /**< density times volume */
-    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
-    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error;  /**< distance from center [Units: world] */
+    double volume; /**< [Units: world^3] */
+    double area; /**< of the triangles as they are [Units: world^2] */
+    double mass; /**< density times volume */
+    double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error; /**< distance from center [Units: world] */
     double inertia_error; /**< of each element [Units: mass * world^2] */
-    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
-    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
+    int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason; /**< BVX_FILL_REASON_... */
     int32_t reserved;
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
 
 /** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors.
- *  What is inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND), flipped triangles
- *  turned, the moments of triangles are summed up: the errors are those of rounding, and of moving corners by
- *  2^-16 of a voxel where triangles meet no nearer. Of meshes with holes, overlaps or cavities that face
+ *  What is inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND) without crossing
+ *  triangles, flipped ones turned, the moments of triangles are summed up: the errors are those of rounding.
+ *  Several shells need a resolution of 128 for it. Of meshes with holes, crossings or cavities that face
  *  outwards, voxels of 1/resolution of the bounds along each axis are counted: the bounds are what all voxels
  *  at the surface can make; over a hole the body ends where its winding number passes a half.
  *  Vertices have no frame here: add a mesh's own to center.
  *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check]
- *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
+ *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check, bvx_mesh_crossings]
+ *  [Cost: as bvx_voxelize_solid and bvx_mesh_crossings]
  *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
  *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
-BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
-                               const bvx_measure_options *options, bvx_measure_report *report);
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
+                               bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
