@@ -1715,11 +1715,7 @@ typedef struct bvx_measure_report {
  *  outwards, voxels of 1/resolution of the bounds along each axis are counted: the bounds are what all voxels
  *  at the surface can make; over a hole the body ends where its winding number passes a half.
  *  Vertices have no frame here: add a mesh's own to center.
- *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check, bvx_mesh_crossings]
- *  [Cost: as bvx_voxelize_solid and bvx_mesh_crossings]
- *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
- *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
+ *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate). */
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);
 
