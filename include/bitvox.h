@@ -19,43 +19,43 @@
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
- * What holds for all stages: docs/exactness.md. How each decides, and its memory in detail: docs/rules.md.
+ * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
+ * method is from: docs/costs.md.
  *
  * What holds for every function, unless its comment says otherwise
  *   Status      Functions that can fail return bvx_status. Results come through the last parameters.
- *   Errors      Every such call may return BVX_ERR_ARGUMENT, BVX_ERR_MEMORY and BVX_ERR_BUDGET (the memory
- *               limit); BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays that
- *               the caller owns. Comments list the others, or a special meaning of these.
- *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty, and the caller's arrays
- *               hold unspecified values, as does a result of an earlier call that was passed again: free it
- *               or pass it again, do not read it. bvx_last_message(context) says what was wrong, where and
- *               why.
- *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it
- *               again without a free: the library reuses its arrays, or frees them and makes others where
- *               they do not suit, so pointers into them and views of them end there. A
- *               grid or mesh may also bring arrays that the caller owns, with their capacities: they are
- *               filled in place, or BVX_ERR_CAPACITY when too small. Other results refuse such arrays. A
- *               result never overlaps an input, except where a comment says "in place". After a failure a
- *               result may be passed again or freed.
- *   Counting    An array of results may be NULL: then only the count is computed. The count is also set
- *               when an array was too small.
- *   Input       A coordinate that is not finite is BVX_ERR_RANGE; no triangle or point at all is
- *               BVX_ERR_EMPTY; nothing inside is an empty result and BVX_OK. A target that cannot be met is
- *               BVX_OK with met 0 in the report, unless strict is set.
- *   Options     Structs begin with their size; zero is the default of all else, and stands for what
- *               [Default:] says: bvx_repair_options o = {.struct_size = sizeof o}; is enough. BVX_NONE is the
- *               0 itself, where [Limit:] has it. NULL means all defaults. A shorter struct, of an older
- *               header: what it lacks has its default; a longer one: bytes that the library does not know
- *               must be zero (BVX_ERR_VERSION). A report is filled where the options point to one.
+ *   Errors      Every such call may return BVX_ERR_ARGUMENT, BVX_ERR_MEMORY and BVX_ERR_BUDGET (the memory limit);
+ *     BVX_CANCELLED where it reports progress; BVX_ERR_CAPACITY where it fills arrays that the caller owns. Comments
+ *     list the others, or a special meaning of these.
+ *   Failure     Inputs are unchanged and nothing leaks. A zeroed result stays empty, and the caller's arrays hold
+ *     unspecified values, as does a result of an earlier call that was passed again: free it or pass it again, do not
+ *     read it. bvx_last_message(context) says what was wrong, where and why.
+ *   Outputs     Zero a result (a grid, mesh, field ...) before its first use. Later calls may receive it again without
+ *     a free: the library reuses its arrays, or frees them and makes others where they do not suit, so pointers into
+ *     them and views of them end there. A grid or mesh may also bring arrays that the caller owns, with their
+ *     capacities: they are filled in place, or BVX_ERR_CAPACITY when too small. Other results refuse such arrays. A
+ *     result never overlaps an input, except where a comment says "in place". After a failure a result may be passed
+ *     again or freed.
+ *   Counting    An array of results may be NULL: then only the count is computed. The count is also set when an array
+ *     was too small.
+ *   Input       A coordinate that is not finite, an index beyond its array, a window beyond its lattice and more than
+ *     can be counted are BVX_ERR_RANGE, with the index where there is one; no triangle or point at all, or none of
+ *     area where surfaces are needed, is BVX_ERR_EMPTY; grids that share no lattice or window are BVX_ERR_LATTICE.
+ *     Nothing inside is an empty result and BVX_OK. A target that cannot be met is BVX_OK with met 0 in the report,
+ *     unless strict is set.
+ *   Options     Structs begin with their size; zero is the default of all else, and stands for what [Default:] says:
+ *     bvx_repair_options o = {.struct_size = sizeof o}; is enough. BVX_NONE is the 0 itself, where [Limit:] has it.
+ *     NULL means all defaults. A shorter struct, of an older header: what it lacks has its default; a longer one:
+ *     bytes that the library does not know must be zero (BVX_ERR_VERSION). A report is filled where the options point
+ *     to one.
  *   Reserved    Fields named reserved must be zero.
  *   Lists       The numbers of BVX_..._LIST are frozen; the texts are names in the program and the bindings.
- *   Memory      All memory comes from the context's allocator and counts against its limit. [Memory:] is
- *               what a call needs at most beside its inputs.
- *   Threads     One context is used by one thread at a time. Two contexts share nothing but what the caller
- *               gives to both; inputs are only read, so they may be one.
+ *   Memory      All memory comes from the context's allocator and counts against its limit. What a call needs at most
+ *     beside its inputs: docs/costs.md.
+ *   Threads     One context is used by one thread at a time. Two contexts share nothing but what the caller gives to
+ *     both; inputs are only read, so they may be one.
  *   Exactness   Same bits for any compiler, processor, thread count and window.
- *   Tags        [Size:] [Limit:] [Units:] [Default:] [Memory:] [Cost:] [Exact:] are fixed words, for people
- *               and for scripts. */
+ *   Tags        [Size:] [Limit:] [Units:] [Default:] are fixed words, for people and for scripts. */
 #ifndef BITVOX_H
 #define BITVOX_H
 
@@ -94,18 +94,18 @@ enum { BVX_NONE = -1 };
 typedef int32_t bvx_status;
 
 /** Every status, its frozen value and its text. */
-#define BVX_STATUS_LIST(X)                                                                \
-    X(BVX_OK, 0, "done")                                                                  \
-    X(BVX_ERR_ARGUMENT, 1, "an argument is NULL, out of range or contradicts another")    \
-    X(BVX_ERR_VERSION, 2, "the header and the library are of different major versions")   \
-    X(BVX_ERR_MEMORY, 3, "the allocator returned nothing")                                \
-    X(BVX_ERR_BUDGET, 4, "the memory limit does not allow it")                            \
+#define BVX_STATUS_LIST(X) \
+    X(BVX_OK, 0, "done") \
+    X(BVX_ERR_ARGUMENT, 1, "an argument is NULL, out of range or contradicts another") \
+    X(BVX_ERR_VERSION, 2, "the header and the library are of different major versions") \
+    X(BVX_ERR_MEMORY, 3, "the allocator returned nothing") \
+    X(BVX_ERR_BUDGET, 4, "the memory limit does not allow it") \
     X(BVX_ERR_RANGE, 5, "a coordinate, index or size is outside what can be represented") \
-    X(BVX_ERR_EMPTY, 6, "the input holds nothing to work on")                             \
-    X(BVX_ERR_FORMAT, 7, "the data is damaged or not of the stated format")               \
-    X(BVX_ERR_UNSUPPORTED, 8, "a valid request that this build or format cannot serve")   \
-    X(BVX_ERR_CAPACITY, 9, "an array given by the caller is too small")                   \
-    X(BVX_ERR_LATTICE, 10, "the grids do not share one lattice or window")                \
+    X(BVX_ERR_EMPTY, 6, "the input holds nothing to work on") \
+    X(BVX_ERR_FORMAT, 7, "the data is damaged or not of the stated format") \
+    X(BVX_ERR_UNSUPPORTED, 8, "a valid request that this build or format cannot serve") \
+    X(BVX_ERR_CAPACITY, 9, "an array given by the caller is too small") \
+    X(BVX_ERR_LATTICE, 10, "the grids do not share one lattice or window") \
     X(BVX_CANCELLED, 11, "the progress callback asked to stop")
 enum { BVX_STATUS_LIST(BVX_LIST_ENUM) BVX_STATUS_COUNT = 12 };
 
@@ -113,41 +113,41 @@ enum { BVX_STATUS_LIST(BVX_LIST_ENUM) BVX_STATUS_COUNT = 12 };
 BVX_API const char *bvx_status_text(bvx_status status);
 
 /** Why a call failed, for programs: the reason, its frozen value and its text. */
-#define BVX_REASON_LIST(X)                                                                                \
-    X(BVX_REASON_NONE, 0, "no call has failed")                                                           \
-    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more")                                            \
-    X(BVX_REASON_NULL, 2, "an argument is NULL")                                                          \
-    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0")                                                \
+/* clang-format off */
+#define BVX_REASON_LIST(X) \
+    X(BVX_REASON_NONE, 0, "no call has failed") \
+    X(BVX_REASON_UNSPECIFIED, 1, "no failure has it any more") \
+    X(BVX_REASON_NULL, 2, "an argument is NULL") \
+    X(BVX_REASON_RESERVED, 3, "a reserved field is not 0") \
     X(BVX_REASON_OPTIONS, 4, "an option struct has no valid size or sets what the library does not know") \
-    X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are")                   \
-    X(BVX_REASON_MEMORY, 6, "the allocator returned nothing")                                             \
-    X(BVX_REASON_BUDGET, 7, "the memory limit does not allow it")                                         \
-    X(BVX_REASON_CAPACITY, 8, "an array given by the caller is too small")                                \
-    X(BVX_REASON_LATTICE, 9, "the grids do not share one lattice or window")                              \
-    X(BVX_REASON_CANCELLED, 10, "the progress callback asked to stop")                                    \
-    X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite")                                           \
-    X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in")                                       \
-    X(BVX_REASON_FLOATS_COARSE, 13,                                                                       \
-      "f32 does not distinguish neighbouring positions; BVX_POSITION_AUTO takes f64")                     \
-    X(BVX_REASON_DOUBLES_COARSE, 14,                                                                      \
-      "doubles do not distinguish neighbouring positions; a local frame does")                            \
-    X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one")         \
-    X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there")          \
-    X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out")                         \
-    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them")           \
-    X(BVX_REASON_RANGE, 19, "an option is outside its range")                                             \
-    X(BVX_REASON_CONTRADICTION, 20, "arguments or options exclude or need each other")                    \
-    X(BVX_REASON_INVALID, 21, "an argument's sizes, counts or arrays do not describe what it should be")  \
-    X(BVX_REASON_NOT_EMPTY, 22, "an output brings arrays of its own, which are not used")                 \
-    X(BVX_REASON_OVERLAP, 23, "an output's memory is an input's")                                         \
-    X(BVX_REASON_TOPOLOGY, 24, "the mesh is not closed, manifold or oriented as the call needs it")       \
-    X(BVX_REASON_TOO_FAR, 25, "a coordinate or a length is beyond what numbers or a format represent")    \
-    X(BVX_REASON_TOO_MANY, 26, "there are more elements than an index, a format or a machine counts")     \
-    X(BVX_REASON_TARGET, 27, "a target of triangles or of error cannot be kept")                          \
-    X(BVX_REASON_EMPTY, 28, "the input holds nothing to work on")                                         \
-    X(BVX_REASON_DAMAGED, 29, "the data is damaged or not of the stated format")                          \
-    X(BVX_REASON_UNSUPPORTED, 30, "the build or the format has no such thing")                            \
+    X(BVX_REASON_CHOICE, 5, "a number does not name one of the choices that there are") \
+    X(BVX_REASON_MEMORY, 6, "the allocator returned nothing") \
+    X(BVX_REASON_BUDGET, 7, "the memory limit does not allow it") \
+    X(BVX_REASON_CAPACITY, 8, "an array given by the caller is too small") \
+    X(BVX_REASON_LATTICE, 9, "the grids do not share one lattice or window") \
+    X(BVX_REASON_CANCELLED, 10, "the progress callback asked to stop") \
+    X(BVX_REASON_NOT_FINITE, 11, "a number is NaN or infinite") \
+    X(BVX_REASON_INDEX, 12, "an index is beyond what it counts in") \
+    X(BVX_REASON_FLOATS_COARSE, 13, "f32 does not distinguish neighbouring positions; BVX_POSITION_AUTO takes f64") \
+    X(BVX_REASON_DOUBLES_COARSE, 14, "doubles do not distinguish neighbouring positions; a local frame does") \
+    X(BVX_REASON_SEVERAL_BODIES, 15, "the sections hold several bodies and no label chooses one") \
+    X(BVX_REASON_LOOPS_MEET, 16, "loops of a section cross or touch; mending splits them there") \
+    X(BVX_REASON_LOOP_FLAT, 17, "a loop encloses no area; mending leaves it out") \
+    X(BVX_REASON_COMPRESSED, 18, "samples are compressed and nothing was given to unpack them") \
+    X(BVX_REASON_RANGE, 19, "an option is outside its range") \
+    X(BVX_REASON_CONTRADICTION, 20, "arguments or options exclude or need each other") \
+    X(BVX_REASON_INVALID, 21, "an argument's sizes, counts or arrays do not describe what it should be") \
+    X(BVX_REASON_NOT_EMPTY, 22, "an output brings arrays of its own, which are not used") \
+    X(BVX_REASON_OVERLAP, 23, "an output's memory is an input's") \
+    X(BVX_REASON_TOPOLOGY, 24, "the mesh is not closed, manifold or oriented as the call needs it") \
+    X(BVX_REASON_TOO_FAR, 25, "a coordinate or a length is beyond what numbers or a format represent") \
+    X(BVX_REASON_TOO_MANY, 26, "there are more elements than an index, a format or a machine counts") \
+    X(BVX_REASON_TARGET, 27, "a target of triangles or of error cannot be kept") \
+    X(BVX_REASON_EMPTY, 28, "the input holds nothing to work on") \
+    X(BVX_REASON_DAMAGED, 29, "the data is damaged or not of the stated format") \
+    X(BVX_REASON_UNSUPPORTED, 30, "the build or the format has no such thing") \
     X(BVX_REASON_VERSION, 31, "the header and the library are of different major versions")
+/* clang-format on */
 enum { BVX_REASON_LIST(BVX_LIST_ENUM) BVX_REASON_COUNT = 32 };
 
 /** The library's version, made like BVX_VERSION. */
@@ -161,51 +161,62 @@ typedef struct bvx_context bvx_context;
 typedef void *bvx_alloc_fn(void *user, size_t size, size_t align);
 /** Frees what bvx_alloc_fn returned, with the same size and align. */
 typedef void bvx_free_fn(void *user, void *block, size_t size, size_t align);
-/** Called on the calling thread between pieces of work. fraction is the share of the whole call that is done,
- *  in fixed shares of its steps, whatever they take: it never falls, and stays below 1 while there is work.
- *  stage names what is being done, or the function where it reports nothing finer.
- *  A result other than 0 cancels: the call returns BVX_CANCELLED. The last report of a call that succeeds is
- *  exactly 1, and its result is ignored; a call that fails makes no report of 1.
- *  These calls are too small and report nothing: bvx_lattice_make, bvx_grid_create, bvx_octree_lattice,
- *  bvx_octree_neighbours, bvx_volume_data_name. */
+/** Called on the calling thread between pieces of work. fraction is the share of the whole call that is done: it never
+ *  falls, and is below 1 while there is work. stage names what is being done. A result other than 0 cancels: the call
+ *  returns BVX_CANCELLED. The last report of a call that succeeds is exactly 1, and its result is ignored. Small calls
+ *  report nothing: bvx_lattice_make, bvx_grid_create, bvx_octree_lattice, bvx_octree_neighbours, bvx_volume_data_name.
+ */
 typedef int32_t bvx_progress_fn(void *user, const char *stage, double fraction);
-/** One piece of parallel work. worker is below the context's thread count and never runs two pieces at
- *  once. */
+/** One piece of parallel work. worker is below the context's thread count and never runs two pieces at once. */
 typedef void bvx_task_fn(void *task_user, int32_t index, int32_t worker);
-/** Runs task(task_user, index, worker) once for every index in [0, count), in any order, and returns after
- *  the last. */
+/** Runs task(task_user, index, worker) once for every index in [0, count), in any order, and returns after the last. */
 typedef void bvx_parallel_fn(void *user, int32_t count, bvx_task_fn *task, void *task_user);
 
 enum { BVX_CPU_BEST = 0, BVX_CPU_PORTABLE = 1, BVX_CPU_AVX2 = 2 };
 
+/** Where memory comes from; user is the first argument of both. */
+typedef struct bvx_allocator {
+    bvx_alloc_fn *alloc; /**< set together with free [Default: NULL] */
+    bvx_free_fn *free; /**< [Default: NULL] */
+    void *user; /**< [Default: NULL] */
+} bvx_allocator;
+
+/** Memory to live in: results at its low end, scratch at its high end. */
+typedef struct bvx_arena {
+    void *memory; /**< of any alignment: up to 63 bytes of it are skipped [Default: NULL] */
+    uint64_t size; /**< [Units: bytes] [Limit: any] [Default: 0] */
+} bvx_arena;
+
+typedef struct bvx_parallel {
+    bvx_parallel_fn *call; /**< [Default: NULL] */
+    void *user; /**< its first argument [Default: NULL] */
+} bvx_parallel;
+
+typedef struct bvx_progress {
+    bvx_progress_fn *call; /**< [Default: NULL] */
+    void *user; /**< its first argument [Default: NULL] */
+} bvx_progress;
+
 typedef struct bvx_context_options {
     size_t struct_size;
-    bvx_alloc_fn *alloc; /**< [Default: the C library's heap; BVX_FREESTANDING: alloc or arena] */
-    bvx_free_fn *free;   /**< set together with alloc [Default: NULL] */
-    void *alloc_user;    /**< first argument of alloc and free [Default: NULL] */
-    void *arena; /**< memory to live in: results at its low end, scratch at its high end; of any alignment, up
-                      to 63 bytes of it are skipped [Default: NULL] */
-    uint64_t arena_size;       /**< [Units: bytes] [Limit: any] [Default: 0] */
-    uint64_t memory_limit;     /**< [Units: bytes] [Limit: any] [Default: 0, none] */
-    bvx_parallel_fn *parallel; /**< the caller's own parallel-for [Default: the library's threads] */
-    void *parallel_user;       /**< first argument of parallel [Default: NULL] */
-    bvx_progress_fn *progress; /**< [Default: NULL, never called] */
-    void *progress_user;       /**< first argument of progress [Default: NULL] */
+    bvx_allocator allocator; /**< [Default: the C library's heap; BVX_FREESTANDING: this or arena] */
+    bvx_arena arena; /**< in place of allocator [Default: all zero, none] */
+    uint64_t memory_limit; /**< [Units: bytes] [Limit: any] [Default: 0, none] */
+    bvx_parallel parallel; /**< the caller's own parallel-for [Default: the library's threads] */
+    bvx_progress progress; /**< [Default: all zero, never called] */
     int32_t threads; /**< workers [Limit: 0..1024] [Default: 0, see below; 1 with the caller's parallel] */
-    int32_t cpu;     /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
+    int32_t cpu; /**< fastest code that may run, BVX_CPU_... [Limit: 0..2] [Default: BVX_CPU_BEST] */
 } bvx_context_options;
 
-/** Create a context; call it through bvx_context_create, which passes the header's version.
- *  By default there are as many workers as the process may use processors: by affinity, and by the quota of
- *  its control group; OMP_NUM_THREADS overrides that, OMP_THREAD_LIMIT limits it. A number in threads is
- *  taken as it is. A build without threads has one worker. Threads are started only for work that is worth
- *  it and leave a busy machine to others. Those of OpenMP stay with the calling thread, POSIX threads end with
- *  the context: docs/limits.md. Results do not depend on them.
- *  Returns BVX_ERR_VERSION when the major versions differ (before 1.0: the minor ones) or a field is set that
- *  this library does not know, BVX_ERR_UNSUPPORTED when this build or thread has arithmetic that would change
- *  results, BVX_ERR_ARGUMENT (an option; context is NULL), BVX_ERR_MEMORY (alloc returned nothing, or the
- *  arena is too small). There is no context then to ask for a message: bvx_context_fault has it.
- *  [Cost: O(1)] */
+/** Create a context; call it through bvx_context_create, which passes the header's version. By default it has as many
+ *  workers as the process may use processors: by affinity, the quota of its control group, OMP_NUM_THREADS and
+ *  OMP_THREAD_LIMIT. A number in threads is taken as it is. A build without threads has one worker:
+ *  bvx_context_threads tells. Which threads run when, and when they end: docs/limits.md. Results do not depend on
+ *  them.
+ *  Returns BVX_ERR_VERSION (another major version, before 1.0 another minor one; a field is set that this library does
+ *  not know), BVX_ERR_UNSUPPORTED (arithmetic of this build or thread would change results), BVX_ERR_MEMORY (alloc
+ *  returned nothing; the arena is too small). There is no context then to ask for a message: bvx_context_fault has it.
+ */
 BVX_API bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_options *options,
                                               bvx_context **context);
 
@@ -214,160 +225,131 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
     return bvx_context_create_version(BVX_VERSION, options, context);
 }
 
-/** Why no context is made of these options, in one line, for people: which field, and what it must be; the
- *  versions; arithmetic that would change results (products contracted by the compiler, results wider than
- *  their type, rounding that is not to nearest); an arena that is too small. NULL when one is made, where the
- *  allocator has the memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is
- *  allocated or changed.
- *  options  NULL means all defaults */
+/** Why no context is made of these options, in one line for people; NULL when one is made, where the allocator has the
+ *  memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is allocated or changed. */
 BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
 
-/** Free a context; NULL is allowed. Results that it allocated stay valid until they are freed through another
- *  context with the same allocator. A context in an arena must be destroyed too, before that memory is used
- *  for anything else: its threads end here. */
+/** Free a context; NULL is allowed. Results that it allocated stay valid until they are freed through another context
+ *  with the same allocator. A context in an arena must be destroyed too, before that memory is used for anything else:
+ *  its threads end here. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
-/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it
- *  right after that call: the next one may change it, also where it succeeds. */
+/** One line for people that says what went wrong in the last call that failed; "" when none did. Read it right after
+ *  that call: the next one may change it, also where it succeeds. */
 BVX_API const char *bvx_last_message(const bvx_context *context);
 
-/** The last failure in parts, for programs: nobody needs to parse messages. The library owns it and may
- *  append fields. */
+/** The last failure in parts, for programs: nobody needs to parse messages. The library owns it and may append fields.
+ */
 typedef struct bvx_error {
-    bvx_status status;    /**< BVX_OK: no call has failed */
-    int32_t reason;       /**< BVX_REASON_...; after a failure neither BVX_REASON_NONE nor _UNSPECIFIED */
+    bvx_status status; /**< BVX_OK: no call has failed */
+    int32_t reason; /**< BVX_REASON_...; after a failure neither BVX_REASON_NONE nor _UNSPECIFIED */
     const char *function; /**< the public function that was called; "" when none failed */
-    const char *message;  /**< as bvx_last_message returns it */
-    const char *text;     /**< the message without the function's name in front */
-    int64_t index;        /**< of the vertex, triangle, level ... that the message names first, or -1 */
-    int32_t value_count;  /**< [Limit: 0..8] */
+    const char *message; /**< as bvx_last_message returns it */
+    const char *text; /**< the message without the function's name in front */
+    int64_t index; /**< of the vertex, triangle, level ... that the message names first, or -1 */
+    int32_t value_count; /**< [Limit: 0..8] */
     int32_t reserved;
     double value[8]; /**< the message's numbers in order, the index included, as doubles */
 } bvx_error;
 
-/** Why the last call that failed did so. Never NULL. Read it right after that call, as errno.
- *  [Cost: O(1)] */
+/** Why the last call that failed did so. Never NULL. Read it right after that call, as errno. */
 BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
 
 /** What a call that succeeded has cost, or could not do: a frozen number, and a text. %d, %g, %p (a share, as a
- *  percentage) stand for the warning's values in order, %b for its box, and words in braces are left out where
- *  the first value in them is 0: a resolution of more than 4,096 is not advised. The program words those from
+ *  percentage) stand for the warning's values in order, %b for its box, and words in braces are left out where the
+ *  first value in them is 0: a resolution of more than 4,096 is not advised. The program words those from
  *  BVX_WARN_UNJOINED on by itself. */
-#define BVX_WARN_LIST(X)                                                                                                                                   \
-    X(BVX_WARN_NONE, 0, "nothing to warn of")                                                                                                              \
-    X(BVX_WARN_THIN_LOST, 1,                                                                                                                               \
-      "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %d voxel%s, in %b"                                                     \
-      "{; a resolution of %d keeps nine tenths of them}")                                                                                                  \
-    X(BVX_WARN_THICKER, 2,                                                                                                                                 \
-      "the result has a volume of %g, all parts of the input together %g (%p): what is thinner than a "                                                    \
-      "voxel, or less than one apart, became thicker{; a resolution of %d is nearer}"                                                                      \
-      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
-    X(BVX_WARN_VOLUME, 3,                                                                                                                                  \
-      "the result has a volume of %g, the input about %g (%p){; a resolution of %d is nearer}"                                                             \
-      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
-    X(BVX_WARN_AREA, 4,                                                                                                                                    \
-      "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of %d is nearer}"                                              \
-      "{; so it was before edges collapsed to %d triangles}")                                                                                              \
-    X(BVX_WARN_PARTS, 5,                                                                                                                                   \
-      "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap closed "                                                   \
-      "around an empty space{; a resolution of %d may keep it}")                                                                                           \
-    X(BVX_WARN_JOINED, 6,                                                                                                                                  \
-      "the result has %d part%s, the input %d: parts less than two voxels apart became one, or smaller ones are lost{; a resolution of %d may keep them}") \
-    X(BVX_WARN_HANDLES, 7,                                                                                                                                 \
-      "the result has %d handle%s, the input %d: what is less than a voxel thick, or apart, has opened or "                                                \
-      "met{; a resolution of %d may keep it}")                                                                                                             \
-    X(BVX_WARN_SHELLS, 8,                                                                                                                                  \
-      "%d triangle%s with %g of the area of %g enclose nothing and became hollow shells; shell sets their "                                                \
-      "thickness")                                                                                                                                         \
-    X(BVX_WARN_SHELLED_BODIES, 9,                                                                                                                          \
-      "%d triangle%s of bodies thinner than voxels became shells, which are thicker than these bodies"                                                     \
-      "{; a resolution of %d may keep them}")                                                                                                              \
-    X(BVX_WARN_CRUMBS, 10,                                                                                                                                 \
-      "dropped, since what is thinner than a voxel broke: %d small part%s that the input does not have"                                                    \
-      "{; a resolution of %d may keep it}")                                                                                                                \
-    X(BVX_WARN_LEVEL_PARTS, 11,                                                                                                                            \
-      "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more levels}")                                                              \
-    X(BVX_WARN_LEVEL_VOLUME, 12,                                                                                                                           \
-      "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles keep it nearer"                                                      \
-      "{; so it is for %d more levels}")                                                                                                                   \
-    X(BVX_WARN_TARGET, 13,                                                                                                                                 \
-      "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing edges leaves sound"                                             \
-      "{ with %d handle%s}; take a larger target{; %d more levels miss theirs}")                                                                           \
-    X(BVX_WARN_ERROR, 14,                                                                                                                                  \
-      "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more levels miss "                                                \
-      "theirs}")                                                                                                                                           \
-    X(BVX_WARN_CUT, 15,                                                                                                                                    \
-      "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first from %b; levels "                                            \
-      "of the solid join what they part")                                                                                                                  \
-    X(BVX_WARN_LOWERED, 16,                                                                                                                                \
-      "the memory limit lowered the resolution from %d to %d voxels along the longest axis; a larger limit "                                               \
-      "keeps more detail")                                                                                                                                 \
-    X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s")                                                                             \
-    X(BVX_WARN_TURNED, 18,                                                                                                                                 \
-      "turned since they faced the other way than the rest of their patch: %d triangle%s")                                                                 \
-    X(BVX_WARN_ROWS, 19,                                                                                                                                   \
-      "%d of %d rows of centres do not balance, where the surface has holes or flipped triangles; a repair closes them, "                                  \
-      "and the rule below fills under open terrain")                                                                                                       \
-    X(BVX_WARN_NESTED, 20,                                                                                                                                 \
-      "closed shells lie inside others, face the same way and do not cross: what lies in both is hollow; the rule "                                        \
-      "nonzero has it solid")                                                                                                                              \
-    X(BVX_WARN_LEAKS, 21,                                                                                                                                  \
-      "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps may hold it, the rules "                                     \
-      "vote and regions do without")                                                                                                                       \
-    X(BVX_WARN_MIXED, 22,                                                                                                                                  \
-      "%d of %d regions are not on one side, since a hole joins them or the axes disagree: each of their %d voxels "                                       \
-      "kept its own vote")                                                                                                                                 \
-    X(BVX_WARN_VOXELS, 23,                                                                                                                                 \
-      "the voxels have a volume of %g, the input about %g (%p){; a resolution of %d is within 1 %%}")                                                      \
-    X(BVX_WARN_FEW, 24, "few or no voxels show this body{; a resolution of %d does}")                                                                      \
-    X(BVX_WARN_FEW_RESULT, 25, "few voxels show the result{; a resolution of %d does}")                                                                    \
-    X(BVX_WARN_APART, 26, "it does not reach the first body: nothing was taken away")                                                                      \
-    X(BVX_WARN_CONTOURS, 27,                                                                                                                               \
-      "at %d points, %d edges and %d gaps where planes cross the surface does not follow the contours, which "                                             \
-      "contradict each other")                                                                                                                             \
-    X(BVX_WARN_SPECKS, 28,                                                                                                                                 \
-      "parts of one contour alone, smaller than a cell: %d; more cells, or leaving out those contours, may join them "                                     \
-      "to the body")                                                                                                                                       \
-    X(BVX_WARN_EXTRA_HANDLES, 29, "left, though no contour needs them: %d handle%s")                                                                       \
-    X(BVX_WARN_CELLS, 30,                                                                                                                                  \
-      "%d edges and %d loops are too fine for the cells: what joins them to the next section is a guess{; a subdivision "                                  \
-      "of %d may help}")                                                                                                                                   \
-    X(BVX_WARN_WINDOWS, 31,                                                                                                                                \
-      "between %d pairs of sections walls are too thin for the cells and may have windows; a finer grid closes them")                                      \
-    X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s")                                                                                              \
-    X(BVX_WARN_LIDS, 33,                                                                                                                                   \
-      "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in the input says how the "                                      \
-      "body went on there; close such holes first where that matters")                                                                                     \
-    X(BVX_WARN_OPEN_PARTS, 34,                                                                                                                             \
-      "parts that end towards another one with no plane between: %d, one at %b; whether they are one the contours leave "                                  \
-      "open, and a section there, or more cells, decides it")                                                                                              \
-    X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it")                                                   \
-    X(BVX_WARN_EMPTY, 36, "the result is empty, or has no inside")                                                                                         \
-    X(BVX_WARN_UNMET, 37, "a wish, an option or a level that is requested has no effect")                                                                  \
-    X(BVX_WARN_ENDS, 38, "what was made reaches the sides of its grid and ends there")                                                                     \
-    X(BVX_WARN_LOST, 39,                                                                                                                                   \
-      "what the input has the file cannot hold: attributes, materials, names, the lattice")                                                                \
-    X(BVX_WARN_READ, 40, "something in a file was left out or mended")                                                                                     \
-    X(BVX_WARN_ROUNDED, 41, "the numbers of a file move vertices, or spoil triangles")                                                                     \
-    X(BVX_WARN_FAR, 42, "a vertex far from all others leaves these few voxels")                                                                            \
+/* clang-format off */
+#define BVX_WARN_LIST(X) \
+    X(BVX_WARN_NONE, 0, "nothing to warn of") \
+    X(BVX_WARN_THIN_LOST, 1, "walls thinner than 1.5 voxels are lost where no voxel's centre lies in them: %d " \
+      "voxel%s, in %b{; a resolution of %d keeps nine tenths of them}") \
+    X(BVX_WARN_THICKER, 2, "the result has a volume of %g, all parts of the input together %g (%p): what is " \
+      "thinner than a voxel, or less than one apart, became thicker{; a resolution of %d is nearer}{; so it was " \
+      "before edges collapsed to %d triangles}") \
+    X(BVX_WARN_VOLUME, 3, "the result has a volume of %g, the input about %g (%p){; a resolution of %d is " \
+      "nearer}{; so it was before edges collapsed to %d triangles}") \
+    X(BVX_WARN_AREA, 4, "the result has an area of %g, the input %g (%p), and no parts overlap{; a resolution of " \
+      "%d is nearer}{; so it was before edges collapsed to %d triangles}") \
+    X(BVX_WARN_PARTS, 5, "the result has %d parts, the input %d: what is thinner than a voxel came apart, or a gap " \
+      "closed around an empty space{; a resolution of %d may keep it}") \
+    X(BVX_WARN_JOINED, 6, "the result has %d part%s, the input %d: parts less than two voxels apart became one, or " \
+      "smaller ones are lost{; a resolution of %d may keep them}") \
+    X(BVX_WARN_HANDLES, 7, "the result has %d handle%s, the input %d: what is less than a voxel thick, or apart, " \
+      "has opened or met{; a resolution of %d may keep it}") \
+    X(BVX_WARN_SHELLS, 8, "%d triangle%s with %g of the area of %g enclose nothing and became hollow shells; shell " \
+      "sets their thickness") \
+    X(BVX_WARN_SHELLED_BODIES, 9, "%d triangle%s of bodies thinner than voxels became shells, which are thicker " \
+      "than these bodies{; a resolution of %d may keep them}") \
+    X(BVX_WARN_CRUMBS, 10, "dropped, since what is thinner than a voxel broke: %d small part%s that the input does " \
+      "not have{; a resolution of %d may keep it}") \
+    X(BVX_WARN_LEVEL_PARTS, 11, "{level %d: }%d piece%s, but %d before edges collapsed{; so it is for %d more " \
+      "levels}") \
+    X(BVX_WARN_LEVEL_VOLUME, 12, "{level %d: }a volume of %g, but %g before edges collapsed (%p); more triangles " \
+      "keep it nearer{; so it is for %d more levels}") \
+    X(BVX_WARN_TARGET, 13, "{level %d: }the target of %d triangles is missed: %d are the fewest that collapsing " \
+      "edges leaves sound{ with %d handle%s}; take a larger target{; %d more levels miss theirs}") \
+    X(BVX_WARN_ERROR, 14, "{level %d: }no mesh with the target error of %g was found; take a larger one{; %d more " \
+      "levels miss theirs}") \
+    X(BVX_WARN_CUT, 15, "cut: %d edge%s of three triangles and more, or whose triangles cannot agree, the first " \
+      "from %b; levels of the solid join what they part") \
+    X(BVX_WARN_LOWERED, 16, "the memory limit lowered the resolution from %d to %d voxels along the longest axis; " \
+      "a larger limit keeps more detail") \
+    X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s") \
+    X(BVX_WARN_TURNED, 18, "turned since they faced the other way than the rest of their patch: %d triangle%s") \
+    X(BVX_WARN_ROWS, 19, "%d of %d rows of centres do not balance, where the surface has holes or flipped " \
+      "triangles; a repair closes them, and the rule below fills under open terrain") \
+    X(BVX_WARN_NESTED, 20, "closed shells lie inside others, face the same way and do not cross: what lies in both " \
+      "is hollow; the rule nonzero has it solid") \
+    X(BVX_WARN_LEAKS, 21, "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps " \
+      "may hold it, the rules vote and regions do without") \
+    X(BVX_WARN_MIXED, 22, "%d of %d regions are not on one side, since a hole joins them or the axes disagree: " \
+      "each of their %d voxels kept its own vote") \
+    X(BVX_WARN_VOXELS, 23, "the voxels have a volume of %g, the input about %g (%p){; a resolution of %d is within " \
+      "1 %%}") \
+    X(BVX_WARN_FEW, 24, "few or no voxels show this body{; a resolution of %d does}") \
+    X(BVX_WARN_FEW_RESULT, 25, "few voxels show the result{; a resolution of %d does}") \
+    X(BVX_WARN_APART, 26, "it does not reach the first body: nothing was taken away") \
+    X(BVX_WARN_CONTOURS, 27, "at %d points, %d edges and %d gaps where planes cross the surface does not follow " \
+      "the contours, which contradict each other") \
+    X(BVX_WARN_SPECKS, 28, "parts of one contour alone, smaller than a cell: %d; more cells, or leaving out those " \
+      "contours, may join them to the body") \
+    X(BVX_WARN_EXTRA_HANDLES, 29, "left, though no contour needs them: %d handle%s") \
+    X(BVX_WARN_CELLS, 30, "%d edges and %d loops are too fine for the cells: what joins them to the next section " \
+      "is a guess{; a subdivision of %d may help}") \
+    X(BVX_WARN_WINDOWS, 31, "between %d pairs of sections walls are too thin for the cells and may have windows; a " \
+      "finer grid closes them") \
+    X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s") \
+    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in " \
+      "the input says how the body went on there; close such holes first where that matters") \
+    X(BVX_WARN_OPEN_PARTS, 34, "parts that end towards another one with no plane between: %d, one at %b; whether " \
+      "they are one the contours leave open, and a section there, or more cells, decides it") \
+    X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it") \
+    X(BVX_WARN_EMPTY, 36, "the result is empty, or has no inside") \
+    X(BVX_WARN_UNMET, 37, "a wish, an option or a level that is requested has no effect") \
+    X(BVX_WARN_ENDS, 38, "what was made reaches the sides of its grid and ends there") \
+    X(BVX_WARN_LOST, 39, "what the input has the file cannot hold: attributes, materials, names, the lattice") \
+    X(BVX_WARN_READ, 40, "something in a file was left out or mended") \
+    X(BVX_WARN_ROUNDED, 41, "the numbers of a file move vertices, or spoil triangles") \
+    X(BVX_WARN_FAR, 42, "a vertex far from all others leaves these few voxels") \
     X(BVX_WARN_FILE, 43, "a file could not be removed")
+/* clang-format on */
 enum { BVX_WARN_LIST(BVX_LIST_ENUM) BVX_WARN_COUNT = 44 };
 
 /** One warning. The library owns it and may append fields. */
 typedef struct bvx_warning {
-    int32_t code;  /**< BVX_WARN_... */
+    int32_t code; /**< BVX_WARN_... */
     int32_t input; /**< 0 or 1: the mesh of several that it is about; -1: the result, or the only mesh */
-    int32_t value_count;    /**< [Limit: 0..6] */
-    int32_t placed;         /**< 1: low and high are filled */
-    double value[6];        /**< what the text names, in order */
+    int32_t value_count; /**< [Limit: 0..6] */
+    int32_t placed; /**< 1: low and high are filled */
+    double value[6]; /**< what the text names, in order */
     double low[3], high[3]; /**< the box that it is about [Units: world] */
-    const char *name;       /**< "BVX_WARN_..." */
-    const char *text;       /**< one line for people; valid until the next call with this context */
+    const char *name; /**< "BVX_WARN_..." */
+    const char *text; /**< one line for people; valid until the next call with this context */
 } bvx_warning;
 
 /** The next warning of the last call, which succeeded; NULL: there is none, or no more. Calls warn as far as they
- *  measure: a report makes them. Its bits, 1 << BVX_WARN_..., are in the report too.
- *  [Cost: O(1)] */
+ *  measure: a report makes them. Its bits, 1 << BVX_WARN_..., are in the report too. */
 BVX_API const bvx_warning *bvx_next_warning(bvx_context *context);
 
 /** Bytes that are held now, results included; and the maximum since creation or the last reset. */
@@ -381,13 +363,10 @@ BVX_API int32_t bvx_context_threads(const bvx_context *context);
 /* ---- Meshes -------------------------------------------------------------------------------------------- */
 
 /** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it
- *  distinguishes neighbouring positions (its steps at the largest coordinate are at most 1/256 of a voxel),
- *  else BVX_F64; the result's position_type says which. Without voxels: simplifying, and levels of
- *  the mesh itself, keep the mesh's type, sections give f64. Arrays that the caller provides must be of the
- *  type that comes out. */
-#define BVX_REAL_LIST(X) \
-    X(BVX_F32, 1, "f32") \
-    X(BVX_F64, 2, "f64")
+ *  distinguishes neighbouring positions (its steps at the largest coordinate are at most 1/256 of a voxel), else
+ *  BVX_F64; the result's position_type says which. Without voxels: simplifying, and levels of the mesh itself, keep
+ *  the mesh's type, sections give f64. Arrays that the caller provides must be of the type that comes out. */
+#define BVX_REAL_LIST(X) X(BVX_F32, 1, "f32") X(BVX_F64, 2, "f64")
 enum { BVX_POSITION_AUTO = 0, BVX_REAL_LIST(BVX_LIST_ENUM) };
 enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
 
@@ -395,19 +374,19 @@ enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
 typedef struct bvx_mesh_view {
     const void *positions; /**< x, y, z of each vertex [Size: vertex_count] */
     const void *indices; /**< three vertex indices a triangle; NULL: triangle t has vertices 3t, 3t+1, 3t+2 */
-    uint64_t vertex_count;    /**< [Limit: < 2^32] */
-    uint64_t triangle_count;  /**< [Limit: < 2^31] */
-    uint32_t position_type;   /**< BVX_F32 or BVX_F64 */
+    uint64_t vertex_count; /**< [Limit: < 2^32] */
+    uint64_t triangle_count; /**< [Limit: < 2^31] */
+    uint32_t position_type; /**< BVX_F32 or BVX_F64 */
     uint32_t position_stride; /**< from vertex to vertex [Units: bytes] [Default: 0, packed] */
-    uint32_t index_type;      /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
-    uint32_t index_stride;    /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
-    const uint8_t *colours;   /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
-    const float *normals;     /**< x, y, z of each vertex, packed [Default: NULL] */
+    uint32_t index_type; /**< BVX_U16, BVX_U32 or BVX_U64; ignored without indices */
+    uint32_t index_stride; /**< from triangle to triangle [Units: bytes] [Default: 0, packed] */
+    const uint8_t *colours; /**< red, green, blue, alpha of each vertex, packed [Default: NULL] */
+    const float *normals; /**< x, y, z of each vertex, packed [Default: NULL] */
     const float *uvs; /**< texture coordinates u, v: of each vertex, or by uv_indices [Default: NULL] */
     const uint32_t *uv_indices; /**< three indices into uvs a triangle; NULL: each vertex has its own */
-    uint64_t uv_count;          /**< of uvs, with uv_indices */
-    const float *uvs2;          /**< second texture coordinates of each vertex [Default: NULL] */
-    const uint32_t *materials;  /**< index of each triangle's material [Default: NULL] */
+    uint64_t uv_count; /**< of uvs, with uv_indices */
+    const float *uvs2; /**< second texture coordinates of each vertex [Default: NULL] */
+    const uint32_t *materials; /**< index of each triangle's material [Default: NULL] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -442,29 +421,29 @@ static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_
 /** Materials, textures and images as a file had them; a mesh that owns its arrays owns them too. */
 typedef struct bvx_assets bvx_assets;
 
-/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. See Outputs above. Where
- *  attributes have a seam, vertices of equal positions have one side's each. */
+/** A mesh that comes out: indexed triangles, counter-clockwise seen from outside. See Outputs above. Where attributes
+ *  have a seam, vertices of equal positions have one side's each. */
 typedef struct bvx_mesh {
-    void *positions;         /**< float or double [Size: vertex_count * 3] [Units: world, less frame] */
-    uint32_t *triangles;     /**< [Size: triangle_count * 3] */
-    uint64_t *vertex_keys;   /**< identifies each vertex across windows; NULL without keys */
+    void *positions; /**< float or double [Size: vertex_count * 3] [Units: world, less frame] */
+    uint32_t *triangles; /**< [Size: triangle_count * 3] */
+    uint64_t *vertex_keys; /**< identifies each vertex across windows; NULL without keys */
     uint64_t *triangle_keys; /**< identifies each triangle's cell across windows; NULL without keys */
     uint64_t vertex_count;
     uint64_t triangle_count;
-    uint64_t vertex_capacity;   /**< vertices that the arrays hold */
+    uint64_t vertex_capacity; /**< vertices that the arrays hold */
     uint64_t triangle_capacity; /**< triangles that the arrays hold */
     double frame[3]; /**< add it to positions to get world coordinates; zero without the option local_frame */
     int32_t position_type; /**< BVX_F32 or BVX_F64 */
-    int32_t owned;         /**< 1 when bvx_mesh_free frees the arrays */
-    uint8_t *colours;      /**< red, green, blue, alpha of each vertex, or NULL [Size: vertex_capacity * 4] */
-    float *uvs;            /**< texture coordinates u, v, or NULL [Size: uv_count * 2] */
-    uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: each
-                                 vertex has the uv of its own index, and uv_count is vertex_capacity */
+    int32_t owned; /**< 1 when bvx_mesh_free frees the arrays */
+    uint8_t *colours; /**< red, green, blue, alpha of each vertex, or NULL [Size: vertex_capacity * 4] */
+    float *uvs; /**< texture coordinates u, v, or NULL [Size: uv_count * 2] */
+    uint32_t *uv_triangles; /**< three indices into uvs a triangle [Size: triangle_capacity * 3]; NULL: one uv a
+                                 vertex */
     uint64_t uv_count;
     float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
-    float *uvs2;    /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
+    float *uvs2; /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
-    bvx_assets *assets;  /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
+    bvx_assets *assets; /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
 } bvx_mesh;
 
@@ -474,83 +453,69 @@ BVX_API void bvx_mesh_free(bvx_context *context, bvx_mesh *mesh);
 /** A view of a mesh. The frame is not part of it. */
 BVX_API void bvx_mesh_view_of(const bvx_mesh *mesh, bvx_mesh_view *view);
 
-/** Remove vertices with a coordinate that is not finite, and the triangles that use them. Other calls refuse
- *  a mesh with such a triangle, and name a vertex.
- *  mesh     changed in place, whoever owns its arrays: what remains keeps its order, keys, colours and
- *           texture coordinates; capacities stay. It may have no triangles afterwards
- *  dropped  out: the number of triangles removed
- *  Returns BVX_ERR_RANGE (an index beyond the vertices, with its triangle). After a failure the mesh is
- *  unchanged.
- *  [Memory: 4 bytes a vertex, where there is something to remove]
- *  [Cost: O(vertices + triangles)] */
+/** Remove vertices with a coordinate that is not finite, and the triangles that use them.
+ *  mesh     changed in place, whoever owns its arrays: what remains keeps its order, keys and attributes
+ *  dropped  out: the number of triangles removed; all of them may go
+ *  After a failure the mesh is unchanged. */
 BVX_API bvx_status bvx_mesh_drop_nonfinite(bvx_context *context, bvx_mesh *mesh, uint64_t *dropped);
 
 /** Hash of type, counts, frame, positions and triangles, the same on every machine. */
 BVX_API bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *hash);
 
-/** The hash behind all golden values, a variant of FNV-1a on 64-bit words. Its recipe, and those of grids and
- *  meshes: docs/exactness.md. */
+/** The hash behind all golden values, a variant of FNV-1a on 64-bit words. Its recipe, and those of grids and meshes:
+ *  docs/exactness.md. */
 BVX_API uint64_t bvx_hash(const void *bytes, size_t size, uint64_t seed);
+
+typedef struct bvx_box {
+    double low[3], high[3];
+} bvx_box;
 
 /** What a mesh is. With weld 1, vertices at equal positions count as one (for files without indices). */
 typedef struct bvx_certificate {
-    int32_t closed;          /**< 1: every edge has two or more triangles, none is a boundary */
-    int32_t edge_manifold;   /**< 1: no edge has more than two triangles */
+    int32_t closed; /**< 1: every edge has two or more triangles, none is a boundary */
+    int32_t edge_manifold; /**< 1: no edge has more than two triangles */
     int32_t vertex_manifold; /**< 1: the triangles around every vertex form one fan */
-    int32_t oriented;        /**< 1: no two triangles run along an edge in the same direction */
-    uint64_t vertices;       /**< vertices that triangles use, after welding */
-    uint64_t edges;          /**< different edges of the triangles that count */
-    uint64_t triangles;      /**< triangles that count: three different vertices */
+    int32_t oriented; /**< 1: no two triangles run along an edge in the same direction */
+    uint64_t vertices; /**< vertices that triangles use, after welding */
+    uint64_t edges; /**< different edges of the triangles that count */
+    uint64_t triangles; /**< triangles that count: three different vertices */
     uint64_t unused_vertices;
-    uint64_t collapsed;      /**< triangles with two equal vertices, not counted in anything that follows */
-    uint64_t degenerate;     /**< triangles that count but have no area, computed in doubles */
-    uint64_t duplicates;     /**< triangles with the three vertices of an earlier one, in any order */
+    uint64_t collapsed; /**< triangles with two equal vertices, not counted in anything that follows */
+    uint64_t degenerate; /**< triangles that count but have no area, computed in doubles */
+    uint64_t duplicates; /**< triangles with the three vertices of an earlier one, in any order */
     uint64_t boundary_edges; /**< edges with one triangle */
     uint64_t nonmanifold_edges; /**< edges with three or more */
-    uint64_t flipped_edges;     /**< edges with two triangles that run along it in the same direction */
+    uint64_t flipped_edges; /**< edges with two triangles that run along it in the same direction */
     uint64_t nonmanifold_vertices;
     uint64_t components; /**< connected through edges */
-    int64_t euler;       /**< vertices - edges + triangles */
-    double volume;       /**< signed, by the divergence theorem about the bounds' centre [Units: world^3] */
-    double area;         /**< [Units: world^2] */
-    double low[3], high[3]; /**< bounds of the used vertices [Units: world] */
+    int64_t euler; /**< vertices - edges + triangles */
+    double volume; /**< signed, by the divergence theorem about the bounds' centre [Units: world^3] */
+    double area; /**< [Units: world^2] */
+    bvx_box box; /**< bounds of the used vertices [Units: world] */
     uint64_t reserved[4];
 } bvx_certificate;
 
-/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). All vertices must be finite,
- *  used or not. A mesh without triangles is no error: its certificate is zero, but for unused_vertices.
+/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). All vertices must be finite, used or
+ *  not. A mesh without triangles is no error: its certificate is zero, but for unused_vertices.
  *  [Limit: (2^32 - 1) / 3 triangles]
- *  Returns BVX_ERR_RANGE (the first triangle with an index out of range, or vertex that is not finite).
- *  [Memory: 53 bytes a triangle and 10 a vertex]
- *  [Cost: O(triangles), radix sorts]
- *  [Exact: all but volume and area, which are sums of doubles in triangle order and the same everywhere] */
+ *  Returns BVX_ERR_RANGE (the first triangle with an index out of range, or vertex that is not finite). */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
-/** Find pairs of triangles that cross: that share a point which is neither a common vertex nor on a common
- *  edge. Touching is crossing: a vertex on another triangle, an overlap in one plane, a fold flat on its
- *  neighbour, a triangle that is there twice. Vertices at equal positions are one (-0 equals 0); triangles
- *  without area are left out. All vertices must be finite, used or not.
+/** Find pairs of triangles that cross: that share a point which is neither a common vertex nor on a common edge.
+ *  Touching is crossing, as is an overlap in one plane, a fold flat on its neighbour and a triangle that is there
+ *  twice. Vertices at equal positions are one (-0 equals 0); triangles without area are left out. All vertices must be
+ *  finite.
  *  count     out: the number of pairs, also when capacity is too small
  *  pairs     [Size: capacity * 2] two triangle indices a pair, the lower one first; pairs ascend
- *  capacity  in pairs [Limit: the list has fewer than 2^32]
- *  Returns BVX_ERR_RANGE (index or coordinate; too many pairs).
- *  [Memory: 85 bytes a triangle (f64: 121) and 4 a vertex, or 10 a vertex where that is more; 24 a listed
- *  pair]
- *  [Cost: O(triangles log triangles + pairs of triangles whose boxes meet)]
- *  [Exact: for all finite doubles, without tolerance, in any order of vertices and triangles. On a thread
- *  that flushes subnormal numbers: for coordinates that are 0 or at least 2^-960 in size] */
-BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count,
-                                      uint32_t *pairs, uint64_t capacity);
+ *  capacity  in pairs [Limit: the list has fewer than 2^32] */
+BVX_API bvx_status bvx_mesh_crossings(bvx_context *context, const bvx_mesh_view *mesh, uint64_t *count, uint32_t *pairs,
+                                      uint64_t capacity);
 
-/** Compute normals of length 1, three floats each, outwards where the mesh is oriented so; 0, 0, 1 where
- *  there is none (a vertex without facets, a facet without area). Either array may be NULL.
+/** Compute normals of length 1, three floats each, outwards where the mesh is oriented so; 0, 0, 1 where there is
+ *  none. Either array may be NULL.
  *  vertex_normals  [Size: vertex_count * 3] the sum of the facets' normals, weighted by area
- *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet; 1: the mean of its vertices' normals
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: 24 bytes a vertex]
- *  [Cost: O(vertices + triangles)]
- *  Source: Gouraud. Continuous Shading of Curved Surfaces. 1971 */
+ *  facet_normals   [Size: triangle_count * 3] averaged 0: of each facet; 1: the mean of its vertices' normals */
 BVX_API bvx_status bvx_mesh_normals(bvx_context *context, const bvx_mesh_view *mesh, int32_t averaged,
                                     float *vertex_normals, float *facet_normals);
 
@@ -564,24 +529,21 @@ typedef struct bvx_distance_report {
     double normal_b_to_a;
 } bvx_distance_report;
 
-/** Sample each mesh uniformly by area (stratified, from seed) and measure the distance of each sample to the
- *  other mesh. Frames are ignored: both meshes must be in one frame. samples [Limit: 1..2^31-1]. Samples
- *  whose nearest triangle has no area are left out of the normals' means. The order of triangles, corners and
- *  vertices does not change a bit.
- *  Returns BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE.
- *  [Memory: 72 bytes a triangle of both (f64: 108), and 8]
- *  [Cost: O((samples + triangles) log triangles)] */
+/** Sample each mesh uniformly by area (stratified, from seed) and measure the distance of each sample to the other
+ *  mesh. Both must be in one frame. Samples whose nearest triangle has no area are left out of the normals' means. The
+ *  order of triangles, corners and vertices does not change a bit.
+ *  samples  [Limit: 1..2^31-1] */
 BVX_API bvx_status bvx_mesh_distance(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
                                      uint64_t samples, uint64_t seed, bvx_distance_report *report);
 
 /* ---- Lattices ------------------------------------------------------------------------------------------ */
 
-/** Voxel (i,j,k) is the half-open box [origin + ijk*spacing, origin + (ijk+1)*spacing). Samples lie at its
- *  centre. All four fields are the lattice's identity. */
+/** Voxel (i,j,k) is the half-open box [origin + ijk*spacing, origin + (ijk+1)*spacing). Samples lie at its centre. All
+ *  four fields are the lattice's identity. */
 typedef struct bvx_lattice {
-    double origin[3];      /**< low corner of voxel (0,0,0) [Units: world] [Limit: finite] */
-    double spacing[3];     /**< edges of a voxel [Units: world] [Limit: > 0, finite] */
-    int32_t dims[3];       /**< [Units: voxels] [Limit: 1..2^25] */
+    double origin[3]; /**< low corner of voxel (0,0,0) [Units: world] [Limit: finite] */
+    double spacing[3]; /**< edges of a voxel [Units: world] [Limit: > 0, finite] */
+    int32_t dims[3]; /**< [Units: voxels] [Limit: 1..2^25] */
     int32_t fraction_bits; /**< fixed-point bits below a voxel [Limit: 4..16] */
 } bvx_lattice;
 
@@ -594,21 +556,17 @@ typedef struct bvx_window {
 typedef struct bvx_lattice_options {
     size_t struct_size;
     int32_t resolution; /**< voxels along the longest axis, cubic ones [Limit: 0..2^25] [Default: 0, unset] */
-    int32_t axis_resolution[3]; /**< voxels along each axis, stretched ones [Limit: 0..2^25]
-                                     [Default: 0, unset] */
-    double spacing[3];          /**< edges of a voxel [Units: world] [Limit: >= 0] [Default: 0, unset] */
-    int32_t padding;            /**< empty voxels added on every side [Limit: 0..65536] [Default: 0] */
+    int32_t axis_resolution[3]; /**< voxels along each axis, stretched ones [Limit: 0..2^25] [Default: 0, unset] */
+    double spacing[3]; /**< edges of a voxel [Units: world] [Limit: >= 0] [Default: 0, unset] */
+    int32_t padding; /**< empty voxels added on every side [Limit: 0..65536] [Default: 0] */
     int32_t reserved;
 } bvx_lattice_options;
 
-/** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is
- *  that of the bounds of the vertices that triangles use (all must be finite, used or not); dims is the
- *  smallest count that covers them. Of a mesh without triangles, a cloud of points, all vertices count.
+/** A lattice of cubic voxels around a mesh, with resolution voxels along its longest axis. Its low corner is that of
+ *  the bounds of the vertices that triangles use; dims is the smallest count that covers them. Without triangles all
+ *  vertices count: those of a cloud of points, or two opposite corners of a box.
  *  resolution  [Limit: 1..2^25] below it is BVX_ERR_ARGUMENT, above BVX_ERR_RANGE
- *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (a coordinate that is not
- *  finite, an index beyond the vertices, dims beyond 2^25).
- *  [Memory: none]
- *  [Cost: O(vertices + triangles)] */
+ *  Returns BVX_ERR_EMPTY (no vertex; only one position and no spacing), BVX_ERR_RANGE (dims beyond 2^25). */
 BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                    bvx_lattice *lattice);
 
@@ -616,50 +574,36 @@ BVX_API bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *me
 BVX_API bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
                                         const bvx_lattice_options *options, bvx_lattice *lattice);
 
-/** The same around a box in place of a mesh's bounds. Sides of 0 are allowed; a resolution needs one that is
- *  not 0.
- *  Returns BVX_ERR_ARGUMENT (also low above high), BVX_ERR_EMPTY (a point and no spacing), BVX_ERR_RANGE (a
- *  coordinate that is not finite, dims beyond 2^25).
- *  [Memory: none]
- *  [Cost: O(1)] */
-BVX_API bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
-                                       const bvx_lattice_options *options, bvx_lattice *lattice);
-
-/** A lattice from its parts; fraction_bits follows from dims.
- *  Returns BVX_ERR_RANGE. */
+/** A lattice from its parts; fraction_bits follows from dims. */
 BVX_API bvx_status bvx_lattice_make(bvx_context *context, const double origin[3], const double spacing[3],
                                     const int32_t dims[3], bvx_lattice *lattice);
 
 /* ---- Grids --------------------------------------------------------------------------------------------- */
 
 /** A set of voxels, one bit each. Voxel (x,y,z) of the window is bit (x & 63) of words[(z * size[1] + y) *
- *  words_per_row + (x >> 6)]; bits at or past size[0] are always 0. If a caller sets one, results are wrong
- *  or BVX_ERR_ARGUMENT (surfaces, faces and fields look), but memory stays safe. */
+ *  words_per_row + (x >> 6)]; bits at or past size[0] are always 0. If a caller sets one, results are wrong or
+ *  BVX_ERR_ARGUMENT (surfaces, faces and fields look), but memory stays safe. */
 typedef struct bvx_grid {
-    uint64_t *words;        /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
+    uint64_t *words; /**< [Size: bvx_grid_bound] 64-byte aligned when the library made it */
     uint64_t word_capacity; /**< words that the array holds; set by a caller who provides it */
     bvx_lattice lattice;
-    int32_t low[3];        /**< window: lattice index of voxel (0,0,0) [Units: voxels] */
-    int32_t size[3];       /**< window: voxels along each axis [Units: voxels] */
+    int32_t low[3]; /**< window: lattice index of voxel (0,0,0) [Units: voxels] */
+    int32_t size[3]; /**< window: voxels along each axis [Units: voxels] */
     int32_t words_per_row; /**< (size[0] + 63) / 64 */
-    int32_t owned;         /**< 1 when bvx_grid_free frees words */
+    int32_t owned; /**< 1 when bvx_grid_free frees words */
     int32_t reserved[4];
 } bvx_grid;
 
-/** Words that the grid of a window needs; 0 when the window is not inside the lattice. NULL: the whole
- *  lattice. */
+/** Words that the grid of a window needs; 0 when the window is not inside the lattice. NULL: the whole lattice. */
 BVX_API uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window);
 
-/** An empty grid of a window (NULL: the whole lattice).
- *  Returns BVX_ERR_RANGE (window outside the lattice).
- *  [Cost: O(words)] */
+/** An empty grid of a window (NULL: the whole lattice). */
 BVX_API bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, const bvx_window *window,
                                    bvx_grid *grid);
 
 BVX_API void bvx_grid_free(bvx_context *context, bvx_grid *grid);
 
-/** Count the set voxels.
- *  [Cost: O(words)] */
+/** Count the set voxels. */
 BVX_API bvx_status bvx_grid_count(bvx_context *context, const bvx_grid *grid, uint64_t *count);
 
 /** Hash of size, low, lattice and bits, the same on every machine. */
@@ -683,155 +627,118 @@ static inline void bvx_grid_set(bvx_grid *grid, int32_t x, int32_t y, int32_t z,
 
 /* ---- Solids -------------------------------------------------------------------------------------------- */
 
-/** What decides that a centre is inside. docs/rules.md has each rule in full, docs/guide.md says which to
- *  take.
- *  PARITY   an odd number of crossings before the centre along x: nested shells are cavities
- *  NONZERO  a winding number along x other than zero: overlapping and inverted shells are one solid
- *  VOTE     the parities along x, y and z where they agree, else the majority of all directions: holes close
- *           smoothly, flipped triangles do no harm
- *  FLOOD    what a flood from outside, through faces of voxels, cannot reach: fills cavities
- *  REGIONS  each region that the surface leaves is inside or outside as a whole: keeps cavities
- *  BELOW    all that lies under a terrain, or between two
- *  WINDING  a generalized winding number above a half, either way: holes close smoothly, overlapping parts
- *           are one; flipped triangles spoil it
- *  AUTO     what suits the mesh, flipped triangles turned first: PARITY where closed shells do not cross,
- *           NONZERO where they do, WINDING where there are holes, VOTE where triangles cannot be oriented */
-#define BVX_FILL_LIST(X)              \
-    X(BVX_FILL_AUTO, 0, "auto")       \
-    X(BVX_FILL_PARITY, 1, "parity")   \
-    X(BVX_FILL_NONZERO, 2, "nonzero") \
-    X(BVX_FILL_VOTE, 3, "vote")       \
-    X(BVX_FILL_FLOOD, 4, "flood")     \
-    X(BVX_FILL_REGIONS, 5, "regions") \
-    X(BVX_FILL_BELOW, 6, "below")     \
-    X(BVX_FILL_WINDING, 7, "winding")
+/** What decides that a centre is inside. docs/rules.md has each rule in full, docs/guide.md says which to take. AUTO
+ *  takes what suits the mesh, flipped triangles turned first: PARITY where closed shells do not cross, NONZERO where
+ *  they do, WINDING where there are holes, VOTE where triangles cannot be oriented. */
+/* clang-format off */
+#define BVX_FILL_LIST(X) \
+    X(BVX_FILL_AUTO, 0, "auto") \
+    X(BVX_FILL_PARITY, 1, "parity")   /* an odd number of crossings along x: nested shells are cavities */ \
+    X(BVX_FILL_NONZERO, 2, "nonzero") /* a winding number along x: overlapping, inverted shells are one */ \
+    X(BVX_FILL_VOTE, 3, "vote")       /* the majority of directions: closes holes, flipped triangles do no harm */ \
+    X(BVX_FILL_FLOOD, 4, "flood")     /* what a flood from outside cannot reach: fills cavities */ \
+    X(BVX_FILL_REGIONS, 5, "regions") /* each region of the surface as a whole: keeps cavities */ \
+    X(BVX_FILL_BELOW, 6, "below")     /* all that lies under a terrain, or between two */ \
+    X(BVX_FILL_WINDING, 7, "winding") /* a generalized winding number above a half: closes holes smoothly */
+/* clang-format on */
 enum {
     BVX_FILL_LIST(BVX_LIST_ENUM) BVX_FILL_COUNT = 8,
     /** Rules that bvx_boolean takes: bit 1 << rule. */
-    BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE |
-                           1 << BVX_FILL_WINDING | 1 << BVX_FILL_AUTO
+    BVX_FILLS_OF_BOOLEAN = 1 << BVX_FILL_PARITY | 1 << BVX_FILL_NONZERO | 1 << BVX_FILL_VOTE | 1 << BVX_FILL_WINDING |
+                           1 << BVX_FILL_AUTO
 };
 
 /** Why a rule filled a mesh. */
 enum {
-    BVX_FILL_REASON_ASKED = 0,   /**< it was chosen by name */
-    BVX_FILL_REASON_SOUND = 1,   /**< PARITY: closed, and nothing lies twice inside: all rules agree */
-    BVX_FILL_REASON_NESTED = 2,  /**< PARITY: closed shells lie in others that face the same way: cavities */
+    BVX_FILL_REASON_ASKED = 0, /**< it was chosen by name */
+    BVX_FILL_REASON_SOUND = 1, /**< PARITY: closed, and nothing lies twice inside: all rules agree */
+    BVX_FILL_REASON_NESTED = 2, /**< PARITY: closed shells lie in others that face the same way: cavities */
     BVX_FILL_REASON_OVERLAP = 3, /**< NONZERO: closed shells cross each other or themselves: one solid */
-    BVX_FILL_REASON_OPEN = 4,    /**< WINDING: there are open edges */
+    BVX_FILL_REASON_OPEN = 4, /**< WINDING: there are open edges */
     BVX_FILL_REASON_UNORIENTABLE = 5 /**< VOTE: the triangles of some patch cannot be oriented alike */
 };
 
 /** What is up for BVX_FILL_BELOW: towards the high end of this axis. */
-#define BVX_UP_LIST(X)  \
-    X(BVX_UP_Z, 0, "z") \
-    X(BVX_UP_X, 1, "x") \
-    X(BVX_UP_Y, 2, "y")
+#define BVX_UP_LIST(X) X(BVX_UP_Z, 0, "z") X(BVX_UP_X, 1, "x") X(BVX_UP_Y, 2, "y")
 enum { BVX_UP_LIST(BVX_LIST_ENUM) };
 
-/** When walls that the voxels lose are searched: AUTO in a whole lattice with a report, as far as the memory
- *  limit allows; ALWAYS is not for below. */
-#define BVX_CHECK_LIST(X)          \
-    X(BVX_CHECK_AUTO, 0, "auto")   \
-    X(BVX_CHECK_NEVER, 1, "never") \
-    X(BVX_CHECK_ALWAYS, 2, "always")
+/** When walls that the voxels lose are searched: AUTO in a whole lattice with a report, as far as the memory limit
+ *  allows; ALWAYS is not for below. */
+#define BVX_CHECK_LIST(X) X(BVX_CHECK_AUTO, 0, "auto") X(BVX_CHECK_NEVER, 1, "never") X(BVX_CHECK_ALWAYS, 2, "always")
 enum { BVX_CHECK_LIST(BVX_LIST_ENUM) };
 
 /** Counts of one call, for its window; those of other rules are 0. */
 typedef struct bvx_solid_report {
-    int32_t fill;             /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
-    int32_t fill_reason;      /**< BVX_FILL_REASON_... */
-    uint64_t crossings;       /**< of rows with the surface, also outside the window along the row */
+    int32_t fill; /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
+    int32_t fill_reason; /**< BVX_FILL_REASON_... */
+    uint64_t crossings; /**< of rows with the surface, also outside the window along the row */
     uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole */
-    uint64_t leaks;   /**< flood: voxels off the surface that it reached although they are surely inside */
+    uint64_t leaks; /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
     uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
-    uint64_t mixed_voxels;  /**< regions: voxels of these; each kept its own vote */
-    uint64_t cut_voxels;    /**< below, with a second mesh: voxels where mesh lies above second */
-    uint64_t fill_voxels;   /**< below, with a second mesh: voxels where second lies above mesh */
-    uint64_t turned;        /**< auto: triangles that were turned first */
-    double volume;          /**< of the voxels set [Units: world] */
-    double mesh_volume; /**< that the mesh encloses, rounded to a float; 0 where it is not comparable: without
-                             BVX_FILL_REASON_SOUND, when the mesh leaves the window, with add_shell
-                             [Units: world] */
-    double crossing_volume;    /**< with thin_checked and without add_shell: volume, if the solid ended where
-                                    lines of centres cross the mesh and not half way between centres; where a
-                                    closed mesh without mesh_volume is then off, of a solid of half the
-                                    spacing. Rounded to a float [Units: world] */
-    int32_t volume_resolution; /**< resolution from which volume is within 1 % of mesh_volume (of
-                                    crossing_volume where that is 0), by how far off it is now; 0: it is
-                                    within 1 %, or no resolution is */
-    int32_t thin_checked;      /**< 1: walls that the voxels lose were searched (check_thin) */
-    uint64_t thin_voxels;      /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
-    int32_t thin_resolution;   /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none
-                                  needed */
-    int32_t thin_box[2][3];    /**< lowest and highest of these voxels, inclusive [Units: lattice's voxels] */
+    uint64_t mixed_voxels; /**< regions: voxels of these; each kept its own vote */
+    uint64_t cut_voxels; /**< below, with a second mesh: voxels where mesh lies above second */
+    uint64_t fill_voxels; /**< below, with a second mesh: voxels where second lies above mesh */
+    uint64_t turned; /**< auto: triangles that were turned first */
+    double volume; /**< of the voxels set [Units: world] */
+    double mesh_volume; /**< that the mesh encloses, rounded to a float; 0 where it is not comparable [Units: world] */
+    double crossing_volume; /**< with thin_checked: volume, if the solid ended where lines of centres cross the mesh;
+                                 0 with add_shell. Rounded to a float [Units: world] */
+    int32_t volume_resolution; /**< from which volume is within 1 % of mesh_volume or crossing_volume; 0: it is, or
+                                    none is */
+    int32_t thin_checked; /**< 1: walls that the voxels lose were searched (check_thin) */
+    uint64_t thin_voxels; /**< voxels at walls thinner than 1.5 voxels that are lost, or have gaps */
+    int32_t thin_resolution; /**< at which nine tenths of them have a wall of 1.5 voxels; 0: none, or none needed */
+    int32_t thin_box[2][3]; /**< lowest and highest of these voxels, inclusive [Units: lattice's voxels] */
     int32_t reserved;
     uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives; not in bvx_boolean_report */
 } bvx_solid_report;
 
 typedef struct bvx_voxelize_options {
     size_t struct_size;
-    int32_t fill;      /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
-    int32_t has_base;  /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1]
-                           [Default: 0] */
+    int32_t fill; /**< BVX_FILL_... [Default: BVX_FILL_AUTO] */
+    int32_t has_base; /**< below: 1: columns begin at base, 0: at the lattice's end [Limit: 0..1] [Default: 0] */
     bvx_window window; /**< flood, regions: the whole lattice only [Default: all zero, the whole lattice] */
     bvx_solid_report *report; /**< receives counts when not NULL [Default: NULL] */
     int32_t close_gaps; /**< flood: gaps of up to this many voxels are walls: a voxel that no empty cube of
-                              close_gaps + 1 voxels a side holds is one [Units: voxels] [Limit: 0..65535]
-                              [Default: 0] */
-    int32_t add_shell;  /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1]
-                              [Default: 0] */
+                             close_gaps + 1 voxels a side holds is one [Units: voxels] [Limit: 0..65535] [Default: 0] */
+    int32_t add_shell; /**< 1: set the conservative surface's voxels too; not for below [Limit: 0..1] [Default: 0] */
     int32_t check_thin; /**< for thin_... of the report, BVX_CHECK_... [Default: BVX_CHECK_AUTO] */
-    int32_t up;         /**< below: BVX_UP_... [Default: BVX_UP_Z] */
+    int32_t up; /**< below: BVX_UP_... [Default: BVX_UP_Z] */
     double base; /**< below, with has_base: height from which columns are filled [Units: world] [Limit: any]
                       [Default: 0] */
-    const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist
-                                      [Default: NULL] */
+    const bvx_mesh_view *second; /**< below: fill between the mesh and this, where both exist [Default: NULL] */
 } bvx_voxelize_options;
 
-/** Set the voxels whose centres lie inside a mesh.
- *
- *  Vertices are snapped to the lattice's fixed point. From there every decision is exact, with one rule for
- *  ties: solids that share faces share no voxel and leave none between them. Vertices that no triangle uses
- *  may be anything. How each rule decides, beside holes too: docs/rules.md.
+/** Set the voxels whose centres lie inside a mesh. Vertices are snapped to the lattice's fixed point; from there every
+ *  decision is exact, with one rule for ties: solids that share faces share no voxel and leave none between them.
+ *  Vertices that no triangle uses may be anything. How each rule decides, beside holes too: docs/rules.md.
  *  Returns BVX_ERR_ARGUMENT (also options that the rule does not take, and a window for flood or regions),
- *  BVX_ERR_EMPTY (no triangle; flood: it reached every centre off the surface although there is an inside),
- *  BVX_ERR_RANGE (index of a vertex or triangle: not finite, beyond the vertices, or too far from the lattice
- *  for its fixed point: docs/exactness.md). A closed mesh beside the window gives an empty grid, one around
- *  it a full one.
- *  [Memory: the grid, 16 bytes a vertex, 1 a row, up to 6.3 MiB for triangles, 160 KiB a worker; each rule
- *  adds what docs/rules.md lists]
- *  [Cost: O(vertices + triangles + crossings + words); VOTE three times that; REGIONS and FLOOD add
- *  bvx_voxelize_surface]
- *  [Exact: for any number of threads; a window has the bits of the whole but for REGIONS and FLOOD. The
- *  angles of VOTE and WINDING near holes are doubles to 1e-8, the same everywhere]
- *  Source: "LOD by voxelization and downsampling" 2.3, with exact ties; of votes and winding numbers:
- *  docs/papers.md. */
-BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh,
-                                      const bvx_lattice *lattice, const bvx_voxelize_options *options,
-                                      bvx_grid *solid);
+ *  BVX_ERR_EMPTY (flood: it reached every centre off the surface although there is an inside), BVX_ERR_RANGE (also a
+ *  vertex too far from the lattice for its fixed point: docs/exactness.md). */
+BVX_API bvx_status bvx_voxelize_solid(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                      const bvx_voxelize_options *options, bvx_grid *solid);
 
 /* ---- Surface voxels ------------------------------------------------------------------------------------ */
 
 /** Which voxels are the surface.
- *  CONSERVATIVE  those whose closed box meets a triangle: no 6-, 18- or 26-connected path leaks through
- *  THIN          those whose axis cross (three unit segments through the centre) meets a triangle: no
- *                6-connected path leaks through
- *  SAMPLED       those that hold a point of the triangles' subdivision into parts shorter than a voxel:
- *                26-connected; a flood may leak through */
-#define BVX_SURFACE_LIST(X)                        \
+ *  CONSERVATIVE  those whose closed box meets a triangle: no path leaks through, of whatever connectivity
+ *  THIN          those whose axis cross (three unit segments through the centre) meets one: no 6-connected path leaks
+ *                through
+ *  SAMPLED       those that hold a point of its subdivision into parts shorter than a voxel: a flood may leak through
+ */
+#define BVX_SURFACE_LIST(X) \
     X(BVX_SURFACE_CONSERVATIVE, 0, "conservative") \
-    X(BVX_SURFACE_THIN, 1, "thin")                 \
+    X(BVX_SURFACE_THIN, 1, "thin") \
     X(BVX_SURFACE_SAMPLED, 2, "sampled")
 enum { BVX_SURFACE_LIST(BVX_LIST_ENUM) };
 
-/** The triangles that touch each set voxel. Set voxel r, counted in the order of the grid's bits (z, y, x),
- *  has triangles[offsets[r]] .. triangles[offsets[r + 1] - 1], ascending. */
+/** The triangles that touch each set voxel. Set voxel r, counted in the order of the grid's bits (z, y, x), has
+ *  triangles[offsets[r]] .. triangles[offsets[r + 1] - 1], ascending. */
 typedef struct bvx_attached {
-    uint64_t *offsets;       /**< [Size: voxel_count + 1] */
-    uint32_t *triangles;     /**< [Size: triangle_count] */
-    uint64_t voxel_count;    /**< set voxels of the grid */
+    uint64_t *offsets; /**< [Size: voxel_count + 1] */
+    uint32_t *triangles; /**< [Size: triangle_count] */
+    uint64_t voxel_count; /**< set voxels of the grid */
     uint64_t triangle_count; /**< offsets[voxel_count] */
     uint64_t reserved[2];
 } bvx_attached;
@@ -840,9 +747,8 @@ BVX_API void bvx_attached_free(bvx_context *context, bvx_attached *attached);
 
 typedef struct bvx_surface_report {
     uint64_t triangles; /**< sampled (other modes count 0): triangles whose first corner is in the window */
-    uint64_t samples;   /**< sampled: points of their subdivision */
-    uint64_t parts; /**< sampled: sum of the parts of the triangles' longest edges; divided by triangles, the
-                         paper's mean subdivision coefficient */
+    uint64_t samples; /**< sampled: points of their subdivision */
+    uint64_t parts; /**< sampled: sum of the parts of the triangles' longest edges, for the paper's mean coefficient */
     uint64_t reserved[4];
 } bvx_surface_report;
 
@@ -850,510 +756,384 @@ typedef struct bvx_surface_options {
     size_t struct_size;
     int32_t mode; /**< BVX_SURFACE_... [Default: BVX_SURFACE_CONSERVATIVE] */
     int32_t reserved;
-    bvx_window window;          /**< [Default: all zero, the whole lattice] */
-    bvx_attached *attached;     /**< receives the triangles of each voxel when not NULL [Default: NULL] */
+    bvx_window window; /**< [Default: all zero, the whole lattice] */
+    bvx_attached *attached; /**< receives the triangles of each voxel when not NULL [Default: NULL] */
     bvx_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_surface_options;
 
-/** Set the voxels that a mesh's surface touches, by one of three exact definitions. Vertices are snapped to
- *  the lattice's fixed point. Closed sets touch when they share a point; triangles without area count as the
- *  segments or points that they are (thin: they have no crossing). What lies beyond the window sets nothing.
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (vertex or index, as in bvx_voxelize_solid).
- *  [Memory: the grid, 16 bytes a vertex, and with several threads up to 8 a triangle, or 4 for each triangle
- *  and tile of rows that it reaches; attached: 8 bytes a voxel and 4 a pair for the result, and 4 a voxel]
- *  [Cost: O(vertices + triangles + runs + words); sampled: O(points in the window); attached: twice more]
- *  [Exact: in any order of triangles and corners; a window has the bits of the whole]
- *  Source: Schwarz, Seidel. Fast Parallel Surface and Solid Voxelization on GPUs. 2010 (conservative); Laine.
- *  A Topological Approach to Voxelization. 2013 (thin); "Fast voxelization based on TIN" Algorithm 1
- *  (sampled). */
-BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh,
-                                        const bvx_lattice *lattice, const bvx_surface_options *options,
-                                        bvx_grid *surface);
+/** Set the voxels that a mesh's surface touches, by one of three exact definitions. Vertices are snapped to the
+ *  lattice's fixed point. Closed sets touch when they share a point; triangles without area count as segments or
+ *  points (thin: they have no crossing). What lies beyond the window sets nothing. Returns as bvx_voxelize_solid. */
+BVX_API bvx_status bvx_voxelize_surface(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                        const bvx_surface_options *options, bvx_grid *surface);
 
 /* ---- Surfaces of grids --------------------------------------------------------------------------------- */
 
 /** What happens on a cell face whose two diagonals differ.
  *  SEPARATE  set corners are kept apart: the solid is 6-connected
  *  JOIN      set corners are joined: the solid is 18-connected on faces */
-#define BVX_FACE_LIST(X)                \
-    X(BVX_FACE_SEPARATE, 0, "separate") \
-    X(BVX_FACE_JOIN, 1, "join")
+#define BVX_FACE_LIST(X) X(BVX_FACE_SEPARATE, 0, "separate") X(BVX_FACE_JOIN, 1, "join")
 enum { BVX_FACE_LIST(BVX_LIST_ENUM) };
 
 /** The lattice that a call works on: given, or fitted to what the call takes. */
 typedef struct bvx_fit {
     const bvx_lattice *lattice; /**< to work on [Default: NULL, fitted by resolution] */
-    int32_t resolution;         /**< voxels along the longest axis [Limit: 1..2^24] [Default: 256; of
-                                     bvx_build_levels 256 to 320, by its finest target] */
+    int32_t resolution; /**< along the longest axis [Limit: 1..2^24]
+                             [Default: 256; of bvx_build_levels by its finest target] */
     int32_t reserved;
 } bvx_fit;
 
 /** Where the vertices of a surface between voxels lie, and their type. */
 typedef struct bvx_placing {
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1]
-                                [Default: 0] */
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1] [Default: 0] */
+    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
     int32_t interpolation; /**< BVX_EDGE_... [Default: BVX_EDGE_TANGENT] */
-    int32_t sharp;         /**< sharp edges and corners get vertices, else they are cut off within a voxel:
-                                BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
+    int32_t sharp; /**< sharp edges and corners get vertices: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
     int32_t reserved;
 } bvx_placing;
 
 /** Which parts of a solid are kept, in voxels that join through faces. */
 typedef struct bvx_parts {
-    uint64_t least_part;   /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
-    uint64_t keep_largest; /**< so many of the largest parts that least_part leaves are kept, as in
-                                bvx_keep_options [Limit: any] [Default: 0, all] */
-    uint64_t
-        least_cavity;    /**< cavities of fewer voxels are filled; 0 in booleans [Limit: any] [Default: 0] */
-    int32_t keep_crumbs; /**< 1: keep small parts and pockets that are not in the mesh (docs/rules.md)
-                                [Limit: 0..1] [Default: 0, dropped and filled] */
+    uint64_t least_part; /**< parts of fewer voxels are dropped [Limit: any] [Default: 0] */
+    uint64_t keep_largest; /**< so many of the largest parts are kept [Limit: any] [Default: 0, all] */
+    uint64_t least_cavity; /**< cavities of fewer voxels are filled; 0 in booleans [Limit: any] [Default: 0] */
+    int32_t keep_crumbs; /**< 1: keep small parts and pockets that are not in the mesh [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_parts;
 
-/** What simplified levels have: triangles or an error each, and with neither half the triangles of the one
- * before. */
+/** What simplified levels have: triangles or an error each, and with neither half the triangles of the one before. */
 typedef struct bvx_targets {
     const uint64_t *triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    const double *errors;      /**< largest error of each level [Units: world] [Limit: > 0]
-                                    [Size: level_count] [Default: NULL] */
-    int32_t error_kind;        /**< of errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
-    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE. 0: met is 0; by triangles the level
-                           is the smallest that is not crumpled, by error the level before, or the mesh
-                           [Limit: 0..1] [Default: 0] */
-    uint64_t samples; /**< points a side for each report's distances; 0: not measured, though errors measure
-                           with 20000 [Limit: 0..2^31-1] [Default: 0] */
-    double even;      /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1]
-                           [Default: 1e-9] */
+    const double *errors; /**< largest error of each level [Units: world] [Limit: > 0] [Size: level_count]
+                               [Default: NULL] */
+    int32_t error_kind; /**< of errors, BVX_ERROR_... [Limit: 0..1] [Default: BVX_ERROR_MEAN] */
+    int32_t strict; /**< 1: a target that cannot be met is BVX_ERR_RANGE; 0: met is 0 (docs/rules.md) [Limit: 0..1]
+                         [Default: 0] */
+    uint64_t samples; /**< points a side for each report's distances [Limit: 0..2^31-1]
+                           [Default: 0, not measured; by errors 20000] */
+    double even; /**< pull towards triangles of even size on flat parts [Limit: BVX_NONE, or 0..1] [Default: 1e-9] */
 } bvx_targets;
 
 /** Sides of the window that are left open (bits of open_sides). */
-#define BVX_SIDE_LIST(X)            \
-    X(BVX_OPEN_X_LOW, 1, "x-low")   \
+#define BVX_SIDE_LIST(X) \
+    X(BVX_OPEN_X_LOW, 1, "x-low") \
     X(BVX_OPEN_X_HIGH, 2, "x-high") \
-    X(BVX_OPEN_Y_LOW, 4, "y-low")   \
+    X(BVX_OPEN_Y_LOW, 4, "y-low") \
     X(BVX_OPEN_Y_HIGH, 8, "y-high") \
-    X(BVX_OPEN_Z_LOW, 16, "z-low")  \
+    X(BVX_OPEN_Z_LOW, 16, "z-low") \
     X(BVX_OPEN_Z_HIGH, 32, "z-high")
 enum { BVX_SIDE_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_extract_options {
     size_t struct_size;
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t open_sides;    /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is empty] */
+    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is empty] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1]
-                              [Default: 0] */
+    int32_t local_frame; /**< 1: positions relative to frame, the lattice's origin [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_extract_options;
 
-/** The exact size of what bvx_extract_surface, or with samples bvx_extract_scalar, would make of the same:
- *  for arrays of one's own.
- *  [Memory: 16 bytes a row]
- *  [Cost: O(words + crossings)] */
-BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid,
-                                     const bvx_extract_options *options, uint64_t *vertex_count,
-                                     uint64_t *triangle_count);
+/** The exact size of what bvx_extract_surface, or with samples bvx_extract_scalar, would make of the same: for arrays
+ *  of one's own. */
+BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                                     uint64_t *vertex_count, uint64_t *triangle_count);
 
-/** The surface between set and empty voxel centres by marching cubes, with vertices at the middle of lattice
- *  edges.
- *
- *  Closed, outwards, edge- and vertex-manifold, without duplicate triangles and triangles without area; an
- *  open side has a boundary. On open sides only cells whose eight centres lie in the window are visited:
- *  windows that overlap by one layer of voxels tile the whole, and bvx_mesh_merge joins them to the whole's
- *  bytes. Vertices are in order of (z, y, axis, x) of their edge, triangles of (z, y, x) of their cell.
- *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or
- *  local_frame; 2^32 vertices or more). An empty grid gives an empty mesh,
- *  a full one a closed box (with all sides open: an empty mesh).
- *  [Memory: the mesh and 16 bytes a row]
- *  [Cost: O(words + crossings)]
- *  Source: Lorensen, Cline. Marching Cubes. 1987; face rules and triangulations from
- *  src/surface/tables.py. */
-BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid,
-                                       const bvx_extract_options *options, bvx_mesh *mesh);
+/** The surface between set and empty voxel centres by marching cubes, with vertices at the middle of lattice edges.
+ *  Closed, outwards, edge- and vertex-manifold, without duplicate triangles and triangles without area; an open side
+ *  has a boundary. Windows that overlap by one layer of voxels, with open sides there, tile the whole: bvx_mesh_merge
+ *  joins them to its bytes. Orders of vertices and triangles: docs/rules.md. An empty grid gives an empty mesh.
+ *  Returns BVX_ERR_RANGE (f32 does not distinguish neighbouring positions: take BVX_POSITION_AUTO, f64 or local_frame;
+ *  2^32 vertices or more). */
+BVX_API bvx_status bvx_extract_surface(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
+                                       bvx_mesh *mesh);
 
 typedef struct bvx_faces_options {
     size_t struct_size;
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;   /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
-    int32_t merged;        /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
+    int32_t merged; /**< 1: faces of one plane and side become rectangles [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_faces_options;
 
-/** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel.
- *  Beyond the window is empty. The mesh is closed and has the volume of the set voxels. It is not manifold
- *  where voxels touch only along an edge or at a corner (bvx_extract_surface's is).
- *
- *  merged: the faces of one plane and side become rectangles. A corner of one may lie on an edge of another
- *  (T-junction): the mesh covers the same points without a crack, but bvx_mesh_check finds it open. Orders of
- *  vertices, faces and rectangles: docs/rules.md.
- *  Returns BVX_ERR_RANGE (f32 as in bvx_extract_surface; 2^32 - 1 vertices or triangles).
- *  [Memory: the mesh and 8 bytes a row; merged: one more grid, 28 bytes a rectangle, 16 a row and worker]
- *  [Cost: O(words + faces)]
- *  Source: "LOD by voxelization and downsampling" 2.3 (its picture of voxels). */
-BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid,
-                                     const bvx_faces_options *options, bvx_mesh *mesh);
+/** The voxels themselves as a mesh: two outward triangles for each face between a set and an empty voxel. Closed, with
+ *  the volume of the set voxels; not manifold where voxels touch only along an edge or at a corner. merged: a corner
+ *  of one rectangle may lie on an edge of another: the mesh covers the same points without a crack, but bvx_mesh_check
+ *  finds it open. Orders: docs/rules.md. Returns as bvx_extract_surface. */
+BVX_API bvx_status bvx_extract_faces(bvx_context *context, const bvx_grid *grid, const bvx_faces_options *options,
+                                     bvx_mesh *mesh);
 
-/** Join meshes with keys (windows of one lattice): the result has the bytes of the whole extracted at once,
- *  keys included. For that windows overlap by one layer of voxels, with open sides there, as
- *  bvx_extract_surface says; whether they do is not checked.
- *  Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ), BVX_ERR_RANGE.
- *  [Memory: the result, and 24 bytes a vertex or triangle of the parts]
- *  [Cost: O(n), radix sorts] */
-BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count,
-                                  bvx_mesh *whole);
+/** Join meshes with keys (windows of one lattice, as bvx_extract_surface says): the result has the bytes of the whole
+ *  extracted at once, keys included. Whether the windows overlap is not checked.
+ *  Returns BVX_ERR_ARGUMENT (no keys; types or frames that differ). */
+BVX_API bvx_status bvx_mesh_merge(bvx_context *context, const bvx_mesh *parts, uint64_t part_count, bvx_mesh *whole);
 
-/** Where the surface cuts a lattice edge whose ends lie on either side: always strictly inside the edge.
- *  VECTOR   where the line through the closest points of both ends passes nearest to the edge; SCALAR where
- *           there is no such position; where both ends have one closest point, its projection
- *  SCALAR   where the signed distance, taken as linear, is 0
- *  MIDDLE   in the middle
- *  PAPER    VECTOR with the paper's clamps to the ends in place of SCALAR
- *  TANGENT  where the planes that touch the surface at the closest points cut the edge: of a ridge the one
- *           nearer to the inside, of a groove the one nearer to the outside; else VECTOR, kept between the
- *           closest points */
-#define BVX_EDGE_LIST(X)              \
-    X(BVX_EDGE_TANGENT, 0, "tangent") \
-    X(BVX_EDGE_VECTOR, 1, "vector")   \
-    X(BVX_EDGE_SCALAR, 2, "scalar")   \
-    X(BVX_EDGE_MIDDLE, 3, "middle")   \
-    X(BVX_EDGE_PAPER, 4, "paper")
+/** Where the surface cuts a lattice edge whose ends lie on either side: always strictly inside the edge
+ *  (docs/rules.md). */
+/* clang-format off */
+#define BVX_EDGE_LIST(X) \
+    X(BVX_EDGE_TANGENT, 0, "tangent") /* where planes through the closest points cut it; else VECTOR */ \
+    X(BVX_EDGE_VECTOR, 1, "vector")   /* nearest to the line through the closest points; else SCALAR */ \
+    X(BVX_EDGE_SCALAR, 2, "scalar")   /* where the signed distance, taken as linear, is 0 */ \
+    X(BVX_EDGE_MIDDLE, 3, "middle")   /* in the middle */ \
+    X(BVX_EDGE_PAPER, 4, "paper")     /* VECTOR with the paper's clamps to the ends in place of SCALAR */
+/* clang-format on */
 enum { BVX_EDGE_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_field_surface_report {
-    uint64_t edges;            /**< crossings placed */
-    uint64_t scalar;           /**< of these: placed by the signed distance (PAPER: by a clamp) */
-    uint64_t middle;           /**< placed in the middle: no values at one of the ends */
-    uint64_t sharp_cells;      /**< sharp: parts of the surface in a cell that got a vertex of their own */
-    uint64_t sharp_taken_back; /**< sharp: such vertices removed, since they would have turned a triangle over
-                                    or might have crossed one */
-    uint64_t flipped_edges;    /**< sharp: edges between such cells, flipped to join their vertices */
-    uint64_t lids;  /**< bvx_repair: placed by the winding number, no surface is near: lids over holes */
+    uint64_t edges; /**< crossings placed */
+    uint64_t scalar; /**< of these: placed by the signed distance (PAPER: by a clamp) */
+    uint64_t middle; /**< placed in the middle: no values at one of the ends */
+    uint64_t sharp_cells; /**< sharp: parts of the surface in a cell that got a vertex of their own */
+    uint64_t sharp_taken_back; /**< sharp: such vertices removed, since they might have crossed a triangle */
+    uint64_t flipped_edges; /**< sharp: edges between such cells, flipped to join their vertices */
+    uint64_t lids; /**< bvx_repair: placed by the winding number, no surface is near: lids over holes */
     uint64_t sharp; /**< 1: edges and corners were kept sharp */
-    uint64_t own;   /**< grid: crossings that are not the field's, placed by offset or in the middle */
+    uint64_t own; /**< grid: crossings that are not the field's, placed by offset or in the middle */
     uint64_t reserved[1];
 } bvx_field_surface_report;
 
 /* ---- Fewer triangles ----------------------------------------------------------------------------------- */
 
-/** What a level's error is: the mean distance (of both directions the mean), or the largest (of both the
- *  greater). */
-#define BVX_ERROR_LIST(X)        \
-    X(BVX_ERROR_MEAN, 0, "mean") \
-    X(BVX_ERROR_MAX, 1, "max")
+/** What a level's error is: the mean distance (of both directions the mean), or the largest (of both the greater). */
+#define BVX_ERROR_LIST(X) X(BVX_ERROR_MEAN, 0, "mean") X(BVX_ERROR_MAX, 1, "max")
 enum { BVX_ERROR_LIST(BVX_LIST_ENUM) };
 
 /** Which vertices levels have.
- *  PLACED  new ones, where they lie nearest to the mesh. bvx_closest_find of the mesh gives each one's triangle
- *          and barycentric coordinates there, by which values of its corners follow
- *  KEPT    the mesh's own, all of them in their order: triangles index those, at a seam the one of their side.
- *          What is stored by vertex follows untouched: so vertices of equal positions and attributes stay apart,
- *          unless the mesh has three for each triangle */
-#define BVX_VERTICES_LIST(X)            \
-    X(BVX_VERTICES_PLACED, 0, "placed") \
-    X(BVX_VERTICES_KEPT, 1, "kept")
+ *  PLACED  new ones, where they lie nearest to the mesh. bvx_closest_find of the mesh gives weights for values at
+ *          corners
+ *  KEPT    the mesh's own, all of them in their order, so that what is stored by vertex follows untouched. Vertices of
+ *          equal positions and attributes stay apart, unless the mesh has three for each triangle */
+#define BVX_VERTICES_LIST(X) X(BVX_VERTICES_PLACED, 0, "placed") X(BVX_VERTICES_KEPT, 1, "kept")
 enum { BVX_VERTICES_LIST(BVX_LIST_ENUM) };
 
 /** What becomes of handles and holes.
  *  KEEP      they stay
- *  SIMPLIFY  those that are at most three mean edges of the level around are cut and filled, the smallest
- *            first; what hangs on a neck that short goes where that costs no more than the edges that
- *            collapse. No part goes, and none becomes two. Those at seams or locked vertices stay */
-#define BVX_TOPOLOGY_LIST(X)        \
-    X(BVX_TOPOLOGY_KEEP, 0, "keep") \
-    X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
+ *  SIMPLIFY  those at most three mean edges of the level around are cut and filled, the smallest first. No part goes,
+ *            and none becomes two. Those at seams or locked vertices stay */
+#define BVX_TOPOLOGY_LIST(X) X(BVX_TOPOLOGY_KEEP, 0, "keep") X(BVX_TOPOLOGY_SIMPLIFY, 1, "simplify")
 enum { BVX_TOPOLOGY_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_level_report {
     uint64_t vertices, triangles;
-    uint64_t target;              /**< triangles wanted of this level, halves too, or 0 */
-    double target_error;          /**< error target of this level, or 0 [Units: world] */
-    int32_t met;                  /**< 1: both are kept */
-    int32_t measured;             /**< 1: distance is filled */
-    bvx_distance_report distance; /**< a is the input, b the level; measured for targets.errors, or where
-                                       targets.samples is not 0; else its distances are NaN */
-    bvx_certificate certificate;  /**< of the level */
-    uint64_t crossings;           /**< pairs of triangles that cross: 0, or some that the mesh had */
-    double least_angle;           /**< smallest angle of a triangle [Units: degrees] */
-    uint64_t refused;             /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
+    uint64_t target; /**< triangles wanted of this level, halves too, or 0 */
+    double target_error; /**< error target of this level, or 0 [Units: world] */
+    int32_t met; /**< 1: both are kept */
+    int32_t measured; /**< 1: distance is filled */
+    bvx_distance_report distance; /**< from the input (a) to the level (b); NaN where measured is 0 */
+    bvx_certificate certificate; /**< of the level */
+    uint64_t crossings; /**< pairs of triangles that cross: 0, or some that the mesh had */
+    double least_angle; /**< smallest angle of a triangle [Units: degrees] */
+    uint64_t refused; /**< edges tried and kept, to keep what bvx_mesh_simplify promises */
     uint64_t handles_cut, holes_filled; /**< of the mesh, down to this level: BVX_TOPOLOGY_SIMPLIFY */
-    double longest_closed;              /**< way around the largest of them, or 0 [Units: world] */
+    double longest_closed; /**< way around the largest of them, or 0 [Units: world] */
     uint64_t reserved[3];
 } bvx_level_report;
 
 /** How edges collapse, and what stays. */
 typedef struct bvx_collapse {
-    double attribute_weight; /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their
-                                    length on the surface, a difference of 1 in normals and colours by a
-                                    hundredth of the mesh's longest side. BVX_NONE: they follow the shape and
-                                    cost nothing [Limit: BVX_NONE, or 0..1000] [Default: 1] */
-    const uint8_t *locked;   /**< vertices of the mesh with a value other than 0 stay bit for bit
-                                    [Size: vertex_count] [Default: NULL] */
-    int32_t
-        position_type;   /**< BVX_F32, BVX_F64 or AUTO: the mesh's; of a measured surface f32 where it holds,
-                                    else f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
-    int32_t lock_border; /**< 1: vertices on borders stay bit for bit, so that tiles with equal borders
-                                    join [Limit: 0..1] [Default: 0] */
-    int32_t vertices;    /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
-    int32_t topology;    /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
+    double attribute_weight; /**< of the attributes beside the shape. 1: texture coordinates by 0.3 of their length
+                                  on the surface, a difference of 1 in normals and colours by a hundredth of the
+                                  mesh's longest side. BVX_NONE: they follow the shape and cost nothing
+                                  [Limit: BVX_NONE, or 0..1000] [Default: 1] */
+    const uint8_t *locked; /**< vertices of the mesh with a value other than 0 stay bit for bit [Size: vertex_count]
+                                [Default: NULL] */
+    int32_t position_type; /**< BVX_F32, BVX_F64 or AUTO: the mesh's; of a measured surface f32 where it holds, else
+                                f64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t lock_border; /**< 1: vertices on borders stay, so that tiles join [Limit: 0..1] [Default: 0] */
+    int32_t vertices; /**< BVX_VERTICES_... [Limit: 0..1] [Default: BVX_VERTICES_PLACED] */
+    int32_t topology; /**< BVX_TOPOLOGY_... [Limit: 0..1] [Default: BVX_TOPOLOGY_KEEP] */
 } bvx_collapse;
 
 typedef struct bvx_simplify_options {
     size_t struct_size;
-    bvx_targets targets;       /**< what each level has [Default: half the triangles of the one before] */
-    bvx_collapse collapse;     /**< [Default: all zero] */
+    bvx_targets targets; /**< what each level has [Default: half the triangles of the one before] */
+    bvx_collapse collapse; /**< [Default: all zero] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_simplify_options;
 
-/** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the
- *  edges that cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold,
- *  oriented and free of crossings stays so; any other mesh gets no new fault. A collapse that would break
- *  this is refused, so a small target is not always met; no level has more triangles than the mesh:
- *  docs/rules.md.
- *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies
- *          are dropped, flipped ones are turned, a vertex where fans meet becomes one for each, edges of three
- *          triangles and more are parted by sides, or cut where no pairing does that
- *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read.
- *          Those that the library allocates have the mesh's normals, uvs, uvs2, colours and materials, whose
- *          seams and borders stay: vertices there are duplicated at equal positions, one for each side. With
- *          uv_indices there are uv_triangles, and uvs need no duplicates. Arrays of the caller's get positions
- *          and triangles alone
- *  Returns BVX_ERR_ARGUMENT, BVX_ERR_EMPTY (no triangle of area), BVX_ERR_RANGE (coordinates; an index beyond
- *  the uvs; a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be made).
- *  [Memory: at most 165 bytes a triangle, 60 more of those beside crossings that collapses make, 36 a border
- *  edge, 300 KB; where fans meet a copy of the positions; of n channels of attributes 200 + 32 n a vertex, and of
- *  each seam]
- *  [Cost: O(triangles), some microseconds for each that goes]
- *  [Exact: the order of vertices and triangles of an oriented mesh changes nothing]
- *  Source: Garland, Heckbert. Surface Simplification Using Quadric Error Metrics. 1997; more:
- *  docs/papers.md. */
+/** Fewer triangles for a mesh as it is: a chain of levels, each made from the one before by collapsing the edges that
+ *  cost least. Parts, handles (topology), borders, sides and own crossings stay. What is closed, manifold, oriented
+ *  and free of crossings stays so; any other mesh gets no new fault. A collapse that would break this is refused, so a
+ *  small target is not always met: docs/rules.md.
+ *  mesh    any mesh with area. Vertices at one position count as one; triangles without area and exact copies are
+ *          dropped, flipped ones turned, edges of three triangles and more parted by sides, or cut
+ *  levels  [Size: level_count] their arrays are not the mesh's. After a failure none is to be read. Those that the
+ *          library allocates have the mesh's attributes, whose seams and borders stay; arrays of the caller's get
+ *          positions and triangles alone
+ *  Returns BVX_ERR_RANGE (also a mesh that spans less than 1e-30 or more than 1e31; strict: a level that cannot be
+ *  made). */
 BVX_API bvx_status bvx_mesh_simplify(bvx_context *context, const bvx_mesh_view *mesh,
-                                     const bvx_simplify_options *options, uint64_t level_count,
-                                     bvx_mesh *levels);
+                                     const bvx_simplify_options *options, uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Repair -------------------------------------------------------------------------------------------- */
 
-/** What decides that a centre is inside, for fields and repair.
- *  AUTO          fields: what BVX_FILL_AUTO decides: EXACT where closed shells do not cross, WINDING where
- *                they do or there are holes, VOTE where triangles cannot be oriented; repair: WINDING or VOTE
- *  EXACT         the solid's own rule (BVX_FILL_PARITY): field and solid never disagree
- *  NORMAL        the side of the closest triangle (the paper's): wrong near edges and corners
- *  PSEUDONORMAL  the side of the closest feature by angle-weighted normals: right for closed, oriented meshes
- *                that do not cross themselves
- *  WINDING       BVX_FILL_WINDING: for holes and overlaps
- *  VOTE          BVX_FILL_VOTE: for holes and flipped triangles
- *  NONE          no side: distances are not negative */
-#define BVX_SIGN_LIST(X)                        \
-    X(BVX_SIGN_AUTO, 0, "auto")                 \
-    X(BVX_SIGN_EXACT, 1, "exact")               \
-    X(BVX_SIGN_NORMAL, 2, "normal")             \
-    X(BVX_SIGN_PSEUDONORMAL, 3, "pseudonormal") \
-    X(BVX_SIGN_WINDING, 4, "winding")           \
-    X(BVX_SIGN_VOTE, 5, "vote")                 \
-    X(BVX_SIGN_NONE, 6, "none")
+/** What decides that a centre is inside, for fields and repair. AUTO: fields take what BVX_FILL_AUTO decides, repair
+ *  WINDING or VOTE. */
+/* clang-format off */
+#define BVX_SIGN_LIST(X) \
+    X(BVX_SIGN_AUTO, 0, "auto") \
+    X(BVX_SIGN_EXACT, 1, "exact")               /* BVX_FILL_PARITY: field and solid never disagree */ \
+    X(BVX_SIGN_NORMAL, 2, "normal")             /* the closest triangle's side (the paper's): wrong near edges */ \
+    X(BVX_SIGN_PSEUDONORMAL, 3, "pseudonormal") /* the closest feature's side: for closed, oriented meshes */ \
+    X(BVX_SIGN_WINDING, 4, "winding")           /* BVX_FILL_WINDING: for holes and overlaps */ \
+    X(BVX_SIGN_VOTE, 5, "vote")                 /* BVX_FILL_VOTE: for holes and flipped triangles */ \
+    X(BVX_SIGN_NONE, 6, "none")                 /* no side: distances are not negative */
+/* clang-format on */
 enum {
     BVX_SIGN_LIST(BVX_LIST_ENUM) BVX_SIGN_COUNT = 7,
     /** Rules that bvx_repair and bvx_build_levels take: bit 1 << rule. */
-    BVX_SIGNS_OF_REPAIR = 1 << BVX_SIGN_AUTO | 1 << BVX_SIGN_EXACT | 1 << BVX_SIGN_WINDING |
-                          1 << BVX_SIGN_VOTE
+    BVX_SIGNS_OF_REPAIR = 1 << BVX_SIGN_AUTO | 1 << BVX_SIGN_EXACT | 1 << BVX_SIGN_WINDING | 1 << BVX_SIGN_VOTE
 };
 
 /** Why a mesh needs a repair: the first of these that holds. */
 enum {
-    BVX_NEEDS_NOTHING = 0,  /**< it is closed, manifold, oriented and outwards, and crosses itself nowhere */
-    BVX_NEEDS_LIDS = 1,     /**< open edges */
+    BVX_NEEDS_NOTHING = 0, /**< it is closed, manifold, oriented and outwards, and crosses itself nowhere */
+    BVX_NEEDS_LIDS = 1, /**< open edges */
     BVX_NEEDS_MANIFOLD = 2, /**< edges of three triangles or more, vertices where parts touch */
-    BVX_NEEDS_TURNS = 3,    /**< neighbours of opposite orientation */
-    BVX_NEEDS_AREA = 4,     /**< triangles without area, or there twice */
-    BVX_NEEDS_OUTSIDE_IN = 5, /**< its volume is not positive, or a part lies within another, not as a
-                                   cavity */
-    BVX_NEEDS_UNCROSSING = 6  /**< triangles cross */
+    BVX_NEEDS_TURNS = 3, /**< neighbours of opposite orientation */
+    BVX_NEEDS_AREA = 4, /**< triangles without area, or there twice */
+    BVX_NEEDS_OUTSIDE_IN = 5, /**< its volume is not positive, or a part lies within another, not as a cavity */
+    BVX_NEEDS_UNCROSSING = 6 /**< triangles cross */
 };
 
 /** Sharp edges and corners: AUTO on meshes like machine parts of up to 500,000 triangles (docs/rules.md). */
-#define BVX_SHARP_LIST(X)          \
-    X(BVX_SHARP_AUTO, 0, "auto")   \
-    X(BVX_SHARP_NEVER, 1, "never") \
-    X(BVX_SHARP_ALWAYS, 2, "always")
+#define BVX_SHARP_LIST(X) X(BVX_SHARP_AUTO, 0, "auto") X(BVX_SHARP_NEVER, 1, "never") X(BVX_SHARP_ALWAYS, 2, "always")
 enum { BVX_SHARP_LIST(BVX_LIST_ENUM) };
 
-/** What becomes of walls thinner than 1.5 voxels that the lattice would lose, since no centre inside shows
- *  them. What is lost is reported.
+/** What becomes of walls thinner than 1.5 voxels that the lattice would lose. What is lost is reported.
  *  KEEP   they are kept, closed and whole, about as thick as they are
  *  DROP   they are lost
  *  SHELL  parts that the solid misses become shells, as sheets do; the rest is lost */
-#define BVX_THIN_LIST(X)        \
-    X(BVX_THIN_KEEP, 0, "keep") \
-    X(BVX_THIN_DROP, 1, "drop") \
-    X(BVX_THIN_SHELL, 2, "shell")
+#define BVX_THIN_LIST(X) X(BVX_THIN_KEEP, 0, "keep") X(BVX_THIN_DROP, 1, "drop") X(BVX_THIN_SHELL, 2, "shell")
 enum { BVX_THIN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_repair_report {
-    bvx_certificate before;  /**< of the input; vertices at equal positions count as one */
-    bvx_certificate after;   /**< of the result */
-    bvx_lattice lattice;     /**< that the result was made on */
-    int32_t sign;            /**< BVX_SIGN_... that decided */
-    int32_t needs;           /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
-    int32_t copied;          /**< 1: it needed none and was copied (if_needed) */
-    int32_t sharp;           /**< 1: vertices were put on sharp edges and corners */
-    int32_t thin_kept;       /**< 1: thin walls are in the result; 0: there are none, or they are lost */
-    int32_t thin_resolution; /**< at which nine tenths of thin_voxels have a wall of 1.5 voxels; 0: none, or
-                                  none needed */
-    uint64_t thin_voxels;    /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
-    uint64_t holes;          /**< loops of open edges in the input */
-    uint64_t turned;         /**< AUTO: triangles that were turned, flipped ones and those of bodies (of up to
-                               4,096) inside out beside others */
-    uint64_t crossings; /**< pairs of triangles of the input that cross; counted if nothing else is wrong,
-                               and if the result has more handles than the input */
+    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
+    bvx_certificate after; /**< of the result */
+    bvx_lattice lattice; /**< that the result was made on */
+    int32_t sign; /**< BVX_SIGN_... that decided */
+    int32_t needs; /**< BVX_NEEDS_...: why the input needs a repair, whatever if_needed is */
+    int32_t copied; /**< 1: it needed none and was copied (if_needed) */
+    int32_t sharp; /**< 1: vertices were put on sharp edges and corners */
+    int32_t thin_kept; /**< 1: thin walls are in the result; 0: there are none, or they are lost */
+    int32_t thin_resolution; /**< that keeps nine tenths of thin_voxels; 0: none, or none needed */
+    uint64_t thin_voxels; /**< at walls thinner than 1.5 voxels with no centre inside: lost without KEEP */
+    uint64_t holes; /**< loops of open edges in the input */
+    uint64_t turned; /**< AUTO: triangles that were turned: flipped ones, and bodies inside out beside others */
+    uint64_t crossings; /**< pairs of triangles of the input that cross, where they were counted */
     uint64_t shelled_triangles; /**< triangles of the input that became shells */
-    uint64_t parts_dropped;     /**< connected parts of the solid: least_part, keep_largest, crumbs */
+    uint64_t parts_dropped; /**< connected parts of the solid: least_part, keep_largest, crumbs */
     uint64_t cavities_dropped;
-    uint64_t crumbs; /**< small parts and pockets that are not in the mesh: dropped and filled, and counted in
-                          parts_dropped and cavities_dropped too */
-    bvx_distance_report distance; /**< measure 1: a is the input, b the result */
-    double crossing_volume; /**< of what is inside, if it ended where lines of centres cross the mesh (of a
-                                 closed one whose result is then off, at half the spacing): what volume the
-                                 result should have, overlaps counted once, whatever was wrong with the input.
-                                 Walls that thin_voxels counts are not all in it. 0: copied, or
-                                 nothing encloses a centre. Rounded to a float [Units: world] */
-    uint64_t warnings;      /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t crumbs; /**< small parts and pockets that are not in the mesh, counted above too: dropped and filled */
+    bvx_distance_report distance; /**< with samples: a is the input, b the result */
+    double crossing_volume; /**< what volume the result should have, overlaps counted once (docs/rules.md); 0:
+                                 copied, or nothing encloses a centre. Rounded to a float [Units: world] */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_repair_report;
 
 typedef struct bvx_repair_options {
     size_t struct_size;
-    bvx_fit fit;         /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
-    int32_t sign;        /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default:
-                                BVX_SIGN_AUTO: WINDING, or VOTE where flipped triangles cannot be turned] */
-    int32_t measure;     /**< 1: fill the report's distances, from measure_samples points a side [Limit: 0..1]
-                          [Default: 0] */
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
+    int32_t sign; /**< BVX_SIGN_AUTO, EXACT, WINDING or VOTE [Limit: BVX_SIGNS_OF_REPAIR] [Default: BVX_SIGN_AUTO:
+                       WINDING, or VOTE where flipped triangles cannot be turned] */
+    int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
     bvx_placing placing; /**< of the surface [Default: all zero] */
-    double shell;    /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
+    double shell; /**< thickness that open sheets get; BVX_NONE: they get none [Units: largest spacings]
                        [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
     bvx_parts parts; /**< that are kept [Default: all zero] */
-    uint64_t target_triangles; /**< at most so many: the largest resolution, up to resolution, that a
-                                    bisection finds [Limit: any] [Default: 0, none] */
-    uint64_t measure_samples;  /**< [Limit: any; with measure 1..2^31-1] [Default: 100000] */
+    uint64_t target_triangles; /**< at most so many: the largest resolution that a bisection finds [Limit: any]
+                                    [Default: 0, none] */
+    uint64_t samples; /**< points a side for the report's distances [Limit: 0..2^31-1] [Default: 0, not measured] */
     bvx_repair_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
-    int32_t if_needed;         /**< 1: copy a mesh that needs nothing (the report's needs): same positions and
-                                    triangles, vertices at one position once, its own position_type and no
-                                    frame, whatever the other options are [Limit: 0..1] [Default: 0] */
-    int32_t thin; /**< walls that the lattice would lose, BVX_THIN_... [Default: BVX_THIN_KEEP] */
+    int32_t if_needed; /**< 1: copy a mesh that needs nothing, by its own position_type [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
 } bvx_repair_options;
 
-/** Make a closed, manifold, oriented mesh without crossing triangles from any mesh: what marching cubes
- *  guarantees, whatever the input. Unless if_needed is set, a sound mesh is made anew as well. Holes get
- *  smooth lids, overlapping parts become one, sheets become shells, and walls too thin for the lattice are
- *  kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller than a voxel are lost,
- *  and rods thinner than one come out thicker. The steps, and what counts as a sheet: docs/rules.md.
- *  mesh      triangles without area do no harm; vertices must be finite, used or not
+/** Make a closed, manifold, oriented mesh without crossing triangles from any mesh. Unless if_needed is set, a sound
+ *  mesh is made anew as well. Holes get smooth lids, overlapping parts become one, sheets become shells, and walls too
+ *  thin for the lattice are kept (thin). Round bars from 2 voxels on keep their volume within 3 %. Details smaller
+ *  than a voxel are lost, and rods thinner than one come out thicker. The steps, and what counts as a sheet:
+ *  docs/rules.md.
  *  repaired  its arrays are not the mesh's (BVX_ERR_ARGUMENT)
- *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains: no inside and no shells wanted, or all parts
- *  below least_part), BVX_ERR_RANGE (also target_triangles that no resolution meets).
- *  [Memory: the mesh, two grids and what the sign rule needs, then a grid, 32 bytes for each centre next to
- *  the surface and what bvx_measure_field needs a triangle; parts inside out: 32 a crossing pair; with a
- *  report that of bvx_mesh_check on both meshes. A scan of 69 thousand triangles: 24 MiB at 256, 112 at 512,
- *  with a report 36 and 155, and up to 16 grids where its volume is looked at: docs/rules.md]
- *  [Cost: the solid, closest points of the centres next to the surface, the surface; target_triangles: the
- *  solid at each resolution tried]
- *  [Exact: any order of triangles, vertices and corners of a closed mesh, also inside out, gives the same
- *  bytes]
- *  Source: "Model repair by a vector distance field", with its formula corrected. */
-BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh,
-                              const bvx_repair_options *options, bvx_mesh *repaired);
+ *  Returns BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also target_triangles that no
+ *  resolution meets). */
+BVX_API bvx_status bvx_repair(bvx_context *context, const bvx_mesh_view *mesh, const bvx_repair_options *options,
+                              bvx_mesh *repaired);
 
 /* ---- Levels of detail ---------------------------------------------------------------------------------- */
 
 typedef struct bvx_levels_report {
     int32_t solid; /**< 1: the levels were made from the measured surface */
     int32_t reserved0;
-    bvx_certificate before;     /**< of the input; vertices at equal positions count as one */
-    uint64_t triangles;         /**< of the surface before edges collapsed */
-    uint64_t collapsed;         /**< triangles without area or with equal corners, dropped */
-    uint64_t doubles;           /**< exact copies of triangles, dropped */
-    uint64_t turned;            /**< triangles turned to agree with the others of their patch */
-    uint64_t split;             /**< vertices where fans met, now one for each fan */
-    uint64_t parted;            /**< edges of three triangles and more, parted by sides */
-    uint64_t cut;               /**< edges that became borders, since no pairing of their triangles does it */
-    double cut_edge[2][3];      /**< ends of the first of them [Units: world] */
-    uint64_t crumbs;            /**< solid: small parts that the input does not have, dropped */
-    bvx_repair_report repair;   /**< solid: what was found and done */
-    int32_t resolution;         /**< solid without a lattice: as in the options; else 0 */
+    bvx_certificate before; /**< of the input; vertices at equal positions count as one */
+    uint64_t triangles; /**< of the surface before edges collapsed */
+    uint64_t collapsed; /**< triangles without area or with equal corners, dropped */
+    uint64_t doubles; /**< exact copies of triangles, dropped */
+    uint64_t turned; /**< triangles turned to agree with the others of their patch */
+    uint64_t split; /**< vertices where fans met, now one for each fan */
+    uint64_t parted; /**< edges of three triangles and more, parted by sides */
+    uint64_t cut; /**< edges that became borders, since no pairing of their triangles does it */
+    double cut_edge[2][3]; /**< ends of the first of them [Units: world] */
+    uint64_t crumbs; /**< solid: small parts that the input does not have, dropped */
+    bvx_repair_report repair; /**< solid: what was found and done */
+    int32_t resolution; /**< solid without a lattice: as in the options; else 0 */
     int32_t planned_resolution; /**< more than resolution where the memory limit did not allow it */
-    uint64_t warnings;          /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
     uint64_t reserved[3];
 } bvx_levels_report;
 
 typedef struct bvx_levels_options {
     size_t struct_size;
-    bvx_targets targets;   /**< as in bvx_simplify_options; halving starts from the input
-                                [Default: half the triangles of the one before] */
-    bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused
-                                [Default: all zero] */
+    bvx_targets targets; /**< as in bvx_simplify_options; halving starts from the input
+                              [Default: half the triangles of the one before] */
+    bvx_collapse collapse; /**< with solid: position_type and topology; the others are refused [Default: all zero] */
     int32_t solid; /**< 1: simplify the surface that bvx_repair measures: closed, manifold, oriented, without
-                        crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs
-                        from its default] */
-    bvx_fit fit;   /**< solid: [Default: a resolution from 256 to 320, by which the surface has about 16 times
-                        the triangles of the finest level] */
-    int32_t sign;  /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default:
-                                BVX_SIGN_AUTO] */
+                        crossings [Limit: 0..1] [Default: 0; 1 where one of the options marked "solid:" differs from
+                        its default] */
+    bvx_fit fit; /**< solid: [Default: all zero] */
+    int32_t sign; /**< solid: as in bvx_repair_options [Limit: BVX_SIGNS_OF_REPAIR] [Default: BVX_SIGN_AUTO] */
     int32_t sharp; /**< solid: BVX_SHARP_... [Default: BVX_SHARP_AUTO] */
-    double shell;  /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6]
-                                     [Default: 2] */
-    bvx_parts parts;           /**< solid: that are kept; a least_cavity of UINT64_MAX leaves the outer hull
-                                    [Default: all zero] */
+    double shell; /**< solid: as in bvx_repair_options [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    bvx_parts parts; /**< solid: that are kept; a least_cavity of UINT64_MAX leaves the outer hull
+                          [Default: all zero] */
     bvx_levels_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
     bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_levels_options;
 
-/** Levels of detail from any mesh: the main job.
- *
- *  The mesh is simplified as it is, by bvx_mesh_simplify. With solid its surface is measured first, by
- *  bvx_repair, and every level is closed, manifold, oriented and free of crossings; it has no attributes, but
- *  bvx_mesh_carry gives it some. When thin walls are kept, and what is tried under a memory limit:
- *  docs/rules.md.
- *  mesh    any mesh with area; vertices must be finite
+/** Levels of detail from any mesh: the main job. The mesh is simplified as it is, by bvx_mesh_simplify. With solid its
+ *  surface is measured first, by bvx_repair, and every level is closed, manifold, oriented and free of crossings; it
+ *  has no attributes, but bvx_mesh_carry gives it some. What is tried under a memory limit: docs/rules.md.
  *  levels  [Size: level_count] as for bvx_mesh_simplify
- *  Returns BVX_ERR_ARGUMENT (also lock_border, locked, BVX_VERTICES_KEPT or attribute_weight with solid),
- *  BVX_ERR_EMPTY (no triangle of area; nothing remains), BVX_ERR_RANGE (also an index beyond the uvs, a mesh
- *  that spans less than 1e-30 or more than 1e31), BVX_ERR_BUDGET (names a limit that suffices).
- *  [Memory: of n triangles as they are at most 180 bytes each, 60 more of those beside crossings that collapses
- *  make; of a surface of s triangles measured on grids of g bytes at most the larger of 200 n + 45 s + 5 g and
- *  12 n + 180 s; with either 36 bytes a border edge, and 400 KB]
- *  [Cost: that of bvx_mesh_simplify, with solid that of bvx_repair too]
- *  [Exact: yes, unless a memory limit makes the lattice coarser: then the number of threads may show]
- *  Source: as bvx_mesh_simplify; for solid: "Model repair by a vector distance field". */
-BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh,
-                                    const bvx_levels_options *options, uint64_t level_count,
-                                    bvx_mesh *levels);
+ *  Returns as bvx_mesh_simplify; BVX_ERR_ARGUMENT also for lock_border, locked, BVX_VERTICES_KEPT or attribute_weight
+ *  with solid, BVX_ERR_BUDGET (names a limit that suffices). */
+BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
+                                    uint64_t level_count, bvx_mesh *levels);
 
 /* ---- Booleans of meshes -------------------------------------------------------------------------------- */
 
 /** What two bodies become: what lies in a or in b; in both; in a and not in b; in only one of them. */
-#define BVX_BOOLEAN_LIST(X)                        \
-    X(BVX_BOOLEAN_UNION, 0, "union")               \
+#define BVX_BOOLEAN_LIST(X) \
+    X(BVX_BOOLEAN_UNION, 0, "union") \
     X(BVX_BOOLEAN_INTERSECTION, 1, "intersection") \
-    X(BVX_BOOLEAN_DIFFERENCE, 2, "difference")     \
+    X(BVX_BOOLEAN_DIFFERENCE, 2, "difference") \
     X(BVX_BOOLEAN_XOR, 3, "xor")
 enum { BVX_BOOLEAN_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_boolean_report {
-    bvx_lattice lattice;              /**< that the result was made on */
-    uint64_t voxels_a, voxels_b;      /**< centres inside each */
-    uint64_t voxels;                  /**< inside the result */
+    bvx_lattice lattice; /**< that the result was made on */
+    uint64_t voxels_a, voxels_b; /**< centres inside each */
+    uint64_t voxels; /**< inside the result */
     bvx_field_surface_report surface; /**< how the vertices were placed */
-    int32_t sharp;                    /**< 1: vertices were put on sharp edges and corners */
-    int32_t few;                      /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
-    int32_t advised_resolution;       /**< where few is not 0: the resolution to take */
+    int32_t sharp; /**< 1: vertices were put on sharp edges and corners */
+    int32_t few; /**< BVX_FEW_... that the lattice is too coarse for, or 0 */
+    int32_t advised_resolution; /**< where few is not 0: the resolution to take */
     int32_t thin_kept; /**< BVX_KEPT_... of the meshes whose thin walls were kept; others' are lost */
-    uint64_t crumbs;   /**< small parts and pockets that neither mesh has a part for: dropped and filled */
-    uint64_t parts_dropped;            /**< by least_part and keep_largest */
+    uint64_t crumbs; /**< small parts and pockets that neither mesh has a part for: dropped and filled */
+    uint64_t parts_dropped; /**< by least_part and keep_largest */
     bvx_solid_report solid_a, solid_b; /**< how each was filled, before walls are kept */
-    uint64_t warnings;                 /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_boolean_report;
 
 /** Meshes of which thin walls were kept. */
@@ -1364,44 +1144,35 @@ enum { BVX_FEW_A = 1, BVX_FEW_B = 2, BVX_FEW_RESULT = 4 };
 
 typedef struct bvx_boolean_options {
     size_t struct_size;
-    bvx_fit fit; /**< [Default: 256 voxels, padded by 1 voxel: of a difference to a, of an intersection to the
-                      box that both share (to a where there is none), else to both] */
-    int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default:
-                                BVX_FILL_AUTO] */
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 1 voxel: of a difference to a, of an intersection to the box
+                      that both share (to a where there is none), else to both] */
+    int32_t fill; /**< BVX_FILL_...: the rule for inside [Limit: BVX_FILLS_OF_BOOLEAN] [Default: BVX_FILL_AUTO] */
     int32_t thin; /**< walls that the lattice would lose: BVX_THIN_KEEP (of b in a difference: slots) or
                        BVX_THIN_DROP [Limit: 0..1] [Default: BVX_THIN_KEEP] */
-    bvx_placing placing; /**< of the surface; sharp edges are those of the meshes and where they meet, AUTO:
-                              where one of the meshes has them [Default: all zero] */
-    bvx_parts parts;     /**< that are kept; crumbs are parts that neither mesh has [Default: all zero] */
+    bvx_placing placing; /**< of the surface; sharp edges are those of the meshes and where they meet, AUTO: where
+                              one of the meshes has them [Default: all zero] */
+    bvx_parts parts; /**< that are kept; crumbs are parts that neither mesh has [Default: all zero] */
     bvx_boolean_report *report; /**< receives what was done when not NULL [Default: NULL] */
 } bvx_boolean_options;
 
-/** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the
- *  lattice is fine. Both are filled on one lattice, the bits are combined, and each vertex lies where the
- *  mesh whose side changes there cuts its edge. The guarantee is that of bvx_extract_field_surface, whatever
- *  the meshes are. Thin walls of the meshes are kept (thin); what the operation itself makes thinner than a
- *  voxel may be lost. The report says what has few voxels, and which resolution to take.
+/** The union, intersection, difference or symmetric difference of two bodies as a mesh, as exact as the lattice is
+ *  fine. Both are filled on one lattice, the bits are combined, and each vertex lies where the mesh whose side changes
+ *  there cuts its edge. The guarantee is that of bvx_extract_field_surface, whatever the meshes are. Thin walls of the
+ *  meshes are kept (thin); what the operation itself makes thinner than a voxel may be lost.
  *  operation  BVX_BOOLEAN_...
- *  result     its arrays are not those of a or b (BVX_ERR_ARGUMENT). Empty, and no error, where no centre
- *             lies inside, as in the intersection of bodies that are apart or the difference where b holds a.
+ *  result     its arrays are not those of a or b (BVX_ERR_ARGUMENT). Empty, and no error, where no centre lies inside.
  *             Where b does not reach a, the difference is a's surface on the lattice
  *  Returns BVX_ERR_EMPTY (a mesh without a triangle of area, or with no centre inside although it lies on the
- *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid; f32 as in bvx_extract_surface).
- *  [Memory: the mesh, five grids (thin walls: two more, and 12 bytes a triangle near them; with a report up to 16, docs/rules.md), 16 bytes a row,
- *  32 (sharp: 36) for each centre next to a mesh's part of the surface; in turns what bvx_voxelize_solid
- *  needs and what bvx_measure_field needs a triangle]
- *  [Cost: two solids, O(triangles log triangles), the closest points of these centres, the surface] */
-BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b,
-                               int32_t operation, const bvx_boolean_options *options, bvx_mesh *result);
+ *  lattice), BVX_ERR_RANGE (as bvx_voxelize_solid and bvx_extract_surface). */
+BVX_API bvx_status bvx_boolean(bvx_context *context, const bvx_mesh_view *a, const bvx_mesh_view *b, int32_t operation,
+                               const bvx_boolean_options *options, bvx_mesh *result);
 
 /* ---- Levels by samples --------------------------------------------------------------------------------- */
 
 /** How levels are sampled.
  *  EDGE_RATIO  the paper's: samples of the extended voxel function, first change along an edge
  *  COVERAGE    the share of set voxels in the sample's box, linear positions */
-#define BVX_LOD_LIST(X)                    \
-    X(BVX_LOD_EDGE_RATIO, 0, "edge-ratio") \
-    X(BVX_LOD_COVERAGE, 1, "coverage")
+#define BVX_LOD_LIST(X) X(BVX_LOD_EDGE_RATIO, 0, "edge-ratio") X(BVX_LOD_COVERAGE, 1, "coverage")
 enum { BVX_LOD_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_lod_report {
@@ -1409,60 +1180,46 @@ typedef struct bvx_lod_report {
     int32_t reserved;
     double ratio[3]; /**< voxels a sample along each axis */
     uint64_t vertices, triangles;
-    uint64_t searched;      /**< resolutions that the search for a triangle count tried */
-    int32_t exceeds_source; /**< 1: more triangles than source_triangles */
-    int32_t reserved2;
+    uint64_t searched; /**< resolutions that the search for a triangle count tried */
 } bvx_lod_report;
+
+/** How a level's samples are taken. */
+typedef struct bvx_sampling {
+    int32_t method; /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
+    int32_t edge_samples; /**< edge ratio: steps along an edge [Limit: 0..65536] [Default: 0, by the ratio] */
+    double threshold; /**< inside means above it [Limit: > 0, < 1; kept to 2^-16] [Default: 0.5] */
+} bvx_sampling;
 
 typedef struct bvx_lod_options {
     size_t struct_size;
-    int32_t method; /**< BVX_LOD_... [Default: BVX_LOD_EDGE_RATIO, nearer to the original where measured] */
-    int32_t edge_samples; /**< edge ratio: steps along an edge [Limit: 0..65536] [Default: 0, by the ratio] */
-    double threshold;     /**< inside means above it [Limit: > 0, < 1; kept to 2^-16] [Default: 0.5] */
+    bvx_sampling sampling; /**< [Default: all zero] */
     const int32_t *resolutions; /**< samples along the longest axis [Size: level_count] [Default: NULL] */
-    const int32_t *axis_resolutions;  /**< samples along x, y, z [Size: level_count * 3] [Default: NULL] */
+    const int32_t *axis_resolutions; /**< samples along x, y, z [Size: level_count * 3] [Default: NULL] */
     const uint64_t *target_triangles; /**< at most so many in a level [Size: level_count] [Default: NULL] */
-    uint64_t source_triangles;        /**< of the solid's mesh, for exceeds_source [Limit: any]
-                                           [Default: 0, unknown] */
-    int32_t face_rule;                /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type;            /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t local_frame;              /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1]
-                                [Default: 0] */
-    int32_t first_level;              /**< index of levels[0] in messages, if a chain is made one level a call
-                                [Limit: >= 0] [Default: 0] */
+    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t local_frame; /**< 1: positions relative to frame, the grid's low corner [Limit: 0..1] [Default: 0] */
+    int32_t first_level; /**< index of levels[0] in messages [Limit: >= 0] [Default: 0] */
     double collapse; /**< target_triangles only: make up to this many times the target, then collapse edges
                           [Limit: 0, or 1..64] [Default: 0, no collapse] */
     bvx_lod_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_lod_options;
 
-/** The resolution of the solid from which bvx_build_lods should make these levels: eight times the samples of
- *  the finest level, less where memory is short (docs/rules.md).
- *  options     resolutions, axis_resolutions or target_triangles, and collapse
- *  padding     voxels added on every side of the solid
- *  limited     out, may be NULL: 1 when memory decided, else 0
- *  Returns BVX_ERR_EMPTY (no triangles, or all in one point), BVX_ERR_RANGE.
- *  [Memory: none]
- *  [Cost: O(vertices + triangles)] */
-BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
-                                 const bvx_lod_options *options, uint64_t level_count, int32_t padding,
-                                 int32_t *resolution, int32_t *limited);
+/** The resolution of the solid from which bvx_build_lods should make these levels: eight times the samples of the
+ *  finest level, less where memory is short (docs/rules.md). options count by their sizes, targets and collapse.
+ *  padding  voxels added on every side of the solid
+ *  limited  out, may be NULL: 1 when memory decided, else 0 */
+BVX_API bvx_status bvx_plan_lods(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lod_options *options,
+                                 uint64_t level_count, int32_t padding, int32_t *resolution, int32_t *limited);
 
-/** Closed meshes of several sizes from one solid. Each level lays a coarser lattice over the grid, n voxels
- *  to r samples along an axis (any ratio n/r >= 1, one for all axes unless set otherwise). Sample i lies in
- *  the middle of the interval [i n/r, (i+1) n/r) of voxels, so nothing shifts or shrinks. Each level is
- *  closed, outwards, edge- and vertex-manifold. Exactly one of resolutions, axis_resolutions and
- *  target_triangles is given. A target takes the largest resolution that a bisection finds not to exceed it.
- *  collapse 2 to 4 puts triangles where the surface bends: nearer to the original, but less even and slower
- *  (docs/rules.md).
+/** Closed meshes of several sizes from one solid. Each level lays a coarser lattice over the grid, n voxels to r
+ *  samples along an axis (any ratio n/r >= 1), such that nothing shifts or shrinks: docs/rules.md. Each level is
+ *  closed, outwards, edge- and vertex-manifold. Exactly one of resolutions, axis_resolutions and target_triangles is
+ *  given. A target takes the largest resolution that a bisection finds not to exceed it. collapse 2 to 4 puts
+ *  triangles where the surface bends: nearer to the original, but less even and slower.
  *  levels  [Size: level_count] After a failure none is to be read
- *  Returns BVX_ERR_RANGE (a resolution above the grid's; f32 as in bvx_extract_surface; a target below the
- *  triangles of the coarsest level), BVX_ERR_EMPTY (a level that keeps nothing, named).
- *  [Memory: the meshes, one coarse grid, 24 bytes a sample row and column (coverage: and 4 bytes a sample;
- *  collapse: and about 300 bytes a vertex before it)]
- *  [Cost: O(words + samples) a level, collapse O(triangles log triangles)]
- *  Source: "LOD by voxelization and downsampling" 2.4, with the position inside the step and the phase
- *  defined. */
+ *  Returns BVX_ERR_RANGE (a resolution above the grid's; a target below the triangles of the coarsest level),
+ *  BVX_ERR_EMPTY (a level that keeps nothing, named). */
 BVX_API bvx_status bvx_build_lods(bvx_context *context, const bvx_grid *solid, const bvx_lod_options *options,
                                   uint64_t level_count, bvx_mesh *levels);
 
@@ -1474,99 +1231,80 @@ typedef struct bvx_closest bvx_closest;
 /** The closest point of a mesh to a point. */
 typedef struct bvx_closest_point {
     double position[3]; /**< [Units: world] */
-    double distance;    /**< [Units: world] */
-    double weight[3];   /**< barycentric coordinates: not negative, with sum 1 but for rounding */
-    uint32_t triangle;  /**< the lowest index among the triangles at that distance, as computed; position,
-                             weight and feature are of it */
-    int32_t feature;    /**< 0: inside the triangle; 1, 2, 3: on edge 0-1, 1-2, 2-0; 4, 5, 6: on corner 0, 1,
-                             2 */
+    double distance; /**< [Units: world] */
+    double weight[3]; /**< barycentric coordinates: not negative, with sum 1 but for rounding */
+    uint32_t triangle; /**< the lowest index among the triangles at that distance; all else is of it */
+    int32_t feature; /**< 0: inside the triangle; 1, 2, 3: on edge 0-1, 1-2, 2-0; 4, 5, 6: on corner 0, 1, 2 */
 } bvx_closest_point;
 
-/** Prepare a mesh. A handle that is passed again is overwritten: free it first.
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: 72 bytes a triangle (f64: 108)]
- *  [Cost: O(triangles log triangles)] */
+/** Prepare a mesh. A handle that is passed again is overwritten: free it first. */
 BVX_API bvx_status bvx_closest_create(bvx_context *context, const bvx_mesh_view *mesh, bvx_closest **closest);
 
-/** Find the closest points to count points, x y z each [Units: world]. Distances come from one stated
- *  evaluation in doubles, so results depend only on mesh and point. A distance beyond the largest double is
- *  infinity.
- *  Returns BVX_ERR_RANGE (a point that is not finite, with its index).
- *  [Memory: none up to 64 points, else 24 bytes a point, at most 1.5 MiB]
- *  [Cost: O(log triangles) a point near the surface, more farther off] */
+/** Find the closest points to count points, x y z each [Units: world]. Distances come from one stated evaluation in
+ *  doubles, so results depend only on mesh and point. A distance beyond the largest double is infinity. */
 BVX_API bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                     uint64_t count, bvx_closest_point *found);
 
 /** Where a ray meets a mesh. */
 typedef struct bvx_mesh_hit {
-    double t;           /**< position = origin + t * direction */
+    double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
-    double weight[3];   /**< barycentric coordinates: not negative, with sum 1 but for rounding */
+    double weight[3]; /**< barycentric coordinates: not negative, with sum 1 but for rounding */
     uint32_t triangle;
-    int32_t side; /**< 1: the side that the normal by the right hand points to; -1: the other one; 0: the ray
-                       meets none, and the other fields are zero */
+    int32_t side; /**< 1: the side of the normal by the right hand; -1: the other one; 0: none is met, all else is
+                       zero */
 } bvx_mesh_hit;
 
-/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits
- *  have 0 <= t <= t_max; of equal t the lowest index is the nearest. Which triangles are met is decided exactly:
- *  a ray passes between no two triangles with a common edge, and through an edge or a corner it meets one of
- *  the triangles that lie side by side there. A triangle seen from its edge is not met.
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits have 0 <=
+ *  t <= t_max; of equal t the lowest index is the nearest. A ray passes between no two triangles with a common edge,
+ *  and through an edge or a corner it meets one of the triangles there. A triangle seen from its edge is not met.
  *  hits  the nearest one of each ray [Size: count]
- *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
- *  finite, or starts 2^200 times the mesh's size away, with its index).
- *  [Memory: none]
- *  [Cost: O(log triangles) a ray, whatever their number] */
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (also a start 2^200 times the
+ *  mesh's size away). */
 BVX_API bvx_status bvx_closest_cast(bvx_context *context, const bvx_closest *closest, const double *rays,
                                     uint64_t count, double t_max, bvx_mesh_hit *hits);
 
 /** All hits of each ray, by t, then by index of the triangle.
  *  offsets  where the hits of each ray begin, and their number [Size: count + 1]
  *  hits     NULL: offsets alone are wanted [Size: capacity]
- *  Returns what bvx_closest_cast returns, BVX_ERR_CAPACITY (offsets are valid then).
- *  [Memory: none] */
+ *  Returns what bvx_closest_cast returns, BVX_ERR_CAPACITY (offsets are valid then). */
 BVX_API bvx_status bvx_closest_crossings(bvx_context *context, const bvx_closest *closest, const double *rays,
                                          uint64_t count, double t_max, uint64_t *offsets, bvx_mesh_hit *hits,
                                          uint64_t capacity);
 
-/** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented
- *  mesh 0 outside and 1 inside; of an open one the signed number of triangles that lie ahead along x. Points on
- *  the surface are on one side, by the tie rule of voxel centres.
- *  Returns BVX_ERR_RANGE (a point that is not finite, with its index).
- *  [Memory: none]
- *  [Cost: O(log triangles) a point] */
+/** How often the mesh goes around each of count points, x y z each [Units: world]; exact. Of a closed, oriented mesh 0
+ *  outside and 1 inside; of an open one the signed number of triangles that lie ahead along x. Points on the surface
+ *  are on one side, by the tie rule of voxel centres. */
 BVX_API bvx_status bvx_closest_winding(bvx_context *context, const bvx_closest *closest, const double *points,
                                        uint64_t count, int64_t *turns);
 
 /** Free what bvx_closest_create allocated; NULL is allowed. */
 BVX_API void bvx_closest_free(bvx_context *context, bvx_closest *closest);
 
-/** Give the vertices of a mesh the colours and texture coordinates of the source's closest points, by
- *  barycentric weights; colours are rounded. What the source does not have stays as it was. Only arrays that
- *  the library allocated (owned) are accepted. A vertex has one texture coordinate, so a triangle over a seam
- *  of the texture stretches across it.
- *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
- *  [Memory: that of bvx_closest_create, and the new arrays] */
+/** Give the vertices of a mesh the colours and texture coordinates of the source's closest points, by barycentric
+ *  weights. What the source does not have stays as it was. Only arrays that the library allocated (owned) are
+ *  accepted. A vertex has one texture coordinate, so a triangle over a seam of the texture stretches across it. */
 BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, bvx_mesh *target);
 
 /* ---- Distance fields ----------------------------------------------------------------------------------- */
 
-/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of
- *  set voxel n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only;
+/** Values at centres of voxels: where the closest point of a mesh lies, and on which side. Value n is that of set
+ *  voxel n of band, counted in the order of its bits (z, y, x). Centres beyond the band have a side only;
  *  bvx_field_dense gives them distances too. */
 typedef struct bvx_field {
-    bvx_grid band;   /**< set: centres that have a value */
+    bvx_grid band; /**< set: centres that have a value */
     bvx_grid inside; /**< set: centres inside, in all of the window; without words for BVX_SIGN_NONE. NORMAL,
-                          PSEUDONORMAL: beyond the band the side spreads from it, voxel by voxel through
-                          faces; where both sides arrive at once it is outside */
+                          PSEUDONORMAL: beyond the band the side spreads from it, voxel by voxel through faces; where
+                          both sides arrive at once it is outside */
     uint64_t *row_values; /**< index of the first value of row z * size[1] + y [Size: rows + 1] */
     uint64_t value_count; /**< row_values[rows] */
-    void *vectors;        /**< to the closest point; float or double [Size: value_count * 3] [Units: world] */
+    void *vectors; /**< to the closest point; float or double [Size: value_count * 3] [Units: world] */
     void *distances; /**< negative inside (-0: on it); float or double [Size: value_count] [Units: world] */
     uint32_t *triangles; /**< the closest one, or NULL [Size: value_count] */
-    uint8_t *features;   /**< as in bvx_closest_point, or NULL [Size: value_count] */
-    int32_t value_type;  /**< BVX_F32 or BVX_F64 */
-    int32_t sign;        /**< BVX_SIGN_... that decided */
-    double half_width;   /**< of the band; infinity: every centre has a value [Units: world] */
+    uint8_t *features; /**< as in bvx_closest_point, or NULL [Size: value_count] */
+    int32_t value_type; /**< BVX_F32 or BVX_F64 */
+    int32_t sign; /**< BVX_SIGN_... that decided */
+    double half_width; /**< of the band; infinity: every centre has a value [Units: world] */
     uint64_t reserved[4];
 } bvx_field;
 
@@ -1574,144 +1312,97 @@ BVX_API void bvx_field_free(bvx_context *context, bvx_field *field);
 
 typedef struct bvx_field_options {
     size_t struct_size;
-    double half_width;  /**< of the band [Units: largest spacings] [Limit: > 0; infinity: all] [Default: 3] */
-    int32_t sign;       /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
+    double half_width; /**< of the band [Units: largest spacings] [Limit: > 0; infinity: all] [Default: 3] */
+    int32_t sign; /**< BVX_SIGN_... [Default: BVX_SIGN_AUTO] */
     int32_t value_type; /**< BVX_F32 (spacings 2^-100 to 2^100) or BVX_F64 [Limit: 1..2] [Default: BVX_F32] */
-    bvx_window window;  /**< [Default: all zero, the whole lattice] */
+    bvx_window window; /**< [Default: all zero, the whole lattice] */
     int32_t no_vectors; /**< 1: vectors stay NULL [Limit: 0..1] [Default: 0] */
-    int32_t features;   /**< 1: fill triangles and features [Limit: 0..1] [Default: 0] */
+    int32_t features; /**< 1: fill triangles and features [Limit: 0..1] [Default: 0] */
     uint64_t reserved[2];
 } bvx_field_options;
 
-/** Measure the distance from centres of voxels to a mesh. The closest point is the one with the lowest
- *  (distance squared, triangle index) by one stated evaluation in doubles. On closed meshes all signs but
- *  NORMAL agree, up to the lattice's fixed point; how each decides at edges, vertices and holes:
- *  docs/rules.md.
- *  mesh  counter-clockwise seen from outside for NORMAL and PSEUDONORMAL [Limit: (2^32 - 1) / 3 triangles for
- *        AUTO and PSEUDONORMAL]
- *  Returns BVX_ERR_ARGUMENT (also a field with arrays of the caller's), BVX_ERR_EMPTY (no triangle, or none
- *  of area), BVX_ERR_RANGE (index or coordinate; EXACT, WINDING and VOTE: as bvx_voxelize_solid; voxels or
- *  distances that floats do not hold: take BVX_F64).
- *  [Memory: two grids, 8 bytes a row, 16 a value (f64: 32; without vectors 4 or 8), 5 a value for features;
- *  about that of bvx_closest_create; that of the sign: docs/rules.md]
- *  [Cost: O(triangles log triangles + values log triangles) and that of the sign]
- *  [Exact: the bytes depend on mesh and lattice only; a window has the values of the whole. EXACT, WINDING,
- *  VOTE: inside is bvx_voxelize_solid's, bit for bit]
- *  Source: "Model repair by a vector distance field"; Baerentzen, Aanaes. Signed Distance Computation Using
- *  the Angle Weighted Pseudonormal. 2005. */
-BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh,
-                                     const bvx_lattice *lattice, const bvx_field_options *options,
-                                     bvx_field *field);
+/** Measure the distance from centres of voxels to a mesh. The closest point is the one with the lowest (distance
+ *  squared, triangle index) by one stated evaluation in doubles. On closed meshes all signs but NORMAL agree, up to
+ *  the lattice's fixed point; how each decides at edges, vertices and holes: docs/rules.md.
+ *  mesh  counter-clockwise seen from outside for NORMAL and PSEUDONORMAL
+ *        [Limit: (2^32 - 1) / 3 triangles for AUTO and PSEUDONORMAL]
+ *  Returns BVX_ERR_ARGUMENT (also a field with arrays of the caller's), BVX_ERR_RANGE (as bvx_voxelize_solid; voxels
+ *  or distances that floats do not hold: take BVX_F64). */
+BVX_API bvx_status bvx_measure_field(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *lattice,
+                                     const bvx_field_options *options, bvx_field *field);
 
-/** Index of the value at voxel (x,y,z) of the window; UINT64_MAX where it has none.
- *  [Cost: O(words of a row)] */
+/** Index of the value at voxel (x,y,z) of the window; UINT64_MAX where it has none. */
 BVX_API uint64_t bvx_field_value(const bvx_field *field, int32_t x, int32_t y, int32_t z);
 
 /** What a dense field holds where the band has no value. */
 enum {
-    BVX_FAR_CONSTANT = 0,  /**< half_width, negative inside; vectors 0 */
+    BVX_FAR_CONSTANT = 0, /**< half_width, negative inside; vectors 0 */
     BVX_FAR_PROPAGATED = 1 /**< from neighbours: the exact distance to a triangle closest to the band */
 };
 
 /** A field as one value for every centre of the window, x fastest, then y, then z.
- *  far_rule  BVX_FAR_...: PROPAGATED needs the mesh, and features in the field; its distances are never below
- *            the true ones, and 0.01 to 0.07 % above on average with bands of three voxels (docs/rules.md)
+ *  far_rule  BVX_FAR_...: PROPAGATED needs the mesh, and features in the field; its distances are never below the true
+ *            ones, and 0.01 to 0.07 % above on average with bands of three voxels (docs/rules.md)
  *  vectors   0: signed distances; 1: vectors, three floats each
  *  values    [Size: size[0] * size[1] * size[2], times 3 for vectors] infinite beyond the largest float
- *  Returns BVX_ERR_ARGUMENT (also a field whose rows are not those of its band), BVX_ERR_EMPTY (PROPAGATED:
- *  no value), BVX_ERR_LATTICE, BVX_ERR_RANGE.
- *  [Memory: none; PROPAGATED: 4 bytes a voxel, 12 a value]
- *  [Cost: O(voxels)]
- *  [Exact: CONSTANT, and fields whose half_width is infinity. PROPAGATED uses the window's band only, so a
- *  window may have larger distances than the whole]
- *  Source: Danielsson. Euclidean Distance Mapping. 1980, re-measured. */
+ *  Returns BVX_ERR_EMPTY (PROPAGATED: no value), BVX_ERR_LATTICE. */
 BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                    int32_t far_rule, int32_t vectors, float *values);
 
 typedef struct bvx_field_surface_options {
     size_t struct_size;
     bvx_placing placing; /**< sharp: cells on sharp edges and corners get a vertex there, and cuts move to the
-                              closest triangles' planes where the field has triangles and the mesh is given.
-                              AUTO: never without vectors or the mesh [Default: all zero] */
-    double sharp_angle;  /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle
-                             between their normals; not 0, but as near to it as wanted] [Limit: -1..1]
-                             [Default: 0.8] */
+                              closest triangles' planes where the field has triangles and the mesh is given. AUTO:
+                              never without vectors or the mesh [Default: all zero] */
+    double sharp_angle; /**< sharp: facets that meet at less than this are smooth [Units: cosine of the angle between
+                             their normals; not 0, but as near to it as wanted] [Limit: -1..1] [Default: 0.8] */
     bvx_field_surface_report *report; /**< receives counts when not NULL [Default: NULL] */
-    const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its
-                               inside. Where it is that of inside, vertices are the field's; elsewhere those
-                               of offset, or in the middle of their edges [Default: NULL, inside] */
-    double offset; /**< grid: the vertex lies where the distance to the mesh, negative inside, is this, if it
-                        lies between the edge's ends: for bodies made thicker, thinner or hollow; 0: no such
-                        surface [Units: world] [Limit: any] [Default: 0] */
+    const bvx_grid *grid; /**< compute the surface of other voxels in the field's window, made from its inside. Where
+                               it is that of inside, vertices are the field's; elsewhere those of offset, or in the
+                               middle of their edges [Default: NULL, inside] */
+    double offset; /**< grid: the vertex lies where the distance to the mesh, negative inside, is this, if it lies
+                        between the edge's ends: for bodies made thicker, thinner or hollow; 0: no such surface
+                        [Units: world] [Limit: any] [Default: 0] */
 } bvx_field_surface_options;
 
-/** The surface between inside and outside centres of a field, by marching cubes with vertices where the field
- *  has the surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field.
- *  Beyond the window is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order
- *  of their cells.
- *  mesh  that the field was measured from. Only sharp uses it, with field->triangles, to know facets; without
- *        either sharp uses the vectors, which is nearly as good
- *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_SIGN_NONE (one with no voxel
- *  inside gives an empty mesh), without vectors where they are needed, or whose row_values are not those of
- *  its band; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed
- *  1/512 of a voxel; BVX_ERR_LATTICE (band, inside or options.grid differ).
- *  [Memory: the mesh and 16 bytes a row; sharp: the mesh once more, 32 bytes a vertex, 40 a sharp cell]
- *  [Cost: O(words + crossings), one thread 20 ns a triangle; sharp 120 ns]
- *  Source: "Model repair by a vector distance field" 2.3, its formula corrected; for sharp Kobbelt, Botsch,
- *  Schwanecke, Seidel. Feature Sensitive Surface Extraction from Volume Data. 2001. */
-BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field,
-                                             const bvx_mesh_view *mesh,
+/** The surface between inside and outside centres of a field, by marching cubes with vertices where the field has the
+ *  surface. Closed, outwards, edge- and vertex-manifold, without crossing triangles, for every field. Beyond the
+ *  window is outside. Order as in bvx_extract_surface; sharp: vertices of cells follow, in order of their cells.
+ *  mesh  that the field was measured from. Only sharp uses it, with field->triangles, to know facets; else sharp uses
+ *        the vectors, which is nearly as good
+ *  Returns as bvx_extract_surface; BVX_ERR_ARGUMENT also for a field of BVX_SIGN_NONE, or without vectors where they
+ *  are needed; BVX_ERR_RANGE also for triangles that the mesh does not have, and for f64 whose steps exceed 1/512 of a
+ *  voxel; BVX_ERR_LATTICE (band, inside or options.grid differ). */
+BVX_API bvx_status bvx_extract_field_surface(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                              const bvx_field_surface_options *options, bvx_mesh *surface);
 
 /* ---- Set algebra --------------------------------------------------------------------------------------- */
 
-/** Combine two grids of one lattice and window, 64 voxels at a time: a or b; a and b; a without b; one of
- *  both. In place: the result may be one of the operands (after BVX_CANCELLED its bits are then unspecified).
- *  Returns BVX_ERR_LATTICE (their lattices or windows differ, and in which field).
- *  [Memory: the result]
- *  [Cost: O(words)] */
-BVX_API bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                  bvx_grid *result);
-BVX_API bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                         bvx_grid *result);
-BVX_API bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
-                                     bvx_grid *result);
-BVX_API bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result);
+/** Combine two grids of one lattice and window, 64 voxels at a time. In place: the result may be one of the operands
+ *  (after BVX_CANCELLED its bits are then unspecified).
+ *  operation  BVX_BOOLEAN_... */
+BVX_API bvx_status bvx_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b, int32_t operation,
+                                    bvx_grid *result);
 
-/** The voxels of the window that are not set. As bvx_grid_union, also in place. */
+/** The voxels of the window that are not set. As bvx_grid_combine, also in place. */
 BVX_API bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result);
 
-/** The same set on another lattice: a voxel is set when its centre lies in a set voxel of grid (half-open
- *  boxes: a centre on a face belongs to the upper voxel). Beyond the grid's window all is empty. What lies
- *  between centres is lost: for integer factors take bvx_grid_downsample.
- *  window  of lattice; NULL or all zero: all of it
- *  Returns BVX_ERR_RANGE (an invalid lattice or window).
- *  [Memory: the result, 4 bytes for each voxel of a line along each axis]
- *  [Cost: O(words of the result + runs)]
- *  [Exact: along each axis the voxel is floor((centre - origin) / spacing) in doubles, centre = the other
- *  origin + (index + 1/2) * its spacing; a window has the bits of the whole] */
+/** The same set on another lattice: a voxel is set when its centre lies in a set voxel of grid (a centre on a face
+ *  belongs to the upper voxel). Beyond the grid's window all is empty. What lies between centres is lost: for integer
+ *  factors take bvx_grid_downsample.
+ *  window  of lattice; NULL or all zero: all of it */
 BVX_API bvx_status bvx_grid_resample(bvx_context *context, const bvx_grid *grid, const bvx_lattice *lattice,
                                      const bvx_window *window, bvx_grid *result);
 
 /** When a block of voxels becomes a set voxel: any of its voxels is set, all are, or more than half are. */
-#define BVX_REDUCE_LIST(X)      \
-    X(BVX_REDUCE_ANY, 0, "any") \
-    X(BVX_REDUCE_ALL, 1, "all") \
-    X(BVX_REDUCE_MAJORITY, 2, "majority")
+#define BVX_REDUCE_LIST(X) X(BVX_REDUCE_ANY, 0, "any") X(BVX_REDUCE_ALL, 1, "all") X(BVX_REDUCE_MAJORITY, 2, "majority")
 enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
 
-/** Blocks of factor[0] x factor[1] x factor[2] voxels become voxels. Blocks are counted from the lattice's
- *  low corner; one that the window or the lattice cuts is judged by its voxels in the window. The new lattice
- *  has the old origin, spacing * factor, and dims / factor rounded up; the window has every block that the
- *  old one reaches into.
+/** Blocks of factor[0] x factor[1] x factor[2] voxels become voxels. Blocks are counted from the lattice's low corner;
+ *  one that the window cuts is judged by its voxels in the window. The new lattice has the old origin, spacing *
+ *  factor, and dims / factor rounded up; the window has every block that the old one reaches into.
  *  factor  [Limit: 1..2^25 each, and fewer than 2^32 voxels of the lattice in a block]
- *  rule    BVX_REDUCE_...
- *  Returns BVX_ERR_ARGUMENT (a factor below 1 or above 2^25), BVX_ERR_RANGE (too many voxels a block, spacing
- *  beyond doubles).
- *  [Memory: the result, 64 bytes for each word of a row, and 24 bytes times the binary digits of a block's
- *  voxels for each word of a row and worker]
- *  [Cost: O(words)]
- *  [Exact: yes; windows whose sides lie between blocks have the bits of the whole] */
+ *  rule    BVX_REDUCE_... */
 BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                        int32_t rule, bvx_grid *result);
 
@@ -1723,41 +1414,34 @@ BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid,
                                      uint32_t *counts, uint64_t capacity, uint64_t *count);
 
 /** The same lattice through another window, which may reach beyond the grid's own, where all is empty.
- *  window  NULL or all zero: the whole lattice
- *  Returns BVX_ERR_RANGE (a window outside the lattice).
- *  [Memory: the result]
- *  [Cost: O(words of the result)] */
+ *  window  NULL or all zero: the whole lattice */
 BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, const bvx_window *window,
                                  bvx_grid *result);
 
-/** Extend the lattice by low empty voxels before its first ones along each axis, and high after its last
- *  ones. The window grows in the same way. Nothing moves in the world: the new origin is origin - low *
- *  spacing.
+/** Extend the lattice by low empty voxels before its first ones along each axis, and high after its last ones. The
+ *  window grows in the same way. Nothing moves in the world: the new origin is origin - low * spacing.
  *  low, high  [Limit: 0 and more, dims up to 2^25]
  *  Returns as bvx_grid_crop. */
-BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3],
-                                const int32_t high[3], bvx_grid *result);
+BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3],
+                                bvx_grid *result);
 
-/** Axis a of the result is axis axes[a] of the grid, reversed where flips[a] is 1. Origin, spacing, dims and
- *  window are permuted too; a flip mirrors the lattice's box in itself, so the origin stays.
+/** Axis a of the result is axis axes[a] of the grid, reversed where flips[a] is 1. Origin, spacing, dims and window
+ *  are permuted too; a flip mirrors the lattice's box in itself, so the origin stays.
  *  axes   0, 1, 2 in any order
- *  flips  0 or 1 each; NULL: none
- *  [Memory: the result]
- *  [Cost: O(words), rows that turn in blocks of 64 x 64 bits] */
+ *  flips  0 or 1 each; NULL: none */
 BVX_API bvx_status bvx_grid_permute(bvx_context *context, const bvx_grid *grid, const int32_t axes[3],
                                     const int32_t flips[3], bvx_grid *result);
 
 /* ---- Morphology and distances -------------------------------------------------------------------------- */
 
-/** DILATE  voxels with a set one within the neighbourhood (steps times) or the ball
- *  ERODE   voxels with no empty one there
- *  OPEN    eroded, then dilated: what cannot hold the neighbourhood goes; a subset of the grid
- *  CLOSE   dilated, then eroded: gaps that cannot hold it are filled; a superset of the grid */
-#define BVX_MORPH_LIST(X)            \
-    X(BVX_MORPH_DILATE, 0, "dilate") \
-    X(BVX_MORPH_ERODE, 1, "erode")   \
-    X(BVX_MORPH_OPEN, 2, "open")     \
-    X(BVX_MORPH_CLOSE, 3, "close")
+/** What a neighbourhood (steps times) or a ball does to a set of voxels. */
+/* clang-format off */
+#define BVX_MORPH_LIST(X) \
+    X(BVX_MORPH_DILATE, 0, "dilate") /* voxels with a set one within it */ \
+    X(BVX_MORPH_ERODE, 1, "erode")   /* voxels with no empty one there */ \
+    X(BVX_MORPH_OPEN, 2, "open")     /* eroded, then dilated: what cannot hold it goes */ \
+    X(BVX_MORPH_CLOSE, 3, "close")   /* dilated, then eroded: gaps that cannot hold it are filled */
+/* clang-format on */
 enum { BVX_MORPH_LIST(BVX_LIST_ENUM) };
 
 /** A ball of a radius in place of neighbours. */
@@ -1767,75 +1451,61 @@ typedef struct bvx_morph_options {
     size_t struct_size;
     int32_t neighbourhood; /**< 6: voxels across faces, 18: and edges, 26: and corners; BVX_BALL
                                 [Limit: BVX_BALL, or 6, or 18, or 26] [Default: 6] */
-    int32_t steps;         /**< times that it is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
-    double radius; /**< of the ball: it holds centres at most this far, with 2^-40 of it to spare, so that 0.3
-                        reaches three voxels of 0.1; less than a voxel changes nothing [Units: world]
+    int32_t steps; /**< times that it is applied; a ball takes 1 [Limit: 1..65536] [Default: 1] */
+    double radius; /**< of the ball, with 2^-40 of it to spare [Units: world]
                         [Limit: >= 0; 0 unless neighbourhood is BVX_BALL] [Default: 0] */
     int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
 } bvx_morph_options;
 
-/** Grow or shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside
- *  the window; both halves of open and close, and only the end is cut to the window.
+/** Grow or shrink a set of voxels by its neighbours or by a ball, as in unbounded space with beyond outside the
+ *  window; both halves of open and close, and only the end is cut to the window.
  *  operation  BVX_MORPH_...
- *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400).
- *  [Memory: the result, and some slices for each worker; balls of more than 35 voxels up to 136 bytes a row;
- *  open and close with a ball one or two more grids (docs/rules.md)]
- *  [Cost: O(words * steps); a ball: O(words * radius^2), at most O(voxels)]
- *  [Exact: yes; a window with a halo of the reach (open, close: twice) has the bits of the whole]
- *  Source: Serra. Image Analysis and Mathematical Morphology. 1982; for the ball as bvx_grid_distance. */
+ *  Returns BVX_ERR_RANGE (a ball: spacings beyond 2^-400 .. 2^400). */
 BVX_API bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,
                                   const bvx_morph_options *options, bvx_grid *result);
 
 typedef struct bvx_hollow_report {
     uint64_t hollowed; /**< voxels that became empty inside */
-    uint64_t drained;  /**< voxels that the drain hole took */
+    uint64_t drained; /**< voxels that the drain hole took */
     double drain[3]; /**< centre of the voxel where the hole meets the hollow; 0 without one [Units: world] */
     uint64_t reserved[4];
 } bvx_hollow_report;
 
 typedef struct bvx_hollow_options {
     size_t struct_size;
-    double thickness; /**< of the shell that stays: set voxels whose nearest empty centre is at most this far,
-                           with 2^-40 to spare [Units: world] [Limit: any; a voxel or more along every axis]
-                           [Default: 0, must be set] */
-    double drain_radius;  /**< of a round hole; 0: none [Units: world] [Limit: >= 0] [Default: 0] */
-    int32_t drain_side;   /**< the side it comes from, BVX_OPEN_... [Limit: 1, or 2, or 4, or 8, or 16, or 32]
-                               [Default: BVX_OPEN_Z_LOW] */
-    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow's
-                               layer nearest to that side, or the nearest voxel of it [Limit: 0..1]
-                               [Default: 0] */
-    double drain_at[2];   /**< the two other coordinates, in order [Units: world] [Limit: any] [Default: 0] */
-    int32_t beyond;       /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
+    double thickness; /**< of the shell that stays, with 2^-40 to spare [Units: world]
+                           [Limit: any; a voxel or more along every axis] [Default: 0, must be set] */
+    double drain_radius; /**< of a round hole; 0: none [Units: world] [Limit: >= 0] [Default: 0] */
+    int32_t drain_side; /**< the side it comes from, BVX_OPEN_... [Limit: 1, or 2, or 4, or 8, or 16, or 32]
+                             [Default: BVX_OPEN_Z_LOW] */
+    int32_t drain_placed; /**< 1: the hole's axis goes through drain_at; 0: through the middle of the hollow
+                               [Limit: 0..1] [Default: 0] */
+    double drain_at[2]; /**< the two other coordinates, in order [Units: world] [Limit: any] [Default: 0] */
+    int32_t beyond; /**< beyond the window are 0 empty, 1 set voxels [Limit: 0..1] [Default: 0] */
     int32_t reserved;
     bvx_hollow_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_hollow_options;
 
-/** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the
- *  drain hole. The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to
- *  where the axis first meets the hollow; other parts of the hollow stay closed. Where nothing is deep enough
- *  the result is the grid itself, without a hole, wherever drain_at is.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below
- *  a voxel, which would leave no shell), and as bvx_grid_morph with a ball, whose memory and cost it has.
- *  [Exact: yes] */
-BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_hollow_options *options, bvx_grid *result);
+/** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the drain hole.
+ *  The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to where the axis first
+ *  meets the hollow. Where nothing is deep enough the result is the grid itself, without a hole.
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness
+ *  below a voxel). */
+BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options,
+                                   bvx_grid *result);
 
 /** Distances of every centre.
  *  OUTSIDE  to the nearest set one: 0 on set voxels
  *  INSIDE   to the nearest empty one: 0 on empty voxels
  *  SIGNED   outside less inside: negative on set voxels, never 0 */
-#define BVX_DISTANCE_LIST(X)              \
-    X(BVX_DISTANCE_OUTSIDE, 0, "outside") \
-    X(BVX_DISTANCE_INSIDE, 1, "inside")   \
-    X(BVX_DISTANCE_SIGNED, 2, "signed")
+#define BVX_DISTANCE_LIST(X) \
+    X(BVX_DISTANCE_OUTSIDE, 0, "outside") X(BVX_DISTANCE_INSIDE, 1, "inside") X(BVX_DISTANCE_SIGNED, 2, "signed")
 enum { BVX_DISTANCE_LIST(BVX_LIST_ENUM) };
 
 /** What lies beyond the window: no voxels at all, empty ones, or set ones. */
-#define BVX_BEYOND_LIST(X)              \
-    X(BVX_BEYOND_NOTHING, 0, "nothing") \
-    X(BVX_BEYOND_EMPTY, 1, "empty")     \
-    X(BVX_BEYOND_SET, 2, "set")
+#define BVX_BEYOND_LIST(X) \
+    X(BVX_BEYOND_NOTHING, 0, "nothing") X(BVX_BEYOND_EMPTY, 1, "empty") X(BVX_BEYOND_SET, 2, "set")
 enum { BVX_BEYOND_LIST(BVX_LIST_ENUM) };
 
 /** A third type of values, beside BVX_F32 and BVX_F64. */
@@ -1843,41 +1513,32 @@ enum { BVX_SQUARES = 3 };
 
 typedef struct bvx_distance_options {
     size_t struct_size;
-    int32_t side;      /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
-    int32_t beyond;    /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
-    uint64_t *nearest; /**< receives for each voxel the index x + nx * (y + ny * z) in the window of the voxel
-                            that its distance is to, the lowest of equally near ones; UINT64_MAX for none
+    int32_t side; /**< BVX_DISTANCE_... [Default: BVX_DISTANCE_OUTSIDE] */
+    int32_t beyond; /**< BVX_BEYOND_... [Default: BVX_BEYOND_NOTHING] */
+    uint64_t *nearest; /**< receives for each voxel the index x + nx * (y + ny * z) in the window of the voxel that
+                            its distance is to, the lowest of equally near ones; UINT64_MAX for none
                             [Size: nx * ny * nz] [Default: NULL] */
     uint64_t reserved[2];
 } bvx_distance_options;
 
-/** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y,
- *  then z. SIGNED is negative on set voxels. With BVX_BEYOND_NOTHING an empty grid has infinity everywhere
- *  (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED: minus infinity).
- *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels,
- *              OUTSIDE or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
+/** The exact Euclidean distance between centres of voxels, for every voxel of the window, x fastest, then y, then z.
+ *  With BVX_BEYOND_NOTHING an empty grid has infinity everywhere (INSIDE: 0), a full one 0 (INSIDE: infinity, SIGNED:
+ *  minus infinity).
+ *  value_type  BVX_F32 or BVX_F64: the last rounding; BVX_SQUARES: whole squares as uint32_t, of cubic voxels, OUTSIDE
+ *              or INSIDE [Units: voxels^2], UINT32_MAX where there is no such voxel
  *  values      [Size: nx * ny * nz] [Units: world]
- *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100; squares of a
- *  window whose diagonal has one of 2^32 - 2^16 or more), BVX_ERR_ARGUMENT (also squares of voxels that are
- *  not cubic, or SIGNED).
- *  [Memory: 264 bytes a row (520 where voxels are not cubic; nearest: 512 more), and 350 to 1300 a voxel of
- *  the longer side along y or z for each worker]
- *  [Cost: O(voxels), SIGNED twice]
- *  [Exact: which voxel is nearest is decided without rounding; of cubic voxels the square is an integer. A
- *  window with a halo has the values of the whole up to the distance to the halo's end]
- *  Source: Meijster, Roerdink, Hesselink. A General Algorithm for Computing Distance Transforms in Linear
- *  Time. 2000. */
-BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid,
-                                     const bvx_distance_options *options, int32_t value_type, void *values,
-                                     uint64_t capacity);
+ *  Returns BVX_ERR_RANGE (spacings beyond 2^-400 .. 2^400, for BVX_F32 beyond 2^-100 .. 2^100; squares of a window
+ *  whose diagonal has one of 2^32 - 2^16 or more). */
+BVX_API bvx_status bvx_grid_distance(bvx_context *context, const bvx_grid *grid, const bvx_distance_options *options,
+                                     int32_t value_type, void *values, uint64_t capacity);
 
 /* ---- Components ---------------------------------------------------------------------------------------- */
 
 /** A connected component of a grid's set voxels, in voxels of the grid's window. */
 typedef struct bvx_component {
-    uint64_t first;  /**< its first voxel: x + size[0] * (y + size[1] * z) */
+    uint64_t first; /**< its first voxel: x + size[0] * (y + size[1] * z) */
     uint64_t voxels; /**< how many it has */
-    int32_t low[3];  /**< box of its voxels: the lowest index along each axis [Units: voxels] */
+    int32_t low[3]; /**< box of its voxels: the lowest index along each axis [Units: voxels] */
     int32_t size[3]; /**< and how many it spans [Units: voxels] */
     uint64_t reserved;
 } bvx_component;
@@ -1885,24 +1546,16 @@ typedef struct bvx_component {
 /** The connected components of a grid, in the order of their first voxels (z, y, x).
  *  connectivity  6: across faces; 18: and edges; 26: and corners
  *  parts         [Size: capacity] of more parts BVX_ERR_CAPACITY: count is that of all, parts unspecified
- *  Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more).
- *  [Memory: 4 bytes a run and 24 for each word of a slice]
- *  [Cost: O(words + runs)]
- *  [Exact: of the voxels in the window]
- *  Source: Rosenfeld, Pfaltz. Sequential Operations in Digital Picture Processing. 1966; on runs, 64 voxels
- *  at a time. */
+ *  Returns BVX_ERR_RANGE (2^32 - 1 runs of voxels along x or more). */
 BVX_API bvx_status bvx_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                        bvx_component *parts, uint64_t capacity, uint64_t *count);
 
-/** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first component in
- *  the order of bvx_grid_components, and so on.
- *  labels  not NULL [Size: capacity; size[0] * size[1] * size[2] at least]
- *  count   out: the number of components; may be NULL
- *  Returns what bvx_grid_components returns.
- *  [Memory: its]
- *  [Cost: O(voxels)] */
-BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
-                                  uint32_t *labels, uint64_t capacity, uint64_t *count);
+/** Label the voxels of a window by their component, x fastest: 0 for empty ones, 1 for the first component in the
+ *  order of bvx_grid_components, and so on.
+ *  labels  [Size: capacity; size[0] * size[1] * size[2] at least]
+ *  count   out: the number of components; may be NULL */
+BVX_API bvx_status bvx_grid_label(bvx_context *context, const bvx_grid *grid, int32_t connectivity, uint32_t *labels,
+                                  uint64_t capacity, uint64_t *count);
 
 typedef struct bvx_keep_report {
     uint64_t kept, dropped; /**< parts */
@@ -1914,31 +1567,24 @@ typedef struct bvx_keep_options {
     size_t struct_size;
     int32_t connectivity; /**< 6, 18 or 26 [Limit: 6, or 18, or 26] [Default: 6] */
     int32_t reserved;
-    uint64_t at_least;    /**< components of fewer voxels are dropped [Limit: any] [Default: 0, none is] */
-    const int32_t *seeds; /**< voxels of the window, x y z each: components that hold none of them are dropped
-                               (those on empty voxels are ignored) [Size: seed_count * 3] [Default: NULL] */
-    uint64_t seed_count;  /**< [Limit: any] [Default: 0, seeds are ignored] */
-    uint64_t largest; /**< of what remains so many of the largest are kept, of equal ones those with the lower
-                           first voxel [Limit: any] [Default: 0, all] */
+    uint64_t at_least; /**< components of fewer voxels are dropped [Limit: any] [Default: 0, none is] */
+    const int32_t *seeds; /**< voxels of the window, x y z each: components that hold none of them are dropped (those
+                               on empty voxels are ignored) [Size: seed_count * 3] [Default: NULL] */
+    uint64_t seed_count; /**< [Limit: any] [Default: 0, seeds are ignored] */
+    uint64_t largest; /**< of what remains so many of the largest are kept [Limit: any] [Default: 0, all] */
     bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_keep_options;
 
 /** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid.
- *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index), BVX_ERR_RANGE.
- *  [Memory: the result, that of bvx_grid_components, and 9 bytes a part]
- *  [Cost: O(words + runs)] */
+ *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index). */
 BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                  bvx_grid *result);
 
-/** Fill the cavities of a grid: components of its empty voxels that do not touch a side of its window. In
- *  place: the result may be the grid.
+/** Fill the cavities of a grid: components of its empty voxels that do not touch a side of its window. In place: the
+ *  result may be the grid.
  *  connectivity  6, 18 or 26, of the empty voxels: with 6 a cavity ends where only edges or corners lead on
  *  at_most       larger cavities stay [Units: voxels] [Default: 0, all are filled]
- *  filled        out, may be NULL: voxels that were set
- *  Returns what bvx_grid_keep returns.
- *  [Memory: the result, 4 bytes a run of empty voxels, 24 for each word of a slice, and 10 a component of the
- *  empty voxels]
- *  [Cost: O(words + runs)] */
+ *  filled        out, may be NULL: voxels that were set */
 BVX_API bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                           uint64_t at_most, bvx_grid *result, uint64_t *filled);
 
@@ -1946,21 +1592,15 @@ BVX_API bvx_status bvx_grid_fill_cavities(bvx_context *context, const bvx_grid *
 typedef struct bvx_topology {
     uint64_t voxels;
     uint64_t components; /**< of the set voxels */
-    uint64_t cavities;   /**< components of the empty voxels that do not reach the window's sides */
+    uint64_t cavities; /**< components of the empty voxels that do not reach the window's sides */
     int64_t tunnels; /**< components + cavities - euler: 1 for a ring, 0 for a ball and for a hollow one */
-    int64_t euler;   /**< vertices - edges + faces - voxels: 1 for a ball, 2 for a hollow one, 0 for a ring */
+    int64_t euler; /**< vertices - edges + faces - voxels: 1 for a ball, 2 for a hollow one, 0 for a ring */
     uint64_t reserved[4];
 } bvx_topology;
 
 /** Count components, cavities and tunnels.
- *  connectivity  26: set voxels are closed boxes, and empty ones connect only across faces; 6: set voxels
- *                connect only across faces, and empty ones across edges and corners too
- *  Returns BVX_ERR_RANGE.
- *  [Memory: that of bvx_grid_components for set and for empty voxels, and a byte a component of the empty
- *  ones]
- *  [Cost: O(words + runs)]
- *  Source: Gray. Local Properties of Binary Images in Two Dimensions. 1971: the Euler number of cells, summed
- *  over rows (docs/rules.md). */
+ *  connectivity  26: set voxels are closed boxes, and empty ones connect only across faces; 6: set voxels connect only
+ *                across faces, and empty ones across edges and corners too */
 BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                      bvx_topology *topology);
 
@@ -1969,139 +1609,154 @@ BVX_API bvx_status bvx_grid_topology(bvx_context *context, const bvx_grid *grid,
 /** A voxel found inside a surface, and what the search took. */
 typedef struct bvx_seed {
     int32_t voxel[3]; /**< of the surface's window; all zero when none was found */
-    int32_t found;    /**< 1: voxel is empty and hidden by surface voxels in all six directions */
+    int32_t found; /**< 1: voxel is empty and hidden by surface voxels in all six directions */
     int32_t verified; /**< 1: a mesh was given, and the voxel's centre is inside it by the rule vote */
     int32_t reserved;
     uint64_t scans[3]; /**< lines scanned along x, y and z: the paper's counts i, j and k */
-    uint64_t starts;   /**< rows that the search began at */
-    uint64_t refused;  /**< hidden voxels that the mesh has outside */
+    uint64_t starts; /**< rows that the search began at */
+    uint64_t refused; /**< hidden voxels that the mesh has outside */
     uint64_t reserved2[2];
 } bvx_seed;
 
-/** Find one voxel inside a surface by scanning lines of voxels: one that is hidden in all six directions and,
- *  with a mesh, inside it by the rule vote (hidden is not always inside: think of a bottle with a narrow
- *  neck). The order of lines: docs/rules.md.
+/** Find one voxel inside a surface by scanning lines of voxels: one that is hidden in all six directions and, with a
+ *  mesh, inside it by the rule vote. Hidden is not always inside: think of a bottle. The order of lines:
+ *  docs/rules.md.
  *  surface  the voxels of a surface, by any rule of bvx_voxelize_surface
  *  mesh     NULL, or the mesh that it came from
  *  limit    maximum number of lines to scan [Default: 0, all]
- *  seed     out; found 0, where there is none or limit ran out, is no error
- *  Returns BVX_ERR_RANGE; with a mesh as bvx_voxelize_solid by VOTE.
- *  [Memory: none; with a mesh that of the rule vote]
- *  [Cost: O(lines scanned); with a mesh and that of the rule vote]
- *  Source: "Fast voxelization based on TIN" Algorithm 2, bounded, and with its seed verified. */
+ *  seed     out; found 0 is no error */
 BVX_API bvx_status bvx_find_seed(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                  uint64_t limit, bvx_seed *seed);
 
-/** One voxel of each pocket inside a surface: of each component of the empty voxels, connected through faces,
- *  the first in the order z, y, x. With a mesh a pocket counts when the rule vote has that voxel inside; with
- *  NULL when it does not touch the window's sides.
- *  seeds  x y z each, of the surface's window [Size: capacity * 3]
- *  Returns BVX_ERR_CAPACITY, and as bvx_find_seed.
- *  [Memory: 4 bytes a run of empty voxels and 24 for each word of a slice; with a mesh also the vote's, and a
- *  grid] */
+/** One voxel of each pocket inside a surface: of each component of the empty voxels, connected through faces, the
+ *  first in the order z, y, x. With a mesh a pocket counts when the rule vote has that voxel inside; else when it does
+ *  not touch the window's sides.
+ *  seeds  x y z each, of the surface's window [Size: capacity * 3] */
 BVX_API bvx_status bvx_find_pockets(bvx_context *context, const bvx_grid *surface, const bvx_mesh_view *mesh,
                                     int32_t *seeds, uint64_t capacity, uint64_t *count);
 
-/** Set all voxels that are connected with a seed through empty voxels of a grid, across faces (connectivity
- *  6), edges too (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
+/** Set all voxels that are connected with a seed through empty voxels of a grid, across faces (connectivity 6), edges
+ *  too (18), or corners too (26). Set voxels of the grid are walls and stay out of the result.
  *  seeds  x y z each, of the grid's window, none on a set voxel [Size: seed_count * 3]
- *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its index), BVX_ERR_RANGE.
- *  [Memory: the result, 4 bytes a run of empty voxels and 24 for each word of a slice]
- *  [Cost: O(words + runs)] */
-BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds,
-                                 uint64_t seed_count, int32_t connectivity, bvx_grid *filled);
+ *  Returns BVX_ERR_ARGUMENT (a seed on a set voxel or outside the window, with its index). */
+BVX_API bvx_status bvx_grid_fill(bvx_context *context, const bvx_grid *walls, const int32_t *seeds, uint64_t seed_count,
+                                 int32_t connectivity, bvx_grid *filled);
 
 /* ---- Queries of grids ---------------------------------------------------------------------------------- */
 
 /** Where a ray first meets a set voxel. */
 typedef struct bvx_ray_hit {
-    double t;           /**< position = origin + t * direction */
+    double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
-    int32_t voxel[3];   /**< counted from the low corner of the grid's window */
-    int32_t axis;       /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the voxel */
-    int32_t hit;        /**< 1; or 0: the ray meets none, and the other fields are zero */
+    int32_t voxel[3]; /**< counted from the low corner of the grid's window */
+    int32_t axis; /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the voxel */
+    int32_t hit; /**< 1; or 0: the ray meets none, and the other fields are zero */
     int32_t reserved;
 } bvx_ray_hit;
 
-/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t
- *  <= t_max. Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches, by one
- *  stated evaluation in doubles. A ray that starts in a set voxel, or on its face, has t
- *  0 and axis -1.
- *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN), BVX_ERR_RANGE (a ray that is not
- *  finite, with its index).
- *  [Memory: for many rays 1/512 of the grid]
- *  [Cost: O(voxels crossed), empty words and bricks of 8 x 8 x 8 passed at once] */
-BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays,
-                                 uint64_t count, double t_max, bvx_ray_hit *hits);
+/** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world]. Hits have 0 <= t <= t_max.
+ *  Boxes are closed: the hit is the lowest (t, z, y, x) of all voxels that the ray touches, by one stated evaluation
+ *  in doubles. A ray that starts in a set voxel, or on its face, has t 0 and axis -1.
+ *  Returns BVX_ERR_ARGUMENT (a direction of 0, t_max below 0 or NaN). */
+BVX_API bvx_status bvx_grid_cast(bvx_context *context, const bvx_grid *grid, const double *rays, uint64_t count,
+                                 double t_max, bvx_ray_hit *hits);
 
-/** Trilinear samples at count points, x y z each [Units: world]: 1 at centres of set voxels, 0 at those of
- *  others and beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL; on planes
- *  through centres they are those of the upper side.
- *  Returns BVX_ERR_RANGE (a point that is not finite).
- *  [Memory: none] */
-BVX_API bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points,
-                                   uint64_t count, double *values, double *gradients);
+/** Trilinear samples at count points, x y z each [Units: world]: 1 at centres of set voxels, 0 at those of others and
+ *  beyond the window. gradients (three doubles a point, [Units: 1 / world]) may be NULL; on planes through centres
+ *  they are those of the upper side. */
+BVX_API bvx_status bvx_grid_sample(bvx_context *context, const bvx_grid *grid, const double *points, uint64_t count,
+                                   double *values, double *gradients);
 
 /** What two grids share and where they differ. Components are 6-connected. */
 typedef struct bvx_grid_difference {
     uint64_t set_a, set_b, both;
     uint64_t only_a, only_b;
     uint64_t components_only_a, components_only_b; /**< of what only one of them has */
-    uint64_t largest_only_a, largest_only_b;       /**< voxels of the largest component */
+    uint64_t largest_only_a, largest_only_b; /**< voxels of the largest component */
     int32_t low[3], size[3]; /**< box of all voxels that differ, in the window; all zero for none */
     uint64_t reserved[4];
 } bvx_grid_difference;
 
-/** Compare two grids.
- *  Returns BVX_ERR_LATTICE (their lattices or windows differ, and in which field).
- *  [Memory: 12 bytes a run of differing voxels and 24 for each word of a slice]
- *  [Cost: O(words + runs)] */
+/** Compare two grids. */
 BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                     bvx_grid_difference *difference);
+
+/* ---- Mass ---------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_measure_options {
+    size_t struct_size;
+    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
+                             [Default: 128] */
+    int32_t reserved;
+} bvx_measure_options;
+
+/** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
+typedef struct bvx_measure_report {
+    double volume;        /**< [Units: world^3] */
+    double area;          /**< of the triangles as they are [Units: world^2] */
+    double mass;          /**< density times volume */
+    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error;  /**< distance from center [Units: world] */
+    double inertia_error; /**< of each element [Units: mass * world^2] */
+    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
+    int32_t reserved;
+    uint64_t turned; /**< triangles that were turned first */
+} bvx_measure_report;
+
+/** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors.
+ *  What is inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND), flipped triangles
+ *  turned, the moments of triangles are summed up: the errors are those of rounding, and of moving corners by
+ *  2^-16 of a voxel where triangles meet no nearer. Of meshes with holes, overlaps or cavities that face
+ *  outwards, voxels of 1/resolution of the bounds along each axis are counted: the bounds are what all voxels
+ *  at the surface can make; over a hole the body ends where its winding number passes a half.
+ *  Vertices have no frame here: add a mesh's own to center.
+ *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate).
+ *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check]
+ *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
+ *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
+ *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
+                               const bvx_measure_options *options, bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
 /** Counts of one call, for its window. */
 typedef struct bvx_points_report {
     uint64_t inside, outside; /**< points in the window, and beyond it */
-    uint64_t occupied;        /**< voxels that hold enough points */
-    uint64_t filled;          /**< body: voxels that it has beside these */
-    uint64_t pockets;         /**< body: places that the flood did not reach; 0: gaps let it in everywhere */
+    uint64_t occupied; /**< voxels that hold enough points */
+    uint64_t filled; /**< body: voxels that it has beside these */
+    uint64_t pockets; /**< body: places that the flood did not reach; 0: gaps let it in everywhere */
     uint64_t reserved[3];
 } bvx_points_report;
 
 typedef struct bvx_points_options {
     size_t struct_size;
     int32_t minimum; /**< points that a voxel needs to be set [Limit: 1..2^31-1] [Default: 1] */
-    int32_t body; /**< 1: what a flood from outside cannot reach through faces is set too; the whole lattice
-                       only [Limit: 0..1] [Default: 0] */
-    int32_t close_gaps; /**< body: gaps of up to this many voxels stop the flood: it moves as a cube of
-                             close_gaps + 1 voxels a side, and all that this cube reaches is outside
-                             [Units: voxels] [Limit: 0..65535] [Default: 0] */
+    int32_t body; /**< 1: what a flood from outside cannot reach is set too; no window [Limit: 0..1] [Default: 0] */
+    int32_t close_gaps; /**< body: gaps of up to this many voxels stop the flood (docs/rules.md) [Units: voxels]
+                             [Limit: 0..65535] [Default: 0] */
     int32_t reserved;
-    bvx_window window;         /**< [Default: all zero, the whole lattice] */
+    bvx_window window; /**< [Default: all zero, the whole lattice] */
     bvx_points_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_points_options;
 
-/** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are ignored. Points
- *  are snapped to the lattice's fixed point and belong to one voxel each: boxes are half-open, but closed at
- *  the lattice's high sides, so that a lattice around a cloud holds all of it.
- *  Returns BVX_ERR_ARGUMENT (also a window with body), BVX_ERR_EMPTY (no points), BVX_ERR_RANGE (a point that
- *  is not finite, with its index).
- *  [Memory: the grid; one more for each binary digit of minimum - 1; body: a grid of close_gaps more voxels a
- *  side, and what bvx_grid_fill_cavities needs for that]
- *  [Cost: O(points + words); body: as bvx_grid_fill_cavities, and O(words * log gap)]
- *  [Exact: a window has the bits of the whole] */
-BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points,
-                                       const bvx_lattice *lattice, const bvx_points_options *options,
-                                       bvx_grid *grid);
+/** Set the voxels that hold points of a cloud: the vertices of a view, whose triangles are ignored. Points are snapped
+ *  to the lattice's fixed point and belong to one voxel each: boxes are half-open, but closed at the lattice's high
+ *  sides. Returns BVX_ERR_ARGUMENT also for a window with body. */
+BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view *points, const bvx_lattice *lattice,
+                                       const bvx_points_options *options, bvx_grid *grid);
 
 /* ---- Volumes ------------------------------------------------------------------------------------------- */
 
 /** Types of samples, in this machine's byte order. */
-#define BVX_SAMPLE_LIST(X)      \
-    X(BVX_SAMPLE_U8, 1, "u8")   \
-    X(BVX_SAMPLE_I8, 2, "i8")   \
+#define BVX_SAMPLE_LIST(X) \
+    X(BVX_SAMPLE_U8, 1, "u8") \
+    X(BVX_SAMPLE_I8, 2, "i8") \
     X(BVX_SAMPLE_U16, 3, "u16") \
     X(BVX_SAMPLE_I16, 4, "i16") \
     X(BVX_SAMPLE_U32, 5, "u32") \
@@ -2112,14 +1767,14 @@ BVX_API bvx_status bvx_voxelize_points(bvx_context *context, const bvx_mesh_view
     X(BVX_SAMPLE_F64, 10, "f64")
 enum { BVX_SAMPLE_LIST(BVX_LIST_ENUM) };
 
-/** Samples that the caller owns: one number at the centre of each voxel of a window. Sample (i,j,k) is at
- *  (const char *)samples + i * strides[0] + j * strides[1] + k * strides[2]; no alignment is required. */
+/** Samples that the caller owns: one number at the centre of each voxel of a window. Sample (i,j,k) is at (const char
+ *  *)samples + i * strides[0] + j * strides[1] + k * strides[2]; no alignment is required. */
 typedef struct bvx_volume_view {
     const void *samples;
     int32_t sample_type; /**< BVX_SAMPLE_... */
     int32_t reserved0;
-    int32_t low[3];     /**< window: lattice index of sample (0,0,0) [Units: voxels] */
-    int32_t size[3];    /**< window: samples along each axis [Units: voxels] */
+    int32_t low[3]; /**< window: lattice index of sample (0,0,0) [Units: voxels] */
+    int32_t size[3]; /**< window: samples along each axis [Units: voxels] */
     int64_t strides[3]; /**< of either sign [Units: bytes] [Default: all 0, packed with x fastest] */
     bvx_lattice lattice;
     uint64_t reserved[4];
@@ -2127,60 +1782,47 @@ typedef struct bvx_volume_view {
 
 /** What a volume's window holds. */
 typedef struct bvx_volume_report {
-    uint64_t nan;      /**< samples that are NaN */
+    uint64_t nan; /**< samples that are NaN */
     uint64_t infinite; /**< samples that are infinite, of either sign */
-    uint64_t inside;   /**< samples that became set voxels */
-    double least;      /**< of the finite samples; 64-bit integers as doubles; 0 for none */
+    uint64_t inside; /**< samples that became set voxels */
+    double least; /**< of the finite samples; 64-bit integers as doubles; 0 for none */
     double greatest;
     uint64_t reserved[3];
 } bvx_volume_report;
 
-/** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never
- *  set. The grid's window is the volume's.
+/** Set the voxels whose sample lies in a range: low <= sample <= high. NaN and infinite samples are never set. The
+ *  grid's window is the volume's.
  *  low, high  not NaN; -infinity and infinity leave a side open; low above high sets nothing
- *  report     may be NULL
- *  Returns BVX_ERR_ARGUMENT (also a view with an invalid type, stride or reserved field), BVX_ERR_RANGE
- *  (window outside the lattice).
- *  [Memory: the grid, and 12 KiB with a report]
- *  [Cost: O(samples), read once in the order of the fastest axis, 64 at a time]
- *  [Exact: for all types, no sample is rounded; a window has the bits of the whole] */
+ *  report     may be NULL */
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
-/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles do not
- *  distinguish. Labels are such.
+/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles do not distinguish.
+ *  Labels are such.
  *  low, high  u64: their bits
- *  Returns BVX_ERR_UNSUPPORTED (samples that are floats).
- *  [Memory, Cost, Exact: as bvx_threshold] */
-BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low,
-                                       int64_t high, bvx_volume_report *report, bvx_grid *grid);
+ *  Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
+BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
+                                       bvx_volume_report *report, bvx_grid *grid);
 
 typedef struct bvx_scalar_options {
     size_t struct_size;
-    double level;  /**< value of the surface [Limit: any; not NaN] [Default: 0] */
+    double level; /**< value of the surface [Limit: any; not NaN] [Default: 0] */
     int32_t below; /**< inside is where 0: sample >= level, 1: sample <= level [Limit: 0..1] [Default: 0] */
-    int32_t face_rule;     /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
-    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
-    int32_t open_sides;    /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
+    int32_t face_rule; /**< BVX_FACE_... [Default: BVX_FACE_SEPARATE] */
+    int32_t position_type; /**< BVX_POSITION_AUTO, BVX_F32 or BVX_F64 [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t open_sides; /**< BVX_OPEN_... [Limit: 0..63] [Default: 0, beyond the window is outside] */
     int32_t keys; /**< 1: fill vertex_keys and triangle_keys [Limit: 0..1; dims below 2^20] [Default: 0] */
-    int32_t local_frame;       /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
+    int32_t local_frame; /**< 1: as in bvx_extract_options [Limit: 0..1] [Default: 0] */
     bvx_volume_report *report; /**< receives counts when not NULL [Default: NULL] */
     uint64_t reserved[2];
 } bvx_scalar_options;
 
-/** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is
- *  inside when it is finite and level <= sample (below: sample <= level). The mesh is what
- *  bvx_extract_surface promises, for any samples; a body that the volume's sides cut ends on them. Windows
- *  that overlap by one layer of samples, open where they meet, tile the whole, and bvx_mesh_merge joins them
- *  to the whole's bytes. Where exactly vertices lie: docs/rules.md.
- *  mesh  bvx_extract_count of bvx_threshold(level, infinity) computes its exact size. Empty where the volume
- *        has no crossing
- *  Returns BVX_ERR_RANGE (positions too coarse: take BVX_POSITION_AUTO, f64 or local_frame; 2^32 vertices or
- *  more).
- *  [Memory: the mesh, one bit a sample and 16 bytes a row]
- *  [Cost: O(samples), read once, and samples next to the surface again]
- *  Source: Lorensen, Cline. Marching Cubes. 1987; triangulations from src/surface/tables.py. */
+/** The surface of a level in a volume, by marching cubes with linear positions between samples. A sample is inside
+ *  when it is finite and level <= sample (below: sample <= level). The mesh is what bvx_extract_surface promises, for
+ *  any samples, windows too; a body that the volume's sides cut ends on them. Where exactly vertices lie:
+ *  docs/rules.md.
+ *  mesh  bvx_extract_count of bvx_threshold(level, infinity) computes its exact size. Empty where there is no crossing
+ *  Returns as bvx_extract_surface. */
 BVX_API bvx_status bvx_extract_scalar(bvx_context *context, const bvx_volume_view *volume,
                                       const bvx_scalar_options *options, bvx_mesh *mesh);
 
@@ -2192,11 +1834,9 @@ typedef struct bvx_label {
     int32_t size[3];
 } bvx_label;
 
-/** The values other than 0 of a volume of integers, ascending, each with its voxels and their box.
- *  bvx_threshold_whole from a value to itself gives a label's voxels.
- *  Returns BVX_ERR_UNSUPPORTED (samples that are floats), BVX_ERR_CAPACITY.
- *  [Memory: up to 200 bytes a label]
- *  [Cost: O(samples)] */
+/** The values other than 0 of a volume of integers, ascending, each with its voxels and their box. bvx_threshold_whole
+ *  from a value to itself gives a label's voxels.
+ *  Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
 
@@ -2206,23 +1846,23 @@ BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *
 typedef struct bvx_section_loop {
     uint64_t first_point; /**< index of its first point */
     uint32_t point_count; /**< [Limit: 3 or more different points] */
-    uint32_t section;     /**< index of its section */
-    int32_t label;        /**< the body that it belongs to */
+    uint32_t section; /**< index of its section */
+    int32_t label; /**< the body that it belongs to */
     int32_t reserved;
 } bvx_section_loop;
 
-/** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and
- *  sections may be in any order. Loops inside loops are holes, in these islands, and so on. */
+/** Contours on planes, read by the library or filled by a caller with arrays of its own (owned 0). Loops and sections
+ *  may be in any order. Loops inside loops are holes, in these islands, and so on. */
 typedef struct bvx_sections {
-    double *points;          /**< x, y, z [Size: point_count * 3] [Units: world] [Limit: 1e75 to build,
-                                  the widest loop at least 1e-70] */
+    double *points; /**< x, y, z [Size: point_count * 3] [Units: world]
+                         [Limit: 1e75 to build, the widest loop at least 1e-70] */
     bvx_section_loop *loops; /**< [Size: loop_count] */
-    double *positions;       /**< of each plane: point . normal / |normal| [Size: section_count] */
-    uint64_t point_count;    /**< [Limit: < 2^31] */
+    double *positions; /**< of each plane: point . normal / |normal| [Size: section_count] */
+    uint64_t point_count; /**< [Limit: < 2^31] */
     uint64_t loop_count;
     uint64_t section_count; /**< with those that hold no loop: there is no body there */
     uint64_t point_capacity, loop_capacity, section_capacity; /**< what the arrays hold */
-    double normal[3];                                         /**< of all planes, any length but 0 */
+    double normal[3]; /**< of all planes, any length but 0 */
     int32_t owned; /**< 1 when bvx_sections_free frees the arrays */
     int32_t reserved;
     double *normals; /**< of each plane, in place of normal, any length but 0; NULL: the planes are parallel
@@ -2234,36 +1874,24 @@ BVX_API void bvx_sections_free(bvx_context *context, bvx_sections *sections);
 
 /** How a body ends at its first and last section.
  *  FLAT   on the section's plane
- *  TAPER  each part (a loop with the holes in it) narrows to a ridge half a spacing beyond; so do parts of
- *         other sections that share no area with the next one: docs/rules.md
+ *  TAPER  each part narrows to a ridge half a spacing beyond; so do parts that share no area with the next section
  *  OPEN   not at all: the mesh has boundary edges there */
-#define BVX_CAPS_LIST(X)          \
-    X(BVX_CAPS_FLAT, 0, "flat")   \
-    X(BVX_CAPS_TAPER, 1, "taper") \
-    X(BVX_CAPS_OPEN, 2, "open")
+#define BVX_CAPS_LIST(X) X(BVX_CAPS_FLAT, 0, "flat") X(BVX_CAPS_TAPER, 1, "taper") X(BVX_CAPS_OPEN, 2, "open")
 enum { BVX_CAPS_LIST(BVX_LIST_ENUM) };
 
 /** Where the surface meets the grid's edges on a section plane.
  *  EXACT    where the contour does; all of the contour is in the mesh
  *  PAPER    by interpolated distances; contour points are put into the lines that join them
  *  CLASSIC  by interpolated distances only: marching cubes */
-#define BVX_CROSSINGS_LIST(X)          \
-    X(BVX_CROSSINGS_EXACT, 0, "exact") \
-    X(BVX_CROSSINGS_PAPER, 1, "paper") \
-    X(BVX_CROSSINGS_CLASSIC, 2, "classic")
+#define BVX_CROSSINGS_LIST(X) \
+    X(BVX_CROSSINGS_EXACT, 0, "exact") X(BVX_CROSSINGS_PAPER, 1, "paper") X(BVX_CROSSINGS_CLASSIC, 2, "classic")
 enum { BVX_CROSSINGS_LIST(BVX_LIST_ENUM) };
 
 /** How distances go from section to section.
  *  LINEAR  straight between neighbours: the surface has a kink at every section
- *  CUBIC   the monotone cubic over four sections: as exact on the sections, smooth across them, with a zero
- *          only where LINEAR has one. LINEAR all the same for two sections, between sections where parts end,
- *          and for nesting levels that would cross otherwise
- *  AUTO    CUBIC from five sections on, where it is nearer to the body; LINEAR for fewer, where it may be
- *          farther from it, and with crossings PAPER and CLASSIC */
-#define BVX_BLEND_LIST(X)            \
-    X(BVX_BLEND_AUTO, 0, "auto")     \
-    X(BVX_BLEND_LINEAR, 1, "linear") \
-    X(BVX_BLEND_CUBIC, 2, "cubic")
+ *  CUBIC   the monotone cubic over four sections, smooth across them. LINEAR where parts end, and between two sections
+ *  AUTO    CUBIC from five sections on; LINEAR for fewer, and with crossings PAPER and CLASSIC */
+#define BVX_BLEND_LIST(X) X(BVX_BLEND_AUTO, 0, "auto") X(BVX_BLEND_LINEAR, 1, "linear") X(BVX_BLEND_CUBIC, 2, "cubic")
 enum { BVX_BLEND_LIST(BVX_LIST_ENUM) };
 
 enum { BVX_SECTIONS_LOCATED = 16 };
@@ -2273,130 +1901,110 @@ enum { BVX_LABEL_ZERO = -2147483647 - 1 };
 
 /** What was found and done. */
 typedef struct bvx_sections_report {
-    double cell[2];    /**< sides of a grid cell [Units: world] */
-    int32_t grid[2];   /**< cells along the plane's two axes */
+    double cell[2]; /**< sides of a grid cell [Units: world] */
+    int32_t grid[2]; /**< cells along the plane's two axes */
     uint64_t sections; /**< that hold the label; the body ends half way to those between them that do not */
     uint64_t loops, holes; /**< holes: loops with outside on their inner side */
     uint64_t points;
     uint64_t repeated_points; /**< points that equal the one before them: left out */
-    uint64_t mended_loops;    /**< loops given that were split, joined or left out */
-    uint64_t unkept_edges;  /**< edges still crossed more than once: the contour is kept, but what joins it to
-                                 the other section there is a guess */
-    uint64_t unkept_loops;  /**< loops still inside one cell: closed by a cone of their own */
-    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC, and where
-                                 planes of any direction, or bodies at once, contradict each other */
-    uint64_t located;       /**< places in unkept */
-    double unkept[16][3];   /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
-    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B;
-                                 taper and ends at empty sections count as cones, A h / 3 [Units: world^3] */
-    uint64_t joined_slabs;  /**< pairs of neighbouring sections not blended level by level, as their levels
-                                 would cross: very thin walls */
+    uint64_t mended_loops; /**< loops given that were split, joined or left out */
+    uint64_t unkept_edges; /**< edges still crossed more than once: what joins them to the other section is a guess */
+    uint64_t unkept_loops; /**< loops still inside one cell: closed by a cone of their own */
+    uint64_t unkept_points; /**< contour points that are no vertices: none but for PAPER, CLASSIC, and where planes
+                                 of any direction, or bodies at once, contradict each other */
+    uint64_t located; /**< places in unkept */
+    double unkept[16][3]; /**< the first BVX_SECTIONS_LOCATED of them [Units: world] */
+    double prismoid_volume; /**< sum of h / 3 (A + B + sqrt(A B)) over neighbouring sections of areas A and B; taper
+                                 and ends at empty sections count as cones, A h / 3 [Units: world^3] */
+    uint64_t joined_slabs; /**< pairs of neighbouring sections not blended level by level: very thin walls */
     uint64_t shifted_parts; /**< loops joined to one of the next section by shifting */
-    uint64_t planes;        /**< of all sections, if not parallel; else 0 */
+    uint64_t planes; /**< of all sections, if not parallel; else 0 */
     uint64_t gaps; /**< intervals of lines where planes cross that are inside for one of two sections only */
     double largest_gap; /**< how far contours were apart there at most [Units: world] */
-    uint64_t warnings;  /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
 } bvx_sections_report;
+
+/** What is between parallel planes. Planes of any direction take none of it. */
+typedef struct bvx_slabs {
+    int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] [Default: 0, 0] */
+    int32_t layers; /**< cells from section to section [Limit: 1..64] [Default: 1] */
+    int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
+    int32_t depth; /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
+    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
+    double join; /**< loops of neighbouring sections that share no area are joined by shifting where their centroids
+                      are at most this far apart (docs/rules.md) [Units: world] [Limit: >= 0] [Default: 0, none are] */
+} bvx_slabs;
 
 typedef struct bvx_sections_options {
     size_t struct_size;
-    int32_t grid[2]; /**< cells along the plane's axes, both or none [Limit: 0, or 2..8192] [Default: 0, 0] */
-    double spacing;  /**< side of a square cell [Units: world] [Limit: >= 0] [Default: 0; with no grid either:
-                          twice the contours' mean segment, 16 to 512 cells along the longer side] */
-    int32_t layers;  /**< cells from section to section [Limit: 1..64] [Default: 1] */
-    int32_t caps;    /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
-    int32_t crossings; /**< BVX_CROSSINGS_... [Default: BVX_CROSSINGS_EXACT] */
-    int32_t depth;     /**< a cell is halved at most this often [Limit: BVX_NONE, or 0..8] [Default: 5] */
-    int32_t label;     /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
-    int32_t position_type;       /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too:
-                                contours' points are doubles and are kept [Limit: 0..2]
-                                [Default: BVX_POSITION_AUTO] */
+    double spacing; /**< side of a cell [Units: world] [Limit: >= 0] [Default: 0; by slabs.grid or cells, and with
+                         neither: of parallel planes twice the contours' mean segment, 16 to 512 cells along the
+                         longer side; of others 64 cells] */
+    bvx_slabs slabs; /**< parallel planes [Default: all zero] */
+    int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours' box;
+                        spacing replaces it [Limit: 0, or 8..1024] [Default: 0] */
+    int32_t mend; /**< 1: loops that touch or cross themselves or each other are split there; inside stays what an
+                       odd number of loops enclose. Slits (a hole joined to its outline), spikes and borders that two
+                       loops share go [Limit: 0..1] [Default: 0, they are refused] */
+    double agree; /**< planes that are not parallel: contours at most this far apart where two planes cross are moved
+                       to agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of the longest side] */
+    double thickness; /**< of a body with one section only, which is refused without: half to either side, as a slab
+                           with flat caps, a lens with tapered ones. Other bodies ignore it [Units: world]
+                           [Limit: >= 0] [Default: 0] */
+    int32_t caps; /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
+    int32_t label; /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
+    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too: contours'
+                                points are doubles and are kept [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t reserved;
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
-    int32_t mend;  /**< 1: loops that touch or cross themselves or each other are split there; inside stays
-                        what an odd number of loops enclose. Slits (a hole joined to its outline), spikes and
-                        borders that two loops share go [Limit: 0..1] [Default: 0, they are refused] */
-    int32_t blend; /**< BVX_BLEND_... [Default: BVX_BLEND_AUTO] */
-    int32_t cells; /**< planes that are not parallel: lattice cells along the longest side of the contours'
-                        box; spacing replaces it [Limit: 0, or 8..1024] [Default: 0; with no spacing either:
-                        64] */
-    double agree;  /**< planes that are not parallel: contours at most this far apart where two planes cross
-                        are moved to agree [Units: world] [Limit: >= 0] [Default: 0, 1/100 of that side] */
-    double thickness; /**< of a body with one section only, which is refused without: half to either side, as
-                           a slab with flat caps, a lens with tapered ones. Other bodies ignore it
-                           [Units: world] [Limit: >= 0] [Default: 0] */
-    double join;      /**< parallel planes: loops of neighbouring sections that share no area are joined by
-                           shifting where their centroids are at most this far apart (docs/rules.md)
-                           [Units: world] [Limit: >= 0] [Default: 0, none are] */
 } bvx_sections_options;
 
-/** The closed surface of a body through all of its section contours. On a section plane the contour decides:
- *  its points are vertices with the coordinates given. Between planes the surface follows a blend of the
- *  sections' signed distances, by marching cubes over a grid of cells. It is oriented, edge- and
- *  vertex-manifold, and closed but for open caps. Planes of any direction (normals) may cross; between them
- *  the surface is a thin plate through their distances. How each case is decided, and its memory:
+/** The closed surface of a body through all of its section contours. On a section plane the contour decides: its
+ *  points are vertices with the coordinates given. Between planes the surface follows a blend of the sections' signed
+ *  distances. It is oriented, edge- and vertex-manifold, and closed but for open caps. Planes of any direction
+ *  (normals) may cross; between them the surface is a thin plate through their distances. How each case is decided:
  *  docs/rules.md.
- *  sections  points may be off their plane by 1/1000 of the contours' extent and a quarter of the way to the
- *            next plane: they keep their coordinates, and the surface takes them as lying on it
+ *  sections  points may be off their plane by 1/1000 of the contours' extent and a quarter of the way to the next
+ *            plane: they keep their coordinates, and the surface takes them as lying on it
  *  Returns BVX_ERR_EMPTY (no loop, only one section and no thickness, a loop of fewer than three points),
- *  BVX_ERR_FORMAT (loops that cross or touch, with mend only where they stay too near; two sections at one
- *  position; points off their plane; planes that contradict each other: all named), BVX_ERR_RANGE (not
- *  finite, an index beyond its array or the limits), BVX_ERR_ARGUMENT (also several labels and none chosen).
- *  [Memory: about 150 bytes a contour point or crossing, 20 a cell of one section, the mesh twice]
- *  [Cost: O(crossings log points + cells / 64 a section), times layers between sections]
- *  [Exact: inside tests, in fixed point of 2^-29 of the extent]
- *  Source: "Surface modelling in section data fields", with crossings on planes by the contour;
- *  docs/papers.md. */
+ *  BVX_ERR_FORMAT (loops that cross or touch; two sections at one position; points off their plane; planes that
+ *  contradict each other), BVX_ERR_ARGUMENT (also several labels and none chosen). */
 BVX_API bvx_status bvx_build_sections(bvx_context *context, const bvx_sections *sections,
                                       const bvx_sections_options *options, bvx_mesh *mesh);
 
 /** The closed surfaces of several bodies at once, such that two that touch have the same faces there: the same
- *  vertices, and the same triangles the other way round. Each surface is oriented, edge- and vertex-manifold,
- *  and passes through its contours as bvx_build_sections' does on planes of any direction; parallel planes are
- *  taken the same way (cells and agree count; grid, layers, crossings, depth, blend, mend, thickness,
- *  join and label do not). Together the bodies are what all their contours make as one body. Bodies touch where
- *  their contours run along each other, to 1/1000 of a cell. Flat caps end all bodies on the first and the last
- *  of parallel planes; with tapered ones, and on other planes, they end in domes beyond.
- *  labels   [Size: count] the bodies, each once; of loops with other labels only the lattice takes notice,
- *           which covers all
+ *  vertices, and the same triangles the other way round. Each surface is what bvx_build_sections' is on planes of any
+ *  direction; parallel planes are taken the same way (cells and agree count; slabs, mend, thickness and label do not).
+ *  Bodies touch where their contours run along each other, to 1/1000 of a cell. How bodies end: docs/rules.md.
+ *  labels   [Size: count] the bodies, each once; of loops with other labels only the lattice takes notice
  *  count    [Limit: 1..63]
- *  meshes   out [Size: count] in the order of the labels
+ *  meshes   out [Size: count] in the order of the labels. After a failure no mesh is made
  *  report   filled with the counts of all bodies together
- *  Returns BVX_ERR_EMPTY (a label without loops, a loop of fewer than three points, a body that no point of
- *  the lattice lies in, flat caps where one of parallel planes has all contours), BVX_ERR_FORMAT (as
- *  bvx_build_sections; also bodies that overlap by more than agree), BVX_ERR_RANGE, BVX_ERR_ARGUMENT (also open
- *  caps, BVX_LABEL_ZERO, a label given twice). After a failure no mesh is made.
- *  [Memory: about 10 MB + 20,000 cells^2 for bodies as large as their box; docs/rules.md]
- *  [Cost: O(cells of the surfaces), and values there for each body]
- *  [Exact: which faces are whose; on planes inside and outside are the contours']
- *  Source: docs/papers.md; Doi, Koide. An efficient method of triangulating equi-valued surfaces by using
- *  tetrahedral cells. 1991, with several kinds in place of inside and outside. */
+ *  Returns as bvx_build_sections; BVX_ERR_EMPTY (also a label without loops, a body that no point of the lattice lies
+ *  in, flat caps where one of parallel planes has all contours), BVX_ERR_FORMAT (also bodies that overlap by more than
+ *  agree), BVX_ERR_ARGUMENT (also open caps, BVX_LABEL_ZERO, a label given twice). */
 BVX_API bvx_status bvx_build_bodies(bvx_context *context, const bvx_sections *sections,
-                                    const bvx_sections_options *options, const int32_t *labels,
-                                    uint32_t count, bvx_mesh *meshes);
+                                    const bvx_sections_options *options, const int32_t *labels, uint32_t count,
+                                    bvx_mesh *meshes);
 
 typedef struct bvx_slice_options {
     size_t struct_size;
-    double normal[3];        /**< of the planes, of any length [Limit: any] [Default: 0, 0, 1] */
-    double spacing;          /**< from plane to plane; the first is half a spacing above the lowest point
-                                  [Units: world] [Limit: >= 0] [Default: 0] */
-    const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size:
-                                  position_count] [Default: NULL] */
+    double normal[3]; /**< of the planes, of any length [Limit: any] [Default: 0, 0, 1] */
+    double spacing; /**< from plane to plane, the first half a spacing up [Units: world] [Limit: >= 0] [Default: 0] */
+    const double *positions; /**< the planes instead: point . normal / |normal|, ascending [Size: position_count]
+                                  [Default: NULL] */
     uint64_t position_count; /**< [Limit: any; with positions 1..2^20] [Default: 0] */
-    int32_t label;           /**< of all loops; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 1] */
+    int32_t label; /**< of all loops; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 1] */
     int32_t reserved;
 } bvx_slice_options;
 
-/** The contours of a mesh on parallel planes: a point where a plane meets an edge; vertices on a plane count
- *  as above it. The mesh must be closed and oriented where planes meet it (vertices at equal positions are
- *  one). Loops run with the inside on their left, seen against the normal. Left out are loops of fewer than
- *  three different points, and those no wider than 2^-26 of the mesh's extent across the normal (twice the
- *  area divided by the perimeter).
- *  Returns BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its
- *  position), BVX_ERR_RANGE.
- *  [Memory: the points, 60 bytes each while a plane is cut, and 100 bytes a triangle]
- *  [Cost: O(triangles log triangles + points log points)] */
-BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh,
-                                  const bvx_slice_options *options, bvx_sections *sections);
+/** The contours of a mesh on parallel planes: a point where a plane meets an edge; vertices on a plane count as above
+ *  it. The mesh must be closed and oriented where planes meet it. Loops run with the inside on their left, seen
+ *  against the normal. Loops of fewer than three different points, and those no wider than 2^-26 of the mesh's extent,
+ *  are left out.
+ *  Returns BVX_ERR_EMPTY (no plane meets the mesh), BVX_ERR_FORMAT (a loop that does not close, with its position). */
+BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_slice_options *options,
+                                  bvx_sections *sections);
 
 /* ---- Refinement ---------------------------------------------------------------------------------------- */
 
@@ -2404,14 +2012,11 @@ BVX_API bvx_status bvx_slice_mesh(bvx_context *context, const bvx_mesh_view *mes
  *  OUTSIDE  a flood from outside through faces of voxels reaches it (trees with a window: by rows)
  *  INSIDE   no triangle touches it, and it is not outside
  *  SURFACE  a triangle touches its closed box */
-#define BVX_STATE_LIST(X)              \
-    X(BVX_STATE_OUTSIDE, 1, "outside") \
-    X(BVX_STATE_INSIDE, 2, "inside")   \
-    X(BVX_STATE_SURFACE, 4, "surface")
+#define BVX_STATE_LIST(X) \
+    X(BVX_STATE_OUTSIDE, 1, "outside") X(BVX_STATE_INSIDE, 2, "inside") X(BVX_STATE_SURFACE, 4, "surface")
 enum { BVX_STATE_LIST(BVX_LIST_ENUM) };
 
-/** Voxels of several sizes: level 0 is a base lattice, each further level halves the voxels that triangles
- *  touch. */
+/** Voxels of several sizes: level 0 is a base lattice, each further level halves the voxels that triangles touch. */
 typedef struct bvx_octree bvx_octree;
 
 /** One voxel of an octree. */
@@ -2424,58 +2029,44 @@ typedef struct bvx_octree_leaf {
 
 /** Counts of one level. */
 typedef struct bvx_octree_level {
-    uint64_t voxels;  /**< all of the level: split ones and leaves */
-    uint64_t split;   /**< touched by triangles and split in eight; 0 at the last level */
+    uint64_t voxels; /**< all of the level: split ones and leaves */
+    uint64_t split; /**< touched by triangles and split in eight; 0 at the last level */
     uint64_t surface; /**< leaves that triangles touch; without window and tolerance only at the last level */
     uint64_t inside, outside; /**< leaves that no triangle touches */
-    uint64_t bytes;           /**< that the tree keeps for them */
+    uint64_t bytes; /**< that the tree keeps for them */
     uint64_t reserved[2];
 } bvx_octree_level;
 
 typedef struct bvx_refine_options {
     size_t struct_size;
-    int32_t levels;      /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25]
-                         [Default: 6] */
-    int32_t start_level; /**< levels up to this come from one grid, later ones from their parents' triangles;
-                              affects time and memory only [Limit: BVX_NONE, or 0..levels]
-                              [Default: 0, by size] */
+    int32_t levels; /**< times voxels are halved [Limit: BVX_NONE, or 0..25; dims * 2^levels up to 2^25] [Default: 6] */
+    int32_t start_level; /**< levels up to this come from one grid; affects time alone
+                              [Limit: BVX_NONE, or 0..levels] [Default: 0, by size] */
     bvx_window window; /**< voxels of the last level: beyond outer_levels only voxels that meet it are halved
                             [Default: all zero, the whole lattice] */
     int32_t outer_levels; /**< used with a window [Limit: 0..levels] [Default: 0] */
     int32_t reserved;
-    double tolerance; /**< a voxel whose triangles all lie within this distance of one plane is a leaf of the
-                           surface [Units: world] [Limit: >= 0] [Default: 0, none is] */
+    double tolerance; /**< voxels whose triangles lie this near to one plane are leaves [Units: world] [Limit: >= 0]
+                           [Default: 0, none is] */
 } bvx_refine_options;
 
-/** Voxelize a mesh with small voxels only at its surface. Each voxel whose closed box meets a triangle is
- *  split in eight down to the last level; then a voxel without triangles that shares a face with an outside
- *  one, or with the lattice's side, is outside, and what remains is inside. At the last level the surface is
- *  that of bvx_voxelize_surface (conservative), and inside is what the flood around it cannot reach, bit for
- *  bit. What a window and a tolerance change: docs/rules.md.
+/** Voxelize a mesh with small voxels only at its surface. Each voxel whose closed box meets a triangle is split in
+ *  eight down to the last level; then a voxel without triangles that shares a face with an outside one, or with the
+ *  lattice's side, is outside, and what remains is inside. At the last level surface and inside are those of
+ *  bvx_voxelize_surface (conservative) and a flood around it, bit for bit. What a window and a tolerance change:
+ *  docs/rules.md.
  *  base  the lattice of level 0, as from bvx_lattice_fit(context, mesh, 8, &base); fraction_bits are ignored
  *  tree  out: *tree is NULL, or a tree that is freed when the new one is made; a failure leaves it as it was
- *  Returns BVX_ERR_EMPTY (no triangle), BVX_ERR_RANGE (as bvx_voxelize_surface; a base of 2^31 voxels and
- *  more; dims * 2^levels beyond 2^25, with the largest number of levels that fits; 2^28 split voxels of a
- *  level), BVX_ERR_ARGUMENT (also levels beyond 25), BVX_ERR_BUDGET (the
- *  message ends with the number of levels that fits, the last value of bvx_last_error).
- *  [Memory: the tree (2 to 3.5 bytes a split voxel, and the base's bits twice), 16 bytes a vertex, 13 a split
- *  voxel; for the two finest split levels 20 a voxel and 5 for each triangle that touches it; a grid of up to
- *  128 MiB]
- *  [Cost: O(triangles of each split voxel + voxels)]
- *  Source: "Refinement of surface voxels by boundary states" 2.1 and 2.2, with a worklist in place of one
- *  traversal. */
+ *  Returns BVX_ERR_RANGE (also a base of 2^31 voxels and more; dims * 2^levels beyond 2^25; 2^28 split voxels of a
+ *  level), BVX_ERR_BUDGET (the last value of bvx_last_error is the number of levels that fits). */
 BVX_API bvx_status bvx_refine(bvx_context *context, const bvx_mesh_view *mesh, const bvx_lattice *base,
                               const bvx_refine_options *options, bvx_octree **tree);
 
-/** Choose the base and the levels with which bvx_refine takes least time for a finest resolution, by a model
- *  of its time.
- *  resolution  voxels of the last level along the mesh's longest axis, at least: rounded up to whole voxels
- *              of the base
+/** Choose the base and the levels with which bvx_refine takes least time for a finest resolution, by a model of its
+ *  time.
+ *  resolution  voxels of the last level along the mesh's longest axis, at least
  *  options     in and out: its levels are set, BVX_NONE for none. Its window and tolerance are considered
- *  base        out
- *  Returns what bvx_lattice_fit returns.
- *  [Memory: none]
- *  [Cost: O(triangles)] */
+ *  base        out */
 BVX_API bvx_status bvx_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
                                      bvx_refine_options *options, bvx_lattice *base);
 
@@ -2489,74 +2080,57 @@ BVX_API int32_t bvx_octree_levels(const bvx_octree *tree);
 BVX_API bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tree, int32_t level,
                                       bvx_lattice *lattice);
 
-/** Counts of the levels 0 .. bvx_octree_levels.
- *  [Cost: O(bytes of the tree)] */
+/** Counts of the levels 0 .. bvx_octree_levels. */
 BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                     int32_t capacity);
 
 /** The leaves that hold voxels of the last level, three indices each.
- *  Returns BVX_ERR_RANGE (a voxel beyond the lattice, with its index).
- *  [Memory: none]
- *  [Cost: O(levels) a voxel] */
-BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels,
-                                 uint64_t count, bvx_octree_leaf *leaves);
+ *  Returns BVX_ERR_RANGE (a voxel beyond the lattice, with its index). */
+BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
+                                 bvx_octree_leaf *leaves);
 
-/** The leaves that hold points, x y z each [Units: world]; beyond the lattice: state outside, level 255,
- *  ijk 0.
- *  Returns BVX_ERR_RANGE (a point that is not finite, with its index). */
-BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points,
-                                   uint64_t count, bvx_octree_leaf *leaves);
+/** The leaves that hold points, x y z each [Units: world]; beyond the lattice: state outside, level 255, ijk 0. */
+BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree, const double *points, uint64_t count,
+                                   bvx_octree_leaf *leaves);
 
-/** The leaves that share a face with a leaf, beyond it in a direction: 0 to 5 for -x, -y, -z, +x, +y, +z. One
- *  of the same size or larger, or all smaller ones on that face; none beyond the lattice.
- *  Returns BVX_ERR_RANGE (no voxel of the tree), BVX_ERR_CAPACITY.
- *  [Memory: none] */
-BVX_API bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree,
-                                         const bvx_octree_leaf *leaf, int32_t direction,
-                                         bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
+/** The leaves that share a face with a leaf, beyond it in a direction: 0 to 5 for -x, -y, -z, +x, +y, +z. One of the
+ *  same size or larger, or all smaller ones on that face; none beyond the lattice.
+ *  Returns BVX_ERR_RANGE (no voxel of the tree). */
+BVX_API bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, const bvx_octree_leaf *leaf,
+                                         int32_t direction, bvx_octree_leaf *leaves, uint64_t capacity,
+                                         uint64_t *count);
 
 /** Where a ray first meets a leaf. */
 typedef struct bvx_octree_hit {
-    double t;           /**< position = origin + t * direction */
+    double t; /**< position = origin + t * direction */
     double position[3]; /**< [Units: world] */
     bvx_octree_leaf leaf;
     int32_t axis; /**< of the face that is crossed: 0, 1, 2; -1 when the ray starts in the leaf */
-    int32_t hit;  /**< 0: the ray meets none, and the other fields are zero */
+    int32_t hit; /**< 0: the ray meets none, and the other fields are zero */
 } bvx_octree_hit;
 
-/** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). The lowest (t, z, y,
- *  x) is that of the leaves' low corners.
- *  Returns what bvx_grid_cast returns.
- *  [Memory: none]
- *  [Cost: O(rows of the base + octets crossed) a ray] */
-BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states,
-                                   const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits);
+/** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). The lowest (t, z, y, x) is
+ *  that of the leaves' low corners.
+ *  Returns what bvx_grid_cast returns. */
+BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays,
+                                   uint64_t count, double t_max, bvx_octree_hit *hits);
 
-/** The leaves in a set of states (0: surface and inside), by base voxel (z, y, x), within it along the curve
- *  that takes x first, then y, then z at each level.
- *  [Memory: none]
- *  [Cost: O(voxels)] */
+/** The leaves in a set of states (0: surface and inside), by base voxel (z, y, x), within it along the curve that
+ *  takes x first, then y, then z at each level. */
 BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tree, int32_t states,
                                      bvx_octree_leaf *leaves, uint64_t capacity, uint64_t *count);
 
 /** The voxels of one level, in a set of states, as a grid.
- *  level   0 .. bvx_octree_levels. Above the last level a voxel that is split counts as surface; others keep
- *          the state of the last level
+ *  level   0 .. bvx_octree_levels. Above the last level a voxel that is split counts as surface
  *  states  BVX_STATE_... added; 0: surface and inside
- *  window  of the level's lattice; NULL or all zero: all of it
- *  Returns BVX_ERR_RANGE.
- *  [Memory: the grid]
- *  [Cost: O(words + voxels in the window)] */
-BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level,
-                                     int32_t states, const bvx_window *window, bvx_grid *grid);
+ *  window  of the level's lattice; NULL or all zero: all of it */
+BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
+                                     const bvx_window *window, bvx_grid *grid);
 
-/** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block:
- *  the level is never expanded as a whole. The bytes are those of bvx_extract_surface on all of it, with all
- *  sides closed. mesh brings no arrays of the caller's.
- *  Returns what bvx_octree_expand, bvx_extract_surface and bvx_mesh_merge return; dims are below 2^20, as for
- *  keys.
- *  [Memory: the surface twice, with keys, and what merging takes]
- *  [Cost: O(surface + blocks of 256 x 256 x 256 voxels)] */
+/** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block: the level
+ *  is never expanded as a whole. The bytes are those of bvx_extract_surface on all of it, with all sides closed. mesh
+ *  brings no arrays of the caller's.
+ *  Returns what bvx_octree_expand, bvx_extract_surface and bvx_mesh_merge return; dims are below 2^20, as for keys. */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
 

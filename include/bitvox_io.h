@@ -20,25 +20,25 @@ extern "C" {
 /* ---- Formats ------------------------------------------------------------------------------------------- */
 
 /** Every format and the ending of its file names, which is also its own name. NRRD has .nhdr too. */
-#define BVX_FORMAT_LIST(X)            \
-    X(BVX_FORMAT_STL, 1, "stl")       \
-    X(BVX_FORMAT_OBJ, 2, "obj")       \
-    X(BVX_FORMAT_PLY, 3, "ply")       \
-    X(BVX_FORMAT_NPY, 4, "npy")       \
-    X(BVX_FORMAT_PNG, 5, "png")       \
-    X(BVX_FORMAT_OFF, 6, "off")       \
-    X(BVX_FORMAT_GLB, 7, "glb")       \
+#define BVX_FORMAT_LIST(X) \
+    X(BVX_FORMAT_STL, 1, "stl") \
+    X(BVX_FORMAT_OBJ, 2, "obj") \
+    X(BVX_FORMAT_PLY, 3, "ply") \
+    X(BVX_FORMAT_NPY, 4, "npy") \
+    X(BVX_FORMAT_PNG, 5, "png") \
+    X(BVX_FORMAT_OFF, 6, "off") \
+    X(BVX_FORMAT_GLB, 7, "glb") \
     X(BVX_FORMAT_BINVOX, 8, "binvox") \
-    X(BVX_FORMAT_VOX, 9, "vox")       \
-    X(BVX_FORMAT_NRRD, 10, "nrrd")    \
-    X(BVX_FORMAT_VTI, 11, "vti")      \
-    X(BVX_FORMAT_BVX, 12, "bvx")      \
-    X(BVX_FORMAT_VTU, 13, "vtu")      \
-    X(BVX_FORMAT_RAW, 14, "raw")      \
-    X(BVX_FORMAT_XYZ, 15, "xyz")      \
-    X(BVX_FORMAT_CSL, 20, "csl")      \
-    X(BVX_FORMAT_CSV, 21, "csv")      \
-    X(BVX_FORMAT_SVG, 22, "svg")      \
+    X(BVX_FORMAT_VOX, 9, "vox") \
+    X(BVX_FORMAT_NRRD, 10, "nrrd") \
+    X(BVX_FORMAT_VTI, 11, "vti") \
+    X(BVX_FORMAT_BVX, 12, "bvx") \
+    X(BVX_FORMAT_VTU, 13, "vtu") \
+    X(BVX_FORMAT_RAW, 14, "raw") \
+    X(BVX_FORMAT_XYZ, 15, "xyz") \
+    X(BVX_FORMAT_CSL, 20, "csl") \
+    X(BVX_FORMAT_CSV, 21, "csv") \
+    X(BVX_FORMAT_SVG, 22, "svg") \
     X(BVX_FORMAT_GLTF, 23, "gltf")
 enum {
     BVX_FORMAT_UNKNOWN = 0,
@@ -46,10 +46,10 @@ enum {
     /** What formats hold: bit 1 << format. */
     BVX_MESHES_READ = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
                       1 << BVX_FORMAT_GLB | 1 << BVX_FORMAT_GLTF,
-    BVX_MESHES_WRITTEN = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY |
-                         1 << BVX_FORMAT_OFF | 1 << BVX_FORMAT_GLB,
-    BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX |
-                     1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
+    BVX_MESHES_WRITTEN = 1 << BVX_FORMAT_STL | 1 << BVX_FORMAT_OBJ | 1 << BVX_FORMAT_PLY | 1 << BVX_FORMAT_OFF |
+                         1 << BVX_FORMAT_GLB,
+    BVX_GRIDS_READ = 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_BINVOX | 1 << BVX_FORMAT_VOX | 1 << BVX_FORMAT_NRRD |
+                     1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_BVX,
     BVX_GRIDS_WRITTEN = BVX_GRIDS_READ,
     BVX_VOLUMES_READ = 1 << BVX_FORMAT_NRRD | 1 << BVX_FORMAT_NPY | 1 << BVX_FORMAT_VTI | 1 << BVX_FORMAT_RAW,
     BVX_POINTS_READ = 1 << BVX_FORMAT_XYZ | 1 << BVX_FORMAT_PLY,
@@ -84,18 +84,18 @@ typedef void bvx_close_fn(void *user, bvx_file_bytes *file);
 
 /** What a file holds that its mesh does not: skins with their joints and weights, morph targets, animations,
  *  points and lines, images whose file was not found, attributes beyond those of bvx_mesh. Bits. */
-#define BVX_LOST_LIST(X)                    \
-    X(BVX_LOST_SKINS, 1, "skins")           \
-    X(BVX_LOST_MORPHS, 2, "morphs")         \
+#define BVX_LOST_LIST(X) \
+    X(BVX_LOST_SKINS, 1, "skins") \
+    X(BVX_LOST_MORPHS, 2, "morphs") \
     X(BVX_LOST_ANIMATIONS, 4, "animations") \
-    X(BVX_LOST_POINTS, 8, "points")         \
-    X(BVX_LOST_IMAGES, 16, "images")        \
+    X(BVX_LOST_POINTS, 8, "points") \
+    X(BVX_LOST_IMAGES, 16, "images") \
     X(BVX_LOST_ATTRIBUTES, 32, "attributes")
 enum { BVX_LOST_LIST(BVX_LIST_ENUM) };
 
 typedef struct bvx_read_report {
     uint64_t dropped; /**< triangles left out by drop_nonfinite */
-    uint32_t lost;    /**< what the mesh does not hold: bits of BVX_LOST_... */
+    uint32_t lost; /**< what the mesh does not hold: bits of BVX_LOST_... */
     uint32_t reserved;
 } bvx_read_report;
 
@@ -103,11 +103,11 @@ typedef struct bvx_read_options {
     size_t struct_size;
     int32_t drop_nonfinite; /**< 1: triangles with a corner that is not finite are left out, not refused; of a
                                  polygon all are [Limit: 0..1] [Default: 0] */
-    int32_t keep_file;      /**< 1: of glTF, for bvx_write_options.source [Limit: 0..1] [Default: 0] */
+    int32_t keep_file; /**< 1: of glTF, for bvx_write_options.source [Limit: 0..1] [Default: 0] */
     bvx_open_fn *open_file; /**< [Default: NULL, no other file is opened] */
     bvx_close_fn *close_file; /**< set together with open_file [Default: NULL] */
-    void *user;               /**< first argument of open_file and close_file [Default: NULL] */
-    bvx_read_report *report;  /**< filled when not NULL [Default: NULL] */
+    void *user; /**< first argument of open_file and close_file [Default: NULL] */
+    bvx_read_report *report; /**< filled when not NULL [Default: NULL] */
 } bvx_read_options;
 
 /** Read a mesh from the bytes of a file. Planar simple polygons, convex or not, become triangles that neither
@@ -152,16 +152,27 @@ BVX_API bvx_status bvx_read_points(bvx_context *context, const void *bytes, uint
  * in 20 without its area or turned over. */
 enum { BVX_ROUNDING_REFUSE = 0, BVX_ROUNDING_ALLOW = 1 };
 
+/** What readers will get of a mesh: its certificate has the positions as the file rounds them. */
+typedef struct bvx_write_report {
+    bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
+    uint64_t merged; /**< positions that differ in the mesh and equal another in the file */
+    uint64_t spoilt; /**< triangles that lose their area by rounding, or are turned over */
+    double largest_move; /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
+    double mean_edge; /**< mean length of edges, where there is rounding [Units: world] */
+    int32_t fits; /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
+    int32_t reserved;
+} bvx_write_report;
+
 /* The axes of the file: Z_TO_Y: x, z, -y; Y_TO_Z: x, -z, y. Each is a turn of 90 degrees about x. */
 enum { BVX_TURN_NONE = 0, BVX_TURN_Z_TO_Y = 1, BVX_TURN_Y_TO_Z = 2 };
 
 typedef struct bvx_write_options {
     size_t struct_size;
-    int32_t normals;  /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL and OFF are
+    int32_t normals; /**< 1: PLY and OBJ get normals of vertices too; GLB always has them; STL and OFF are
                            refused [Limit: 0..1] [Default: 0] */
     int32_t rounding; /**< of a mesh that the format's numbers would spoil, BVX_ROUNDING_...
                            [Limit: 0..1] [Default: BVX_ROUNDING_REFUSE] */
-    int32_t turn;     /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2]
+    int32_t turn; /**< coordinates and normals are turned, BVX_TURN_... [Limit: 0..2]
                            [Default: BVX_TURN_NONE] */
     int32_t quantize; /**< 1: GLB by KHR_mesh_quantization: positions are whole steps, 65535 along the longest
                            side of all levels, normals have 8 bits, texture coordinates in 0..1 have 16; other
@@ -170,6 +181,7 @@ typedef struct bvx_write_options {
                                  keep_file and a single mesh has its vertices, as read (BVX_VERTICES_KEPT),
                                  the file is written again, with other indices
                                  [Default: NULL, those of the mesh, or of the first level that has some] */
+    bvx_write_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
 } bvx_write_options;
 
 /** Write a mesh, or levels of detail into one file; frames are added. PLY, OBJ (without alpha) and OFF keep
@@ -177,7 +189,7 @@ typedef struct bvx_write_options {
  *  docs/formats.md. Coordinates stay as they are, whichever axis is up. A mesh that rounding to 32-bit floats
  *  would spoil, like one in metres of a map projection as STL, is refused (BVX_ROUNDING_REFUSE says from where
  *  on; below that a few vertices may become one): take another format, or subtract from mesh.frame an origin
- *  that the file's user knows. bvx_check_written reports what a file would hold.
+ *  that the file's user knows.
  *
  *  Normals are those of the mesh, at length 1; without any they are smooth, as bvx_mesh_normals computes them
  *  at vertices, so sharp edges are averaged over too. PLY: float nx ny nz after the coordinates; OBJ: vn, with
@@ -188,41 +200,19 @@ typedef struct bvx_write_options {
  *  level_count  [Limit: 1..65536] 1 but for GLB
  *  options      NULL: all defaults
  *  format       BVX_FORMAT_STL, _OBJ, _PLY, _OFF or _GLB
+ *  file         NULL: nothing is written, and options.reports alone are filled; what rounding would spoil is
+ *               BVX_OK with fits 0. Levels in other formats than GLB are files of their own then
  *  Returns BVX_ERR_EMPTY (a level without triangles), BVX_ERR_RANGE (beyond what the format holds, or spoilt by
  *  rounding), BVX_ERR_UNSUPPORTED (no mesh format; levels or quantize in another one than GLB; normals in STL,
  *  which has those of triangles, or OFF). Messages name the level.
- *  [Memory: the file (text: up to about 1.5 times); normals: 24 bytes a vertex more where the mesh has none;
- *  GLB: 84 a triangle while texture coordinates are split, 4 a triangle where materials differ, about 700 a
- *  level; turn: positions and normals once more]
+ *  [Memory: the file (text: up to about 1.5 times); reports: what bvx_mesh_check takes, 24 bytes a vertex where
+ *  positions are rounded or there is a frame, and 10 while equal ones are counted; normals: 24 bytes a vertex more
+ *  where the mesh has none; GLB: 84 a triangle while texture coordinates are split, 4 a triangle where materials
+ *  differ, about 700 a level; turn: positions and normals once more]
  *  [Cost: O(vertices + triangles)]
  *  Source: Khronos Group. KHR_mesh_quantization; Microsoft. MSFT_lod: extensions of glTF 2.0. */
 BVX_API bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
                                   const bvx_write_options *options, int32_t format, bvx_buffer *file);
-
-typedef struct bvx_write_report {
-    bvx_certificate file; /**< of the mesh with the file's positions; STL: equal positions are one vertex */
-    uint64_t merged;      /**< positions that differ in the mesh and equal another in the file */
-    uint64_t spoilt;      /**< triangles that lose their area by rounding, or are turned over */
-    double largest_move;  /**< of a coordinate, by the file's numbers; 0 without rounding [Units: world] */
-    double mean_edge;     /**< mean length of edges, where there is rounding [Units: world] */
-    int32_t fits;         /**< 1: written by default; 0: refused but for BVX_ROUNDING_ALLOW */
-    int32_t reserved;
-} bvx_write_report;
-
-/** What readers will get of meshes in a format, without writing them: certificates with the positions as the
- *  file rounds them.
- *  levels   [Size: level_count] what one file is to hold, as for bvx_write_mesh
- *  options  those of the writer, or NULL
- *  format   STL, OBJ, PLY, OFF or GLB; levels of GLB share one middle, those of others are files of their own
- *  reports  [Size: level_count] out; unspecified after a failure
- *  Returns what the writers return for these meshes, but BVX_OK where they refuse rounding: report.fits is 0
- *  then.
- *  [Memory: what bvx_mesh_check takes; 24 bytes a vertex where positions are rounded or there is a frame, and
- *  10 a vertex while equal ones are counted; turn: positions and normals of all levels once more]
- *  [Cost: O(vertices + triangles)] */
-BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                     const bvx_write_options *options, int32_t format,
-                                     bvx_write_report *reports);
 
 /** Write a grid. The low corner of its window and the spacing go where the format keeps them:
  *  BVX_FORMAT_NPY     bool, axes [x,y,z] (Fortran order); no lattice: see bvx_write_lattice
@@ -235,8 +225,7 @@ BVX_API bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *level
  *  that it cannot hold).
  *  [Memory: the file; BINVOX: and 64 layers of x twice]
  *  [Cost: O(voxels) bytes written; BVX, BINVOX: O(words + runs)] */
-BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format,
-                                  bvx_buffer *file);
+BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file);
 
 /** Write an octree.
  *  states          VTU: the leaves in a set of states (0: surface and inside); BVX: 0, all of the tree
@@ -246,8 +235,8 @@ BVX_API bvx_status bvx_write_grid(bvx_context *context, const bvx_grid *grid, in
  *  Returns BVX_ERR_EMPTY (no such leaf), BVX_ERR_RANGE (2^28 leaves or more, dims beyond 2^21 - 1),
  *  BVX_ERR_UNSUPPORTED (no octree format).
  *  [Memory: the file; VTU: and 16 bytes a leaf, and 192 while corners are merged] */
-BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
-                                    int32_t format, bvx_buffer *file);
+BVX_API bvx_status bvx_write_octree(bvx_context *context, const bvx_octree *tree, int32_t states, int32_t format,
+                                    bvx_buffer *file);
 
 /** Read an octree from the bytes of a .bvx file that bvx_write_octree made; *tree as for bvx_refine.
  *  Everything is checked before anything is allocated, and no file expands to more than its bytes.
@@ -267,8 +256,8 @@ BVX_API bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint
  *  BVX_ERR_LATTICE, BVX_ERR_UNSUPPORTED (no format for fields), BVX_ERR_RANGE.
  *  [Memory: the file]
  *  [Cost: O(voxels)] */
-BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors,
-                                   int32_t format, bvx_buffer *file);
+BVX_API bvx_status bvx_write_field(bvx_context *context, const bvx_field *field, int32_t vectors, int32_t format,
+                                   bvx_buffer *file);
 
 /** Read a grid from the bytes of a file: values other than 0 are set. Its lattice is the file's box (BVX: the
  *  lattice that was written; the window's low is that of the file and of window, added). Without one in the
@@ -290,7 +279,7 @@ BVX_API bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64
 typedef struct bvx_volume {
     bvx_volume_view view;
     uint64_t bytes; /**< of view.samples where the library made them */
-    int32_t owned;  /**< 1 when bvx_volume_free frees view.samples; 0: they lie in the file's bytes */
+    int32_t owned; /**< 1 when bvx_volume_free frees view.samples; 0: they lie in the file's bytes */
     int32_t placed; /**< 0: the file has no lattice; origin 0 and spacing 1 are assumed */
     uint64_t reserved[2];
 } bvx_volume;
@@ -299,22 +288,21 @@ BVX_API void bvx_volume_free(bvx_context *context, bvx_volume *volume);
 
 /** Unpack gzip or zlib data to exactly plain_size bytes. Returns 0 when that is what they hold; any other
  *  number when they are damaged, longer or shorter. Called on the calling thread. */
-typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain,
-                               uint64_t plain_size);
+typedef int32_t bvx_inflate_fn(void *user, const void *packed, uint64_t packed_size, void *plain, uint64_t plain_size);
 
 typedef struct bvx_read_volume_options {
     size_t struct_size;
-    const void *data;   /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
+    const void *data; /**< NRRD with a detached header: its data files' bytes, joined [Default: NULL] */
     uint64_t data_size; /**< [Units: bytes] [Limit: any] [Default: 0] */
     bvx_inflate_fn *inflate; /**< NRRD of encoding gzip, VTI with blocks of zlib [Default: NULL, refused] */
-    void *inflate_user;      /**< first argument of inflate [Default: NULL] */
-    int32_t sample_type;     /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
-    int32_t big_endian;      /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
-    int32_t size[3];         /**< RAW: samples along each axis [Units: voxels] [Limit: any] [Default: 0] */
+    void *inflate_user; /**< first argument of inflate [Default: NULL] */
+    int32_t sample_type; /**< RAW: BVX_SAMPLE_... [Limit: any; RAW: 1..10] [Default: 0] */
+    int32_t big_endian; /**< RAW: 1: the highest byte comes first [Limit: 0..1] [Default: 0] */
+    int32_t size[3]; /**< RAW: samples along each axis [Units: voxels] [Limit: any] [Default: 0] */
     int32_t reserved0;
-    uint64_t offset;   /**< RAW: bytes to skip first; those after the last sample are ignored [Limit: any]
+    uint64_t offset; /**< RAW: bytes to skip first; those after the last sample are ignored [Limit: any]
                             [Default: 0] */
-    double origin[3];  /**< RAW: low corner of the first voxel [Units: world] [Limit: any] [Default: 0] */
+    double origin[3]; /**< RAW: low corner of the first voxel [Units: world] [Limit: any] [Default: 0] */
     double spacing[3]; /**< RAW [Units: world] [Limit: any] [Default: 1] */
     uint64_t reserved[2];
 } bvx_read_volume_options;
@@ -342,8 +330,8 @@ BVX_API bvx_status bvx_read_volume(bvx_context *context, const void *bytes, uint
  *  folder or below. *count is the number of names, 0 when the samples follow the header. Each call reads the
  *  header: one whose data files times its bytes exceed 2^31 (a LIST of 60,000 names) is refused.
  *  Returns BVX_ERR_FORMAT, BVX_ERR_ARGUMENT (index not below the count), BVX_ERR_UNSUPPORTED. */
-BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size,
-                                        uint64_t index, char *name, uint64_t capacity, uint64_t *count);
+BVX_API bvx_status bvx_volume_data_name(bvx_context *context, const void *bytes, uint64_t size, uint64_t index,
+                                        char *name, uint64_t capacity, uint64_t *count);
 
 /** The side-car of a format without a lattice, as JSON: origin, spacing, dims, fraction_bits, window,
  *  center0.
@@ -405,24 +393,36 @@ typedef struct bvx_image {
 
 BVX_API void bvx_image_free(bvx_context *context, bvx_image *image);
 
+/** Where a picture is seen from. */
+typedef struct bvx_camera {
+    double direction[3]; /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
+    double up[3]; /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
+    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
+                              and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
+                              [Default: 0, 0: the model fills it] */
+} bvx_camera;
+
+/** What is cut away. */
+typedef struct bvx_cut {
+    int32_t sides; /**< on which, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
+    int32_t reserved;
+    double low[3]; /**< what lies below, on low sides [Units: world] [Limit: any] [Default: 0] */
+    double high[3]; /**< what lies above, on high sides; grids by whole voxels [Units: world] [Limit: any]
+                         [Default: 0] */
+} bvx_cut;
+
 typedef struct bvx_render_options {
     size_t struct_size;
     int32_t width, height; /**< [Units: pixels] [Limit: 1..16384] [Default: 1024, 768] */
-    double direction[3];   /**< from the model towards the eye [Limit: any] [Default: 3, -4, 2] */
-    double up[3];          /**< what is up in the picture [Limit: any] [Default: 0, 0, 1] */
-    uint8_t colour[4];     /**< of the surface: red, green, blue, and any number that makes black not all zero
+    bvx_camera camera; /**< [Default: all zero] */
+    uint8_t colour[4]; /**< of the surface: red, green, blue, and any number that makes black not all zero
                                 [Limit: any] [Default: 200, 196, 188] */
     uint8_t background[4]; /**< the same [Limit: any] [Default: 255, 255, 255] */
-    int32_t smooth;     /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
-    int32_t samples;    /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
-    int32_t wireframe;  /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
-    int32_t cut;        /**< sides that are cut away, BVX_OPEN_... [Limit: 0..63] [Default: 0, none] */
-    double cut_low[3];  /**< what lies below, on low sides in cut [Units: world] [Limit: any] [Default: 0] */
-    double cut_high[3]; /**< what lies above, on the high sides; grids by whole voxels [Units: world]
-                             [Limit: any] [Default: 0] */
-    double show[2]; /**< the frame shows at least this much on either side of the model's middle, along width
-                         and height: several pictures get one scale [Units: world] [Limit: >= 0; finite]
-                         [Default: 0, 0: the model fills it] */
+    int32_t smooth; /**< 1: normals averaged at vertices, 0: of each facet [Limit: 0..1] [Default: 0] */
+    int32_t samples; /**< rays a pixel along each side [Limit: 1..4] [Default: 2] */
+    int32_t wireframe; /**< 1: draw edges of triangles (grids: of voxels) too [Limit: 0..1] [Default: 0] */
+    int32_t reserved;
+    bvx_cut cut; /**< [Default: all zero, nothing] */
 } bvx_render_options;
 
 /** A shaded picture of a mesh that fills the frame: orthographic, one light near the eye, ambient light from
@@ -430,12 +430,12 @@ typedef struct bvx_render_options {
  *  opens the mesh and shows them. The same bytes everywhere.
  *  Returns BVX_ERR_EMPTY, BVX_ERR_RANGE.
  *  [Cost: O(pixels * samples^2 + triangles)] */
-BVX_API bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh,
-                                   const bvx_render_options *options, bvx_image *image);
+BVX_API bvx_status bvx_render_mesh(bvx_context *context, const bvx_mesh_view *mesh, const bvx_render_options *options,
+                                   bvx_image *image);
 
 /** The same for a grid: its exposed voxel faces. A cut shows the voxels inside, flat and a little darker. */
-BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid,
-                                   const bvx_render_options *options, bvx_image *image);
+BVX_API bvx_status bvx_render_grid(bvx_context *context, const bvx_grid *grid, const bvx_render_options *options,
+                                   bvx_image *image);
 
 /** Two grids of one lattice and window in one picture: voxels of both in options.colour, only of before
  *  (removed) red, only of after (added) green.
@@ -447,8 +447,8 @@ BVX_API bvx_status bvx_render_difference(bvx_context *context, const bvx_grid *b
 /** A sheet of count slices across an axis (0, 1, 2), evenly spaced from the lowest voxel to the highest, in
  *  reading order [Limit: count 1..1024]. Set voxels are in options.colour; up is y (axis 2) or z, and the
  *  spacing gives the voxels' shape. A pixel that covers several voxels shows the share that is set, at least
- *  a quarter of the colour when one is. options.cut applies; direction, up, smooth, wireframe
- *  are ignored.
+ *  a quarter of the colour when one is. options.cut applies; camera, smooth and wireframe are
+ *  ignored.
  *  Returns BVX_ERR_EMPTY (nothing is set). */
 BVX_API bvx_status bvx_render_slices(bvx_context *context, const bvx_grid *grid, int32_t axis, int32_t count,
                                      const bvx_render_options *options, bvx_image *image);

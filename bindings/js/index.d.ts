@@ -262,13 +262,13 @@ export interface RepairOptions extends CallOptions {
     sharp?: When | undefined;
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
-    measure?: boolean | undefined;
     shell?: number | undefined;
     leastPart?: number | undefined;
     keepLargest?: number | undefined;
     leastCavity?: number | undefined;
     targetTriangles?: number | undefined;
-    measureSamples?: number | undefined;
+    /** Points a side for the report's distances; 0: not measured [0]. */
+    samples?: number | undefined;
     keepCrumbs?: boolean | undefined;
     ifNeeded?: boolean | undefined;
     thin?: 'keep' | 'shell' | 'drop' | undefined;
@@ -414,7 +414,6 @@ export interface LodOptions extends CallOptions {
     method?: 'edge-ratio' | 'coverage' | undefined;
     edgeSamples?: number | undefined;
     threshold?: number | undefined;
-    sourceTriangles?: number | undefined;
     faceRule?: FaceRule | undefined;
     positionType?: PositionType | undefined;
     localFrame?: boolean | undefined;
@@ -428,7 +427,6 @@ export interface LodReport {
     vertices: number;
     triangles: number;
     searched: number;
-    exceedsSource: boolean;
 }
 
 /** [bvx_write_options] */
@@ -532,7 +530,7 @@ export interface Bitvox {
     /** Sixteen hexadecimal digits, the same on every machine. [bvx_mesh_hash], [bvx_grid_hash] */
     hash(meshOrGrid: AnyMesh | GridIn, options?: CallOptions): string;
 
-    /** Around a mesh or a box. [bvx_lattice_fit_with], [bvx_lattice_fit_box] */
+    /** Around a mesh or a box. [bvx_lattice_fit_with] */
     fitLattice(mesh: AnyMesh | { low: TripleIn; high: TripleIn }, options: CallOptions & FitOptions): Lattice;
     /** The voxels whose centres lie inside a mesh. [bvx_voxelize_solid] */
     voxelize(mesh: AnyMesh, options?: VoxelizeOptions): { grid: Grid; report: SolidReport };

@@ -138,9 +138,9 @@ export function layoutTable({ structs, choices }, wanted) {
     const keep = name => {
         if (kept[name] || !structs[name]) return;
         const fields = {};
-        // Fields of the structs that options share are options themselves.
+        // Fields of the structs that options share are options themselves; a box has its corners' names.
         const flat = structs[name].fields.flatMap(field =>
-            /_options$/.test(name) && /^bvx_(fit|placing|parts|targets|collapse)$/.test(field[1])
+            field[1] === 'bvx_box' || (/_options$/.test(name) && /^bvx_(fit|placing|parts|targets|collapse|sampling)$/.test(field[1]))
                 ? structs[field[1]].fields.map(([inner, type, offset, ...rest]) => [inner, type, field[2] + offset, ...rest])
                 : [field],
         );

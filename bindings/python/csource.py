@@ -150,7 +150,9 @@ def _members(body: str) -> list[tuple[str, str, list[int], str]]:
             note = note.replace(british, american)
         for part in names.split(","):
             name, *sizes = re.findall(r"\w+", part)
-            if not name.startswith("reserved"):
+            if kind == "bvx_box":  # its corners are members here
+                found += [("double", corner, [3], f"{corner} corner of the {note}") for corner in ("low", "high")]
+            elif not name.startswith("reserved"):
                 found.append((kind, name, [int(n) for n in sizes], note))
     return found
 

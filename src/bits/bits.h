@@ -38,6 +38,16 @@ static inline uint32_t bvxi_popcount(uint64_t w)
 #endif
 }
 
+/* fast: in a loop of BVXI_AVX2, which has the instruction. */
+BVXI_VECTOR_INLINE uint32_t bvxi_count_bits(uint64_t w, int fast)
+{
+#if BVXI_HAVE_AVX2
+    if (fast) return (uint32_t)__builtin_popcountll(w);
+#endif
+    (void)fast;
+    return bvxi_popcount(w);
+}
+
 /* Index of the lowest set bit; w is not 0. */
 static inline int32_t bvxi_lowest(uint64_t w)
 {

@@ -106,7 +106,7 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     status = make_joint(&o, labels, count, meshes);
     if (status != BVX_OK) drop_bodies(context, meshes, count);
     if (status != BVX_OK || o.options.report == NULL) return status;
-    bvxi_sections_warn(context, &o.report, o.options.depth);
+    bvxi_sections_warn(context, &o.report, o.options.slabs.depth);
     *o.options.report = o.report;
     return BVX_OK;
 }

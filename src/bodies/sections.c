@@ -24,17 +24,18 @@ enum { MOST_TIMES = 4 }; /* that levels may cross before all are given up */
 static const char sections_name[] = "bvx_build_sections";
 
 static const bvxi_option sections_rows[] = {
-    BVXI_OR(bvx_sections_options, layers, WHOLE, 1, 1, 64),
+    BVXI_OR(bvx_sections_options, slabs.layers, WHOLE, 1, 1, 64),
     BVXI_CHOICE(bvx_sections_options, caps, BVX_CAPS_FLAT, BVX_CAPS_OPEN),
-    BVXI_CHOICE(bvx_sections_options, crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
-    BVXI_OR(bvx_sections_options, depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
+    BVXI_CHOICE(bvx_sections_options, slabs.crossings, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC),
+    BVXI_OR(bvx_sections_options, slabs.depth, WHOLE, 5, 0, BVXI_SECTION_DEEPEST),
     BVXI_SWITCH(bvx_sections_options, mend),
-    BVXI_CHOICE(bvx_sections_options, blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
+    BVXI_CHOICE(bvx_sections_options, slabs.blend, BVX_BLEND_AUTO, BVX_BLEND_CUBIC),
     BVXI_REAL(bvx_sections_options, agree, 0.0, BVXI_FINITE),
     BVXI_CHOICE(bvx_sections_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_REAL(bvx_sections_options, spacing, 0.0, BVXI_FINITE),
+    BVXI_RESERVED(bvx_sections_options, reserved),
     BVXI_REAL(bvx_sections_options, thickness, 0.0, BVXI_FINITE),
-    BVXI_REAL(bvx_sections_options, join, 0.0, BVXI_FINITE),
+    BVXI_REAL(bvx_sections_options, slabs.join, 0.0, BVXI_FINITE),
 };
 
 bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bvx_sections_options *o)
@@ -49,13 +50,13 @@ bvx_status bvxi_section_options_check(bvx_context *ctx, const char *function, bv
     if (o->cells != 0 && o->spacing != 0.0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: cells and spacing are both given", function);
-    if (o->grid[0] == 0 && o->grid[1] == 0) return BVX_OK;
+    if (o->slabs.grid[0] == 0 && o->slabs.grid[1] == 0) return BVX_OK;
 
     for (int32_t a = 0; a < 2; a++)
-        if (o->grid[a] < 2 || o->grid[a] > 8192)
+        if (o->slabs.grid[a] < 2 || o->slabs.grid[a] > 8192)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: grid[%d] is %d; 2 to 8192 are possible", function, (int64_t)a,
-                                 (int64_t)o->grid[a]);
+                                 (int64_t)o->slabs.grid[a]);
     if (o->spacing != 0.0)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: grid and spacing are both given", function);
@@ -86,7 +87,7 @@ static void measure_prismoids(bvxi_stack *s)
 /* Vertices of the planes: rings, or in the field's way none until they are needed. */
 static bvx_status make_rings(bvxi_stack *s)
 {
-    if (s->options.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
+    if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) return bvxi_rings_make(s);
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         memset(p->ring, 0xff, (size_t)p->point_count * 4);
@@ -101,7 +102,7 @@ static bvx_status make_caps(bvxi_stack *s)
     for (int k = 0; k < 2; k++) {
         int32_t const side = k == 0 ? -1 : 1;
         /* Without rings the cap's border is made of the lines that cells left there. */
-        if (s->options.crossings != BVX_CROSSINGS_EXACT)
+        if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT)
             BVXI_TRY(
                 bvxi_cap_fill_edges(s, (const uint32_t(*)[2])s->cap_edge[k], s->cap_edge_count[k], side));
         else BVXI_TRY(bvxi_cap_fill(s, &s->plane[k == 0 ? 0 : s->plane_count - 1], side));
@@ -253,7 +254,7 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
                               const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
                               bvx_mesh *mesh)
 {
-    double const opened = o->join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
+    double const opened = o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
     bvxi_mended mended;
     bvxi_shifted slanted;
     bvxi_stack stack;
@@ -266,7 +267,8 @@ static bvx_status build_stack(bvx_context *context, const bvx_sections *sections
         *left = stack.plane[0].section;
     } else if (status == BVX_OK) {
         measure_prismoids(&stack);
-        if (o->join > 0.0) status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
+        if (o->slabs.join > 0.0)
+            status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
         if (status == BVX_OK)
             status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
     }
@@ -446,7 +448,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     memset(&report, 0, sizeof report);
     BVXI_TRY(build_any(context, sections, &o, &report, mesh));
     if (o.report == NULL) return BVX_OK;
-    bvxi_sections_warn(context, &report, o.depth);
+    bvxi_sections_warn(context, &report, o.slabs.depth);
     *o.report = report;
     return BVX_OK;
 }

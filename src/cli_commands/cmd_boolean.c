@@ -257,8 +257,6 @@ static bvx_status resample_operand(cli_run *run, boolean_run *b)
 static int combine_grids(cli_run *run, boolean_run *b)
 {
     const boolean_options *const own = run->own;
-    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
-        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_status status;
     uint64_t set = 0;
 
@@ -270,7 +268,7 @@ static int combine_grids(cli_run *run, boolean_run *b)
     for (int i = 0; i < 2 && status == BVX_OK; i++)
         status = bvx_grid_count(run->context, &b->in[i].grid, &b->voxels[i]);
     if (status == BVX_OK)
-        status = combine[b->operation](run->context, &b->in[0].grid, &b->in[1].grid, &b->grid);
+        status = bvx_grid_combine(run->context, &b->in[0].grid, &b->in[1].grid, b->operation, &b->grid);
     if (status == BVX_OK) status = bvx_grid_count(run->context, &b->grid, &set);
     if (status == BVX_OK && b->kind == CLI_MESH)
         status = bvx_extract_surface(run->context, &b->grid, NULL, &b->mesh);

@@ -211,7 +211,8 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
         if (measured != BVX_OK) status = cli_fail_status(run, measured, NULL);
     }
     if (status != CLI_DONE) return status;
-    diagonal = cli_diagonal(run->report.mesh[0].certificate.low, run->report.mesh[0].certificate.high);
+    diagonal = cli_diagonal(run->report.mesh[0].certificate.box.low,
+                            run->report.mesh[0].certificate.box.high);
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
     if (samples == 0) return CLI_DONE;

@@ -9,6 +9,8 @@
 
 typedef struct info_options {
     int32_t count_crossings; /* of meshes */
+    int32_t measure;         /* likewise */
+    bvx_measure_options mass;
 } info_options;
 
 #define OWN(name) CLI_OWN(info_options, name)
@@ -18,8 +20,23 @@ static const cli_argument info_rows[] = {
     FLAG("--crossings", OWN(count_crossings),
          "also count the pairs of triangles that cross or touch beyond what they\n"
          "share; of meshes"),
+    FLAG("--measure", OWN(measure),
+         "also measure the body: volume, mass, center of mass and inertia\n"
+         "with bounds of their errors, and the lines for MJCF and URDF; of\n"
+         "meshes, also open, torn and flipped ones"),
+    FROM_TO("--density", "D", OWN(mass.density), 1e-300, 1e300,
+            "with --measure: mass of a unit of volume [1]"),
+    WHOLE("--resolution", "N", OWN(mass.resolution), 1, 2048,
+          "with --measure: voxels along each axis, of bodies that cannot be\n"
+          "summed up exactly [128]"),
     {.also = cli_takes_all},
     {0}};
+
+/* The option that only meshes have, or NULL. */
+static const char *of_meshes(const info_options *own)
+{
+    return own->count_crossings ? "--crossings" : own->measure ? "--measure" : NULL;
+}
 
 typedef struct info_job {
     cli_input in;
@@ -44,8 +61,8 @@ static void tell_certificate(cli_made *made, const bvx_certificate *c)
                  " duplicate triangles\n",
                  c->collapsed, c->degenerate, c->duplicates);
     for (int a = 0; a < 3; a++)
-        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->low[a], c->high[a],
-                 c->high[a] - c->low[a]);
+        cli_tell(made, "  %c           %.9g .. %.9g (%.9g)\n", axis[a], c->box.low[a], c->box.high[a],
+                 c->box.high[a] - c->box.low[a]);
     cli_tell(made, "  closed      %s", yes_or_no(c->closed));
     if (c->boundary_edges != 0) cli_tell(made, ", %" PRIu64 " boundary edges", c->boundary_edges);
     cli_tell(made, "\n  manifold    %s", yes_or_no(c->edge_manifold && c->vertex_manifold));
@@ -126,6 +143,87 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 
+/* The element of MuJoCo's models, then that of robots in ROS. */
+static void write_inertial(const bvx_measure_report *r, cli_text *mjcf, cli_text *urdf)
+{
+    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    const double *const c = r->center, *const i = r->inertia;
+
+    cli_text_add(mjcf,
+                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
+                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
+                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
+    cli_text_add(urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
+                 c[1], c[2], r->mass);
+    for (int k = 0; k < 6; k++) cli_text_add(urdf, " %s=\"%.10g\"", names[k], i[k]);
+    cli_text_add(urdf, "/></inertial>");
+}
+
+static void report_measure(const bvx_measure_report *r, const char *mjcf, const char *urdf, cli_text *t)
+{
+    cli_text_add(t, ", \"mass\": {\"fill\": \"%s\"", cli_fill_names[r->fill]);
+    cli_json_value(t, "volume", r->volume);
+    cli_json_value(t, "volume_error", r->volume_error);
+    cli_json_value(t, "area", r->area);
+    cli_json_value(t, "mass", r->mass);
+    cli_json_triple(t, "center", r->center);
+    cli_json_value(t, "center_error", r->center_error);
+    cli_json_key(t, "inertia", 0);
+    for (int k = 0; k < 6; k++) {
+        cli_text_add(t, k == 0 ? "[" : ", ");
+        cli_json_number(t, r->inertia[k]);
+    }
+    cli_text_add(t, "]");
+    cli_json_value(t, "inertia_error", r->inertia_error);
+    cli_json_count(t, "resolution", (uint64_t)r->resolution);
+    cli_json_count(t, "turned", r->turned);
+    cli_json_key(t, "mjcf", 0);
+    cli_json_string(t, mjcf);
+    cli_json_key(t, "urdf", 0);
+    cli_json_string(t, urdf);
+    cli_text_add(t, "}");
+}
+
+static void tell_measure(cli_made *made, const bvx_measure_report *r)
+{
+    const double *const c = r->center, *const i = r->inertia;
+    cli_text mjcf = {0}, urdf = {0};
+
+    write_inertial(r, &mjcf, &urdf);
+    if (r->resolution == 0) cli_tell(made, "  body        summed up over its triangles");
+    else
+        cli_tell(made, "  body        filled by the rule %s, %" PRId32 " voxels along each axis",
+                 cli_fill_names[r->fill], r->resolution);
+    if (r->turned != 0) cli_tell(made, ", %" PRIu64 " triangles turned", r->turned);
+    cli_tell(made, "\n  encloses    %.10g, at most %.3g off\n  mass        %.10g\n", r->volume,
+             r->volume_error, r->mass);
+    cli_tell(made, "  center      %.10g, %.10g, %.10g, at most %.3g off\n", c[0], c[1], c[2],
+             r->center_error);
+    cli_tell(made, "  inertia     xx %.10g, yy %.10g, zz %.10g,\n", i[0], i[1], i[2]);
+    cli_tell(made, "              xy %.10g, xz %.10g, yz %.10g, at most %.3g off\n", i[3], i[4], i[5],
+             r->inertia_error);
+    cli_tell(made, "  MJCF        %s\n  URDF        %s\n", mjcf.bytes, urdf.bytes);
+    report_measure(r, mjcf.bytes, urdf.bytes, &made->members);
+    cli_text_free(&mjcf);
+    cli_text_free(&urdf);
+}
+
+static int measure(cli_run *run, const bvx_mesh *mesh, cli_made *made)
+{
+    info_options *const own = run->own;
+    bvx_measure_report r;
+    bvx_mesh_view view;
+
+    if (!own->measure) return CLI_DONE;
+    own->mass.struct_size = sizeof own->mass;
+    bvx_mesh_view_of(mesh, &view);
+    cli_stage_begin(run, "measure");
+    CLI_TRY(cli_stage_check(run, bvx_measure(run->context, &view, &own->mass, &r),
+                            cli_input_name(run->options->input[0])));
+    tell_measure(made, &r);
+    return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
+}
+
 static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
 {
     const bvx_mesh *const mesh = &job->in.mesh;
@@ -152,7 +250,7 @@ static int info_of_mesh(cli_run *run, info_job *job, cli_made *made)
     }
     if (entry->has_crossings)
         cli_tell(made, "  crossings   %" PRIu64 " pairs of triangles\n", entry->crossings);
-    return CLI_DONE;
+    return measure(run, mesh, made);
 }
 
 /* ---- grids ---- */
@@ -337,8 +435,9 @@ static int read_for_info(cli_run *run, cli_input *in, int *cloud, cli_made *made
     in->kind = kind;
     *cloud = 0;
     if (status != CLI_DONE) return status;
-    if (own->count_crossings && kind != CLI_MESH)
-        return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+    if (of_meshes(own) != NULL && kind != CLI_MESH)
+        return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),
+                         cli_input_name(path));
     /* The same file is read as samples first, then as voxels; standard input cannot be read twice. */
     if (holds_samples(cli_input_format(run, path)) && strcmp(path, "-") != 0) {
         status = cli_tell_samples(run, path, made);
@@ -396,8 +495,12 @@ static int choose_info(cli_run *run, const cli_job **job)
     int const raw = cli_input_format(run, path) == BVX_FORMAT_RAW;
 
     *job = cli_is_contours(run, path) ? &info_contours : raw ? &info_samples : &info_files;
-    if (own->count_crossings && *job != &info_files)
-        return cli_usage(run, "--crossings is used with meshes; %s is not a mesh", cli_input_name(path));
+    if (of_meshes(own) != NULL && *job != &info_files)
+        return cli_usage(run, "%s is used with meshes; %s is not a mesh", of_meshes(own),
+                         cli_input_name(path));
+    if ((own->mass.density != 0.0 || own->mass.resolution != 0) && !own->measure)
+        return cli_usage(run, "%s is used with --measure",
+                         own->mass.density != 0.0 ? "--density" : "--resolution");
     return CLI_DONE;
 }
 
@@ -421,7 +524,8 @@ const cli_command cli_info = {
         "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json "
         "lists them.",
     .example = "bitvox info fixtures/knot.ply\n"
-               "bitvox info fixtures/knot.ply --crossings --json",
+               "bitvox info fixtures/knot.ply --crossings --json\n"
+               "bitvox info fixtures/knot.ply --measure --density 2700",
     .rows = info_rows,
     .own = sizeof(info_options),
     .choose = choose_info};

@@ -49,8 +49,9 @@ static const cli_argument lod_rows[] = {
     LIST("--levels", "A,B,C", OWN(resolutions), 1, LARGEST_SIDE, 1, CLI_MAX_LEVELS,
          "edge-ratio, coverage: samples along the longest axis of each level; one\n"
          "that keeps nothing of the solid is left out with a warning [64,32,16]"),
-    BETWEEN("--threshold", "T", OWN(samples.threshold), 0, 1, "a sample above it is inside, 0 < T < 1 [0.5]"),
-    WHOLE("--edge-samples", "N", OWN(samples.edge_samples), 1, 65536,
+    BETWEEN("--threshold", "T", OWN(samples.sampling.threshold), 0, 1,
+            "a sample above it is inside, 0 < T < 1 [0.5]"),
+    WHOLE("--edge-samples", "N", OWN(samples.sampling.edge_samples), 1, 65536,
           "steps along an edge, with --method edge-ratio [the ratio, rounded up]"),
     FROM_TO("--collapse", "F", OWN(samples.collapse), 1, 64,
             "edge-ratio, coverage with --triangles: make up to F times as many, then\n"
@@ -152,7 +153,7 @@ static void warn_of_broken_level(const cli_run *run, const cli_chain *c, int i, 
     int const number = run->report.mesh[i].number;
     double const volume = c->solid_report.volume, off = level->volume - volume;
 
-    if (c->lod[i].exceeds_source)
+    if (run->report.mesh[i].rate > 1.0)
         cli_advise(made, BVX_WARN_UNMET,
                    "level %d has more triangles than the input: %" PRIu64 " beside %" PRIu64, number,
                    c->mesh[i].triangle_count, c->input_triangles);
@@ -208,10 +209,9 @@ static bvx_status build_level(cli_run *run, cli_chain *c, int number)
     bvx_lod_options l = own->samples;
 
     l.struct_size = sizeof l;
-    if (own->method != 0) l.method = own->method - METHOD_OF;
+    if (own->method != 0) l.sampling.method = own->method - METHOD_OF;
     if (c->by_triangles) l.target_triangles = &target;
     else l.resolutions = &resolution;
-    l.source_triangles = c->input_triangles;
     l.reports = &c->lod[c->count];
     /* One level a call, each a stage of its own; messages name it by its own number. */
     l.first_level = number;

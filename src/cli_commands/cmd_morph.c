@@ -259,7 +259,8 @@ static bvx_status drill_hole(cli_run *run, morph_job *job, bvx_grid *hole)
         if (status == BVX_OK) status = bvx_grid_hollow(run->context, &job->in.grid, &d, hole);
         if (status == BVX_OK && job->hollow.hollowed != 0) break;
     }
-    if (status == BVX_OK) status = bvx_grid_subtract(run->context, &closed, hole, hole);
+    if (status == BVX_OK)
+        status = bvx_grid_combine(run->context, &closed, hole, BVX_BOOLEAN_DIFFERENCE, hole);
     bvx_grid_free(run->context, &closed);
     return status;
 }

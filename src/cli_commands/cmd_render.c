@@ -1,4 +1,4 @@
-/* cmd_render.c - bitvox render: pictures of meshes and grids, alone, side by side, compared or turning. */
+/* cmd_render.c - bitvox render: pictures of meshes and grids, alone, side by side or compared. */
 #include "cli_commands/render_scene.h"
 #include "cli_args/rows.h"
 
@@ -11,8 +11,8 @@ static void start_render(void *options)
 {
     cli_render_options *const o = options;
 
-    o->picture = (bvx_render_options){
-        .struct_size = sizeof o->picture, .direction = {3.0, -4.0, 2.0}, .up = {0.0, 0.0, 1.0}};
+    o->picture = (bvx_render_options){.struct_size = sizeof o->picture,
+                                      .camera = {.direction = {3.0, -4.0, 2.0}, .up = {0.0, 0.0, 1.0}}};
 }
 
 #define OWN(name) CLI_OWN(cli_render_options, name)
@@ -39,8 +39,6 @@ static const cli_argument render_rows[] = {
            "a sheet of N slices of the voxels across an axis, like z:16"),
     FLAG("--compare", OWN(difference),
          "two inputs in one picture: what the second adds green, what it lacks red"),
-    WHOLE("--turntable", "N", OWN(turntable), 2, 360,
-          "N pictures once around the axis of --up, to OUT_%d.png"),
     {.also = cli_takes_all},
     {0}};
 
@@ -102,15 +100,6 @@ static int write_image(cli_run *run, int number, const bvx_image *image)
 
 /* ---- what is said ---- */
 
-static void report_pictures(const cli_run *run, int32_t width, int32_t height, int32_t count, cli_made *made)
-{
-    cli_text *const t = &made->members;
-    cli_text_add(t, ", \"pictures\": {\"path\": ");
-    cli_json_string(t, run->options->output);
-    cli_text_add(t, ", \"count\": %" PRId32 ", \"width\": %" PRId32 ", \"height\": %" PRId32 "}", count,
-                 width, height);
-}
-
 static void tell_compared(const cli_scene *s, cli_made *made)
 {
     const bvx_grid_difference *const d = &s->difference;
@@ -126,17 +115,7 @@ static void tell_compared(const cli_scene *s, cli_made *made)
     cli_text_add(t, "}");
 }
 
-/* ---- the three ways ---- */
-
-static int draw_stage(cli_run *run, const cli_scene *scene, const sheet *s, const double direction[3],
-                      const double show[2], bvx_image *picture)
-{
-    int status;
-    cli_stage_begin(run, "render");
-    status = cli_draw_scene(run, scene, s->width, s->height, direction, show, picture);
-    cli_stage_end(run);
-    return status;
-}
+/* ---- pictures ---- */
 
 /* One picture, or several on a sheet; inputs are held one after the other. */
 static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
@@ -144,17 +123,16 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     const cli_render_options *const own = run->own;
     const cli_options *const o = run->options;
     int const pictures = own->difference ? 1 : o->inputs;
-    static const double all_of_it[2] = {0.0, 0.0};
-    double direction[3], up[3];
     int status = cli_open_output(run, o->output);
 
-    cli_scene_view(run, direction, up);
     choose_size(run, pictures, s);
     if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
         bvx_image picture = {0};
         status = cli_open_scene(run, i, scene);
-        if (status == CLI_DONE) status = draw_stage(run, scene, s, direction, all_of_it, &picture);
+        cli_stage_begin(run, "render");
+        if (status == CLI_DONE) status = cli_draw_scene(run, scene, s->width, s->height, &picture);
+        cli_stage_end(run);
         /* Copied at once: one input and one picture are held at a time. */
         if (status == CLI_DONE) place_picture(s, i, &picture);
         bvx_image_free(run->context, &picture);
@@ -163,57 +141,11 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     return status;
 }
 
-/* The name of frame i: %d replaced, with zeros before it so that names are
- * in order, or as many digits as the name says. */
-static int open_frame(cli_run *run, int32_t i, int32_t count)
-{
-    const char *const pattern = run->options->output;
-    size_t length = 0;
-    int digits = 0, status;
-    const char *const place = cli_number_place(pattern, &length, &digits);
-    size_t const room = strlen(pattern) + 16;
-    char *const path = malloc(room);
-
-    /* As many digits as the last frame has, so that names sort as they were drawn. */
-    if (digits == 0) digits = count > 100 ? 3 : count > 10 ? 2 : 1;
-    if (path == NULL) return cli_fail(run, "no memory for a file's name");
-    snprintf(path, room, "%.*s%0*" PRId32 "%s", (int)(place - pattern), pattern, digits, i, place + length);
-    status = cli_open_output(run, path);
-    free(path);
-    return status;
-}
-
-static int render_turntable(cli_run *run, cli_scene *scene, sheet *s)
-{
-    const cli_render_options *const own = run->own;
-    int32_t const count = own->turntable;
-    double direction[3], up[3], turned[3], show[2];
-    int status = CLI_DONE;
-
-    cli_scene_view(run, direction, up);
-    choose_size(run, 1, s);
-    for (int32_t i = 0; i < count && status == CLI_DONE; i++) status = open_frame(run, i, count);
-    if (status == CLI_DONE) status = cli_open_scene(run, 0, scene);
-    if (status == CLI_DONE) cli_turntable_room(run, scene, show);
-    for (int32_t i = 0; i < count && status == CLI_DONE; i++) {
-        bvx_image picture = {0};
-        /* One room for all frames, so that the body does not seem to breathe while it turns. */
-        cli_turn(direction, up, i, count, turned);
-        status = draw_stage(run, scene, s, turned, show, &picture);
-        if (status == CLI_DONE) status = write_image(run, i, &picture);
-        bvx_image_free(run->context, &picture);
-    }
-    return status;
-}
-
 static int write_pictures(cli_run *run, void *work)
 {
-    const cli_render_options *const own = run->own;
     const sheet *const s = &((render_job *)work)->sheet;
     int status;
 
-    /* Frames were written as they were drawn, to hold one at a time. */
-    if (own->turntable != 0) return cli_keep_outputs(run);
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
     status = write_image(run, 0, &s->image);
@@ -224,21 +156,17 @@ static int write_pictures(cli_run *run, void *work)
 
 static void tell_render(const cli_run *run, const void *work, cli_made *made)
 {
-    const cli_render_options *const own = run->own;
     const render_job *const job = work;
-    const sheet *const s = &job->sheet;
-    int32_t const count = own->turntable;
+    const bvx_image *const image = &job->sheet.image;
+    cli_text *const t = &made->members;
 
     tell_compared(&job->scene, made);
-    if (count != 0) {
-        report_pictures(run, s->width, s->height, count, made);
-        cli_tell(made, "%s ... %s: %" PRId32 " x %" PRId32 " pixels\n", run->output[0].path,
-                 run->output[count - 1].path, s->width, s->height);
-        return;
-    }
-    report_pictures(run, s->image.width, s->image.height, 1, made);
-    cli_tell(made, "%s: %" PRId32 " x %" PRId32 " pixels\n", run->options->output, s->image.width,
-             s->image.height);
+    cli_text_add(t, ", \"pictures\": {\"path\": ");
+    cli_json_string(t, run->options->output);
+    cli_text_add(t, ", \"count\": 1, \"width\": %" PRId32 ", \"height\": %" PRId32 "}", image->width,
+                 image->height);
+    cli_tell(made, "%s: %" PRId32 " x %" PRId32 " pixels\n", run->options->output, image->width,
+             image->height);
 }
 
 /* ---- what is requested ---- */
@@ -272,32 +200,10 @@ static const cli_rule render_rules[] = {
     {.also = cli_fill_rules},
     {0}};
 
-static const cli_rule slices_rules[] = {
-    {.given = "--cut --from --up --smooth --wireframe --compare --turntable",
-     .beside = "--slices",
-     .message = "%b and %o exclude each other"},
-    {0}};
-
-static int check_turntable(cli_run *run)
-{
-    const cli_render_options *const own = run->own;
-    const cli_options *const o = run->options;
-    double direction[3], up[3], turned[3];
-
-    if (own->turntable == 0) return CLI_DONE;
-    if (o->inputs > 1 && !own->difference)
-        return cli_usage(run, "--turntable takes one input, or two with --compare");
-    if (!cli_has_number(o->output))
-        return cli_usage(run, "%s: %" PRId32 " frames need %%d in the name, for the number of each",
-                         o->output, own->turntable);
-    if (cli_has_two_numbers(o->output)) return cli_usage(run, "%s: the name has two %%d", o->output);
-    cli_scene_view(run, direction, up);
-    if (!cli_turn(direction, up, 0, 1, turned))
-        return cli_usage(
-            run, "--turntable turns around the axis of --up; seen along it, all frames would be one picture: "
-                 "take another --from");
-    return CLI_DONE;
-}
+static const cli_rule slices_rules[] = {{.given = "--cut --from --up --smooth --wireframe --compare",
+                                         .beside = "--slices",
+                                         .message = "%b and %o exclude each other"},
+                                        {0}};
 
 static int check_kinds(cli_run *run)
 {
@@ -329,22 +235,17 @@ static int check_render_options(cli_run *run)
     if (points_nowhere(&own->from)) return cli_usage(run, "--from 0,0,0 points nowhere");
     if (points_nowhere(&own->up)) return cli_usage(run, "--up 0,0,0 points nowhere");
     CLI_TRY(cli_check_rules(run, slices_rules, 0, NULL));
-    CLI_TRY(check_kinds(run));
-    return check_turntable(run);
+    return check_kinds(run);
 }
 
 static int make_render(cli_run *run, void *work, cli_made *made)
 {
-    const cli_render_options *const own = run->own;
     render_job *const job = work;
-    int const status = check_render_options(run);
 
     made->write = write_pictures;
     made->untitled = 1;
-    if (status != CLI_DONE) return status;
-    run->progress.rounds = own->turntable;
-    return own->turntable != 0 ? render_turntable(run, &job->scene, &job->sheet)
-                               : render_sheet(run, &job->scene, &job->sheet);
+    CLI_TRY(check_render_options(run));
+    return render_sheet(run, &job->scene, &job->sheet);
 }
 
 static const cli_owned render_owns[] = {
@@ -361,11 +262,11 @@ const cli_command cli_render = {
         "Reads meshes (" CLI_MESHES_READ ", also with .gz) and grids (" CLI_GRIDS ") and\n"
         "writes a picture; each fills its frame, and colours of vertices are shown. Triangles seen from\n"
         "behind are reddish, so holes and flipped triangles show. --voxels draws a mesh's solid instead,\n"
-        "--cut opens a model, --slices lays a grid out, --compare shows two in one, --turntable goes around.",
+        "--cut opens a model, --slices lays a grid out, --compare shows two in one.",
     .example = "bitvox render fixtures/knot.ply -o knot.png --from 1,-2,2\n"
                "bitvox render fixtures/knot.ply -o cut.png --voxels 96 --cut z=0",
     .most = "--size --from --up --level --fill --voxels --smooth --wireframe --cut --slices "
-            "--compare --turntable",
+            "--compare",
     .rows = render_rows,
     .start = start_render,
     .own = sizeof(cli_render_options),

@@ -7,7 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OWN(name) CLI_OWN(bvx_repair_options, name)
+enum { REPAIR_SAMPLES = 100000 }; /* of --measure */
+
+typedef struct repair_options {
+    bvx_repair_options library;
+    int32_t measure;
+} repair_options;
+
+#define OWN(name) CLI_OWN(repair_options, name)
 
 static const char *const thin_names[] = {BVX_THIN_LIST(CLI_NAME_OF) NULL};
 
@@ -19,13 +26,13 @@ static const cli_argument repair_rows[] = {
     {.also = cli_takes_sign},
     {.also = cli_takes_interpolation},
     {.also = cli_takes_sharp},
-    CHOICE("--thin", "WHAT", OWN(thin), thin_names, BVX_THIN_KEEP,
+    CHOICE("--thin", "WHAT", OWN(library.thin), thin_names, BVX_THIN_KEEP,
            "walls of bodies too thin for the voxels. keep: whole, about as thick as\n"
            "they are; shell: pieces without a voxel become shells, other walls are\n"
            "lost where no centre lies in them, with a warning; drop: lost [keep]"),
     {.also = cli_takes_shells},
     {.also = cli_takes_keep_largest},
-    FLAG("--if-needed", OWN(if_needed),
+    FLAG("--if-needed", OWN(library.if_needed),
          "copy a mesh that needs nothing, with its attributes; to the same format the\n"
          "file itself"),
     FLAG("--measure", OWN(measure), "report distances between input and result"),
@@ -104,7 +111,7 @@ static void tell_found(const bvx_repair_report *r, cli_made *made)
 static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const cli_reduction *reduction,
                           cli_made *made)
 {
-    const bvx_repair_options *const own = run->own;
+    const repair_options *const own = run->own;
     const bvx_lattice *const l = &r->lattice;
 
     if (!r->copied)
@@ -131,10 +138,10 @@ static void tell_repaired(const cli_run *run, const bvx_repair_report *r, const 
 
 static void take_repair_options(const cli_run *run, bvx_repair_options *o)
 {
-    const bvx_repair_options *const own = run->own;
+    const repair_options *const own = run->own;
     const cli_options *const c = run->options;
 
-    *o = *own;
+    *o = own->library;
     o->struct_size = sizeof *o;
     if (c->resolution.count != 0) o->fit.resolution = (int32_t)c->resolution.value[0];
     o->sign = c->sign;
@@ -142,6 +149,7 @@ static void take_repair_options(const cli_run *run, bvx_repair_options *o)
     o->placing.sharp = cli_sharp(c);
     if (cli_given(run, "--shell")) o->shell = cli_or_none(c->shell);
     o->parts = cli_parts(run);
+    if (own->measure) o->samples = REPAIR_SAMPLES;
 }
 
 static int check_repair_options(cli_run *run)
@@ -173,7 +181,7 @@ static int repair_mesh(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
 static int reduce_repaired(cli_run *run, const bvx_mesh *source, bvx_mesh *repaired,
                            bvx_repair_report *report, cli_reduction *reduction)
 {
-    const bvx_repair_options *const own = run->own;
+    const repair_options *const own = run->own;
     bvx_mesh_view from, to;
     bvx_status status;
     int const result = cli_reduce(run, repaired, reduction);
@@ -237,7 +245,7 @@ static int write_repaired(cli_run *run, void *work)
 
 static int make_repair(cli_run *run, void *work, cli_made *made)
 {
-    const bvx_repair_options *const own = run->own;
+    const repair_options *const own = run->own;
     repair_job *const job = work;
     bvx_repair_report *const r = &job->report;
     cli_mesh_entry *const entry = &run->report.mesh[0];
@@ -263,7 +271,7 @@ static int make_repair(cli_run *run, void *work, cli_made *made)
 
 static void tell_repair(const cli_run *run, const void *work, cli_made *made)
 {
-    const bvx_repair_options *const own = run->own;
+    const repair_options *const own = run->own;
     const repair_job *const job = work;
 
     cli_report_repair(&made->members, &job->report, own->measure);
@@ -293,5 +301,5 @@ const cli_command cli_repair = {
     .most = "--output-dir --resolution --triangles --error --sign --sharp --shell --keep-largest "
             "--if-needed --threads --memory-limit --json",
     .rows = repair_rows,
-    .own = sizeof(bvx_repair_options),
+    .own = sizeof(repair_options),
     .job = {.size = sizeof(repair_job), .make = make_repair, .tell = tell_repair, .owns = repair_owns}};

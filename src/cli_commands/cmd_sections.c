@@ -22,7 +22,7 @@ static void start_sections(void *options)
 {
     sections_options *const o = options;
 
-    o->body = (bvx_sections_options){.struct_size = sizeof o->body, .depth = 5};
+    o->body = (bvx_sections_options){.struct_size = sizeof o->body, .slabs = {.depth = 5}};
 }
 
 enum { TOUCHING_APART, TOUCHING_SHARED }; /* --touching */
@@ -52,8 +52,8 @@ static const cli_argument sections_rows[] = {
     FROM_TO("--close-gap", "G", SHARED(close_gap), 0, 1e300,
             "of .csv: loops whose ends lie further apart than G are refused as open\n"
             "polylines; 0 closes all of them by a straight side [0]"),
-    WHOLE("--layers", "N", OWN(body.layers), 1, 64, "layers of cells from section to section [1]"),
-    CHOICE("--blend", "HOW", OWN(body.blend), blend_names, BVX_BLEND_AUTO,
+    WHOLE("--layers", "N", OWN(body.slabs.layers), 1, 64, "layers of cells from section to section [1]"),
+    CHOICE("--blend", "HOW", OWN(body.slabs.blend), blend_names, BVX_BLEND_AUTO,
            "from section to section: linear; cubic over four of them, smooth\n"
            "across sections; auto: cubic from five sections on [auto]"),
     CHOICE("--caps", "HOW", OWN(body.caps), caps_names, BVX_CAPS_FLAT,
@@ -62,17 +62,17 @@ static const cli_argument sections_rows[] = {
     BETWEEN("--thickness", "T", OWN(body.thickness), 0, 1e300,
             "a body of one section alone, refused without: half of T to either side,\n"
             "a slab with flat caps, a lens with --caps taper"),
-    BETWEEN("--join", "D", OWN(body.join), 0, 1e300,
+    BETWEEN("--join", "D", OWN(body.slabs.join), 0, 1e300,
             "parallel planes: parts that share no area are joined by shifting, where\n"
             "their centroids are at most D apart on the planes: slanted vessels"),
     FLAG("--mend", OWN(body.mend),
          "split loops where they touch or cross, in place of refusing them; inside\n"
          "stays what an odd number of loops enclose"),
-    CHOICE("--crossings", "HOW", OWN(body.crossings), crossings_names, BVX_CROSSINGS_EXACT,
+    CHOICE("--crossings", "HOW", OWN(body.slabs.crossings), crossings_names, BVX_CROSSINGS_EXACT,
            "on the sections' planes: exact, by the contours themselves; paper, by\n"
            "interpolated distances with the contours' points put in; classic,\n"
            "marching cubes [exact]"),
-    WHOLE("--subdivide", "N", OWN(body.depth), 0, 8,
+    WHOLE("--subdivide", "N", OWN(body.slabs.depth), 0, 8,
           "halve cells that a contour crosses twice on a side, N times at most [5]"),
     WHOLE_OR("--label", "L", OWN(body.label), -2147483647.0, 2147483647.0, label_names, BVX_LABEL_ZERO,
              "the body, where the file holds several; all: each in a file of its own,\n"
@@ -243,10 +243,10 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     int32_t reason;
 
     if (own->grid.count != 0)
-        for (int k = 0; k < 2; k++) s.grid[k] = (int32_t)own->grid.value[k];
+        for (int k = 0; k < 2; k++) s.slabs.grid[k] = (int32_t)own->grid.value[k];
     /* One call a body: the library builds what one label has. */
     s.label = label != 0 || !cli_given(run, "--label") ? label : BVX_LABEL_ZERO;
-    if (s.depth == 0) s.depth = BVX_NONE;
+    if (s.slabs.depth == 0) s.slabs.depth = BVX_NONE;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
     status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
@@ -325,7 +325,7 @@ static int make_blocks(cli_run *run, sections_job *job)
 
     for (int k = 0; k < 3; k++) {
         /* Whole multiples of the sides, the last one beyond the body's end. */
-        double const first = floor(c->low[k] / side[k]), end = floor(c->high[k] / side[k]) + 1.0;
+        double const first = floor(c->box.low[k] / side[k]), end = floor(c->box.high[k] / side[k]) + 1.0;
         if (!((end - first) * BLOCK_PARTS <= 33554432.0))
             return cli_fail(run, "--block: %g blocks along an axis are too many", end - first);
         origin[k] = first * side[k];

@@ -51,15 +51,6 @@ typedef struct cli_voxelize_options {
 /* voxelize of a volume: to a grid, or by the output's ending to one mesh or one a label. */
 extern const cli_job cli_voxelize_volume;
 
-/* ---- turntable.c ---- */
-
-/* A direction turned around an axis by i / n of a turn; 0 when it lies along the axis. */
-int cli_turn(const double direction[3], const double axis[3], int32_t i, int32_t n, double turned[3]);
-/* What a picture from a direction shows of a box on either side of a
- * middle: its half width and height. What is there already grows to it. */
-void cli_turn_room(const double low[3], const double high[3], const double middle[3],
-                   const double direction[3], const double axis[3], double room[2]);
-
 /* ---- section_info.c, volume_info.c: what info says ---- */
 
 /* Read contours and tell what they are. */

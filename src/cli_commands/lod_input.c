@@ -75,7 +75,7 @@ static int make_solid(cli_run *run, cli_chain *c)
 
     cli_stage_begin(run, "check input");
     CLI_TRY(cli_stage_check(run, bvx_mesh_check(run->context, &c->view, 1, &c->certificate), path));
-    c->diagonal = cli_diagonal(c->certificate.low, c->certificate.high);
+    c->diagonal = cli_diagonal(c->certificate.box.low, c->certificate.box.high);
     CLI_TRY(choose_resolution(run, c));
     cli_stage_begin(run, "voxelize");
     CLI_TRY(cli_check_call(run, fit(run, c, c->resolution, &run->report.lattice), path));

@@ -15,7 +15,7 @@ static bvx_status fit_lattice(cli_run *run, const cli_input *in, int count, int3
     cli_mesh_box(&in[count - 1].mesh, &other);
     cli_join_boxes(&box, &other);
     fit.resolution = resolution;
-    return bvx_lattice_fit_box(run->context, box.low, box.high, &fit, lattice);
+    return cli_fit_box(run->context, &box, &fit, lattice);
 }
 
 static int voxelize_scene(cli_run *run, cli_scene *s, int count)
@@ -62,85 +62,30 @@ void cli_free_scene(cli_run *run, cli_scene *s)
     for (int i = 0; i < 2; i++) cli_free_input(run, &s->input[i]);
 }
 
-void cli_scene_view(const cli_run *run, double direction[3], double up[3])
-{
-    const cli_render_options *const own = run->own;
-    const bvx_render_options *const usual = &own->picture;
-
-    memcpy(direction, own->from.given ? own->from.value : usual->direction, sizeof usual->direction);
-    memcpy(up, own->up.given ? own->up.value : usual->up, sizeof usual->up);
-}
-
-/* What lies on the eye's side of each plane goes, seen from --from (a turntable's cut stays as it is while it
- * turns); the higher side where the plane looks at neither. */
+/* What lies on the eye's side of each plane goes; the higher side where the plane looks at neither. */
 static void take_cut(const cli_run *run, bvx_render_options *r)
 {
     const cli_planes *const cut = &run->options->cut;
-    double direction[3], up[3];
-    cli_scene_view(run, direction, up);
+    const double *const direction = r->camera.direction;
+
     for (int a = 0; a < 3; a++) {
         if (!cut->given[a]) continue;
-        r->cut |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
-        (direction[a] < 0.0 ? r->cut_low : r->cut_high)[a] = cut->value[a];
+        r->cut.sides |= (direction[a] < 0.0 ? BVX_OPEN_X_LOW : BVX_OPEN_X_HIGH) << 2 * a;
+        (direction[a] < 0.0 ? r->cut.low : r->cut.high)[a] = cut->value[a];
     }
 }
 
-/* The box that is seen, and the middle that the picture turns about: of a
- * mesh that of its bounds, of a grid that of its window. */
-static void box_of_scene(const cli_run *run, const cli_scene *s, double low[3], double high[3],
-                         double middle[3])
-{
-    const cli_render_options *const own = run->own;
-    bvx_render_options r = own->picture;
-
-    take_cut(run, &r);
-    if (s->input[0].kind == CLI_MESH) {
-        cli_box box;
-        cli_mesh_box(&s->input[0].mesh, &box);
-        memcpy(low, box.low, sizeof box.low);
-        memcpy(high, box.high, sizeof box.high);
-    } else {
-        const bvx_grid *const g = &s->input[0].grid;
-        cli_grid_corner(g, 0.0, low);
-        for (int a = 0; a < 3; a++) high[a] = low[a] + g->size[a] * g->lattice.spacing[a];
-    }
-    for (int a = 0; a < 3; a++) middle[a] = low[a] * 0.5 + high[a] * 0.5;
-    /* Cuts make the box smaller, but the middle of a grid stays where its window has it. */
-    for (int a = 0; a < 3; a++) {
-        double const at = run->options->cut.value[a];
-        if ((r.cut & 3 << 2 * a) != 0 && at > low[a] && at < high[a])
-            *((r.cut & BVX_OPEN_X_LOW << 2 * a) != 0 ? &low[a] : &high[a]) = at;
-        if (s->input[0].kind == CLI_MESH) middle[a] = low[a] * 0.5 + high[a] * 0.5;
-    }
-}
-
-void cli_turntable_room(cli_run *run, const cli_scene *s, double show[2])
-{
-    const cli_render_options *const own = run->own;
-    double low[3], high[3], middle[3], direction[3], up[3], turned[3];
-    box_of_scene(run, s, low, high, middle);
-    cli_scene_view(run, direction, up);
-    show[0] = show[1] = 0.0;
-    /* Room for all frames, so that the shape does not grow and shrink while it turns. */
-    for (int32_t i = 0; i < own->turntable; i++)
-        if (cli_turn(direction, up, i, own->turntable, turned))
-            cli_turn_room(low, high, middle, turned, up, show);
-}
-
-int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, const double direction[3],
-                   const double show[2], bvx_image *image)
+int cli_draw_scene(cli_run *run, const cli_scene *s, int32_t width, int32_t height, bvx_image *image)
 {
     const cli_render_options *const own = run->own;
     bvx_render_options r = own->picture;
     bvx_mesh_view view;
     bvx_status status;
-    double unused[3];
 
     r.width = width;
     r.height = height;
-    cli_scene_view(run, unused, r.up);
-    memcpy(r.direction, direction, sizeof r.direction);
-    memcpy(r.show, show, sizeof r.show);
+    if (own->from.given) memcpy(r.camera.direction, own->from.value, sizeof r.camera.direction);
+    if (own->up.given) memcpy(r.camera.up, own->up.value, sizeof r.camera.up);
     take_cut(run, &r);
     if (s->compared) {
         status = bvx_render_difference(run->context, &s->input[0].grid, &s->input[1].grid, &r, image);

@@ -150,6 +150,8 @@ typedef struct cli_box {
 /* The box of the vertices that a mesh's triangles use; one that holds two. */
 void cli_mesh_box(const bvx_mesh *mesh, cli_box *box);
 void cli_join_boxes(cli_box *box, const cli_box *other);
+bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_lattice_options *fit,
+                       bvx_lattice *lattice);
 /* A lattice by the options, around a box, a mesh or a cloud of points. */
 bvx_status cli_make_box_lattice(cli_run *run, const cli_box *box, bvx_lattice *lattice);
 bvx_status cli_make_lattice(cli_run *run, const bvx_mesh_view *view, bvx_lattice *lattice);

@@ -53,6 +53,14 @@ void cli_join_boxes(cli_box *box, const cli_box *other)
     }
 }
 
+bvx_status cli_fit_box(bvx_context *context, const cli_box *box, const bvx_lattice_options *fit,
+                       bvx_lattice *lattice)
+{
+    bvx_mesh_view const corners = {.positions = box, .vertex_count = 2, .position_type = BVX_F64};
+
+    return bvx_lattice_fit_with(context, &corners, fit, lattice);
+}
+
 /* What a lattice goes around: the first that is not NULL. */
 typedef struct fit_target {
     const cli_box *box;
@@ -62,8 +70,7 @@ typedef struct fit_target {
 static bvx_status fit_to(cli_run *run, const fit_target *target, const bvx_lattice_options *fit,
                          bvx_lattice *lattice)
 {
-    if (target->box != NULL)
-        return bvx_lattice_fit_box(run->context, target->box->low, target->box->high, fit, lattice);
+    if (target->box != NULL) return cli_fit_box(run->context, target->box, fit, lattice);
     return bvx_lattice_fit_with(run->context, target->points != NULL ? target->points : target->mesh, fit,
                                 lattice);
 }

@@ -10,7 +10,8 @@
 
 #define WARNED_SHARE 64.0 /* rounding by more than this part of a mean edge turns triangles by a degree */
 
-const char *cli_number_place(const char *pattern, size_t *length, int *digits)
+/* Where a pattern has its %d, or %03d with so many digits: its length there; NULL where it has none. */
+static const char *number_place(const char *pattern, size_t *length, int *digits)
 {
     for (const char *p = strchr(pattern, '%'); p != NULL; p = strchr(p + 1, '%')) {
         int const padded = p[1] == '0' && p[2] >= '1' && p[2] <= '9';
@@ -27,14 +28,14 @@ int cli_has_number(const char *pattern)
 {
     size_t length;
     int digits;
-    return cli_number_place(pattern, &length, &digits) != NULL;
+    return number_place(pattern, &length, &digits) != NULL;
 }
 
 int cli_has_two_numbers(const char *pattern)
 {
     size_t length;
     int digits;
-    const char *const place = cli_number_place(pattern, &length, &digits);
+    const char *const place = number_place(pattern, &length, &digits);
     return place != NULL && cli_has_number(place + length);
 }
 
@@ -43,7 +44,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
     size_t const room = strlen(pattern) + 32;
     size_t length = 0;
     int digits = 0;
-    const char *const place = cli_number_place(pattern, &length, &digits);
+    const char *const place = number_place(pattern, &length, &digits);
     /* Room for the longest number and for the digits that %09d asks of it. */
     char *const path = malloc(room);
 
@@ -57,7 +58,7 @@ char *cli_numbered_path(const char *pattern, int64_t number)
 
 int cli_check_pattern(cli_run *run)
 {
-    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_RENDER | CLI_SECTIONS | CLI_VOXELIZE;
+    int32_t const numbering = CLI_LOD | CLI_SIMPLIFY | CLI_SECTIONS | CLI_VOXELIZE;
     const char *const out = run->options->output;
 
     for (const char *p = out; p != NULL && (p = strchr(p, '%')) != NULL; p++) {
@@ -262,15 +263,15 @@ static int near_origin(const bvx_certificate *c, double origin[3])
     double longest = 0.0, farthest = 0.0, step = 1.0;
 
     for (int a = 0; a < 3; a++) {
-        longest = fmax(longest, c->high[a] - c->low[a]);
-        farthest = fmax(farthest, fmax(fabs(c->low[a]), fabs(c->high[a])));
+        longest = fmax(longest, c->box.high[a] - c->box.low[a]);
+        farthest = fmax(farthest, fmax(fabs(c->box.low[a]), fabs(c->box.high[a])));
     }
     /* A box near 0 loses nothing by floats that another origin would save. */
     if (!(farthest > 16.0 * longest) || farthest > 1e15) return 0;
 
     while (step < longest) step *= 10.0;
     for (int a = 0; a < 3; a++)
-        origin[a] = floor((c->low[a] * 0.5 + c->high[a] * 0.5) / step + 0.5) * step + 0.0;
+        origin[a] = floor((c->box.low[a] * 0.5 + c->box.high[a] * 0.5) / step + 0.5) * step + 0.0;
     return 1;
 }
 
@@ -354,13 +355,14 @@ static bvx_write_options write_options(const cli_run *run, const bvx_mesh *meshe
 static int certify_file(cli_run *run, const bvx_mesh *placed, int count, int number, const char *path)
 {
     bvx_write_report *const report = calloc((size_t)count, sizeof *report);
-    bvx_write_options const o = write_options(run, placed, count);
+    bvx_write_options o = write_options(run, placed, count);
     bvx_status status;
     int result = CLI_DONE;
 
+    o.reports = report;
     if (report == NULL) return cli_fail(run, "no memory for the report of %d meshes", count);
     cli_stage_begin(run, "check file");
-    status = bvx_check_written(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), report);
+    status = bvx_write_mesh(run->context, placed, (uint64_t)count, &o, bvx_format_of_name(path), NULL);
     cli_stage_end(run);
     if (status != BVX_OK) result = cli_fail_status(run, status, path);
 

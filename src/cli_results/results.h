@@ -96,8 +96,7 @@ void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
 /* ---- mesh_output.c: meshes as files ---- */
 
-/* Where a pattern has its %d, or %03d with so many digits: its length there; NULL where it has none. */
-const char *cli_number_place(const char *pattern, size_t *length, int *digits);
+/* 1 when a pattern has a %d, or %03d with so many digits; two of them. */
 int cli_has_number(const char *pattern);
 int cli_has_two_numbers(const char *pattern);
 /* A pattern with its %d or %03d replaced, to be freed; NULL without memory. */

@@ -17,8 +17,8 @@ static void report_certificate(cli_text *t, const bvx_certificate *c)
     cli_json_value(t, "area", c->area);
     cli_json_key(t, "euler", 0);
     cli_text_add(t, "%" PRId64, c->euler);
-    cli_json_triple(t, "low", c->low);
-    cli_json_triple(t, "high", c->high);
+    cli_json_triple(t, "low", c->box.low);
+    cli_json_triple(t, "high", c->box.high);
     cli_json_count(t, "edges", c->edges);
     cli_json_count(t, "unused_vertices", c->unused_vertices);
     cli_json_count(t, "collapsed", c->collapsed);
@@ -78,7 +78,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
         cli_json_ints(t, "resolution", m->lod->resolution);
         cli_json_triple(t, "ratio", m->lod->ratio);
         cli_json_value(t, "simplification_rate", m->rate);
-        cli_json_truth(t, "exceeds_input", m->lod->exceeds_source);
+        cli_json_truth(t, "exceeds_input", m->rate > 1.0);
         cli_json_value(t, "milliseconds", m->milliseconds);
     }
     if (m->level != NULL) report_level(t, m);

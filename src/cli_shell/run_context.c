@@ -33,9 +33,7 @@ uint64_t cli_memory_there(void)
     uint64_t memory = UINT64_MAX;
 
 #if RUN_POSIX
-    /* a number, or "max" */
-    static const char *const container[2] = {"/sys/fs/cgroup/memory.max",
-                                             "/sys/fs/cgroup/memory/memory.limit_in_bytes"};
+    FILE *const container = fopen("/sys/fs/cgroup/memory.max", "r"); /* a number, or "max" */
     struct rlimit space;
 #if defined(_SC_PHYS_PAGES)
     long const pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
@@ -44,12 +42,11 @@ uint64_t cli_memory_there(void)
     /* The least of what the machine, the shell and the container allow. */
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY && space.rlim_cur < memory)
         memory = (uint64_t)space.rlim_cur;
-    for (int i = 0; i < 2; i++) {
+    if (container != NULL) {
         uint64_t most;
-        FILE *const file = fopen(container[i], "r");
-        if (file == NULL) continue;
-        if (fscanf(file, "%" SCNu64, &most) == 1 && most < memory) memory = most;
-        fclose(file);
+
+        if (fscanf(container, "%" SCNu64, &most) == 1 && most < memory) memory = most;
+        fclose(container);
     }
 #elif defined(_WIN32)
     MEMORYSTATUSEX now;
@@ -99,8 +96,8 @@ static void give_block(void *user, void *block, size_t size, size_t align)
 
 static void offer_blocks(bvx_context_options *options)
 {
-    options->alloc = take_block;
-    options->free = give_block;
+    options->allocator.alloc = take_block;
+    options->allocator.free = give_block;
 }
 
 #else
@@ -122,8 +119,8 @@ int cli_make_context(cli_run *run, uint64_t file_bytes)
     if (run->context != NULL) return CLI_DONE;
     o.threads = run->general->threads;
     offer_blocks(&o);
-    o.progress = cli_progress;
-    o.progress_user = run;
+    o.progress.call = cli_progress;
+    o.progress.user = run;
     /* The file in memory counts against the same limit. */
     if (memory != 0) o.memory_limit = memory > file_bytes ? memory - file_bytes : 1;
     /* choices do not depend on the machine */

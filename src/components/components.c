@@ -117,16 +117,6 @@ typedef struct component_pairs {
     uint64_t back, ahead;
 } component_pairs;
 
-/* fast: the compiler may take the processor's instruction. */
-BVXI_VECTOR_INLINE uint32_t count_component_bits(uint64_t w, int fast)
-{
-#if BVXI_HAVE_AVX2
-    if (fast) return (uint32_t)__builtin_popcountll(w);
-#endif
-    (void)fast;
-    return bvxi_popcount(w);
-}
-
 BVXI_VECTOR_INLINE void join_component_pairs(uint32_t *parent, component_pairs pairs, component_word r,
                                              uint32_t r_before, component_word n, uint32_t n_before, int fast)
 {
@@ -135,13 +125,13 @@ BVXI_VECTOR_INLINE void join_component_pairs(uint32_t *parent, component_pairs p
 
     for (; pairs.back != 0; pairs.back &= pairs.back - 1) {
         uint64_t const up_to = pairs.back ^ (pairs.back - 1); /* the lowest bit and all below */
-        unite_components(parent, r_before + count_component_bits(r_starts & up_to, fast) - 1,
-                         n_before + count_component_bits(n_starts & up_to, fast) - 1);
+        unite_components(parent, r_before + bvxi_count_bits(r_starts & up_to, fast) - 1,
+                         n_before + bvxi_count_bits(n_starts & up_to, fast) - 1);
     }
     for (; pairs.ahead != 0; pairs.ahead &= pairs.ahead - 1) { /* the voxel ahead begins a run */
         uint64_t const up_to = pairs.ahead ^ (pairs.ahead - 1);
-        unite_components(parent, r_before + count_component_bits(r_starts & up_to, fast) - 1,
-                         n_before + count_component_bits(n_starts & up_to, fast));
+        unite_components(parent, r_before + bvxi_count_bits(r_starts & up_to, fast) - 1,
+                         n_before + bvxi_count_bits(n_starts & up_to, fast));
     }
 }
 
@@ -211,7 +201,7 @@ BVXI_VECTOR_INLINE uint64_t rank_component_row(bvxi_components *c, const uint64_
     /* Runs are numbered where they begin: a set bit after one that is not set. */
     for (int32_t k = 0; k < c->row_words; k++) {
         before[k] = (uint32_t)n;
-        n += count_component_bits(words[k] & ~(words[k] << 1 | words[k - 1] >> 63), fast);
+        n += bvxi_count_bits(words[k] & ~(words[k] << 1 | words[k - 1] >> 63), fast);
         any |= words[k];
     }
     for (uint64_t i = c->added; i < n; i++) c->label[i] = (uint32_t)i;
@@ -248,12 +238,8 @@ BVXI_VECTOR_INLINE void join_component_row_by(bvxi_components *c, int32_t y, int
     else join_component_row(c, y, z, BVXI_CONNECT_26, fast);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void join_component_row_avx2(bvxi_components *c, int32_t y, int32_t z)
-{
-    join_component_row_by(c, y, z, 1);
-}
-#endif
+BVXI_AVX2_COPY(join_component_row_avx2, (bvxi_components * c, int32_t y, int32_t z),
+               join_component_row_by(c, y, z, 1))
 
 uint64_t *bvxi_components_row(bvxi_components *c, int32_t y, int32_t z)
 {
@@ -262,13 +248,8 @@ uint64_t *bvxi_components_row(bvxi_components *c, int32_t y, int32_t z)
 
 void bvxi_components_add(bvxi_components *c, int32_t y, int32_t z)
 {
-#if BVXI_HAVE_AVX2
-    if (bvxi_cpu(c->ctx) == BVX_CPU_AVX2) {
-        join_component_row_avx2(c, y, z);
-        return;
-    }
-#endif
-    join_component_row_by(c, y, z, 0);
+    BVXI_PATH(bvxi_cpu(c->ctx) == BVX_CPU_AVX2, join_component_row_by(c, y, z, 0),
+              join_component_row_avx2(c, y, z));
 }
 
 void bvxi_components_number(bvxi_components *c)

@@ -245,8 +245,8 @@ static void choose_blend(bvxi_stack *s)
     bvx_sections_options *const o = &s->options;
     int const many = s->plane_count >= LEAST_CUBIC;
 
-    if (o->blend != BVX_BLEND_AUTO) return;
-    o->blend = many && o->crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
+    if (o->slabs.blend != BVX_BLEND_AUTO) return;
+    o->slabs.blend = many && o->slabs.crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
 }
 
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,

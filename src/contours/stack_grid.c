@@ -45,14 +45,14 @@ bvx_status bvxi_stack_grid(bvxi_stack *s)
     double spacing = s->options.spacing;
     int32_t most = 0;
 
-    if (s->options.grid[0] == 0 && spacing == 0.0) spacing = automatic_spacing(s);
+    if (s->options.slabs.grid[0] == 0 && spacing == 0.0) spacing = automatic_spacing(s);
     for (int k = 0; k < 2; k++) {
         double const extent = s->high[k] - s->low[k];
         if (!(extent > 0.0))
             return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: all points of the body lie on one line",
                              s->function);
-        if (s->options.grid[0] != 0) {
-            s->size[k] = s->options.grid[k];
+        if (s->options.slabs.grid[0] != 0) {
+            s->size[k] = s->options.slabs.grid[k];
             /* The margins are three quarters of a cell together. */
             s->step[k] = extent / (s->size[k] - both);
         } else {

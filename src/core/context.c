@@ -26,12 +26,12 @@ static context_fault fault_of(bvx_status status, const char *text)
 
 static context_fault check_context_options(const bvx_context_options *o)
 {
-    if ((o->alloc == NULL) != (o->free == NULL))
-        return fault_of(BVX_ERR_ARGUMENT, "alloc and free are given together");
-    if (o->alloc != NULL && o->arena != NULL)
-        return fault_of(BVX_ERR_ARGUMENT, "alloc and arena exclude each other");
-    if ((o->arena == NULL) != (o->arena_size == 0))
-        return fault_of(BVX_ERR_ARGUMENT, "arena and arena_size are given together");
+    if ((o->allocator.alloc == NULL) != (o->allocator.free == NULL))
+        return fault_of(BVX_ERR_ARGUMENT, "allocator.alloc and .free are given together");
+    if (o->allocator.alloc != NULL && o->arena.memory != NULL)
+        return fault_of(BVX_ERR_ARGUMENT, "allocator and arena exclude each other");
+    if ((o->arena.memory == NULL) != (o->arena.size == 0))
+        return fault_of(BVX_ERR_ARGUMENT, "arena.memory and .size are given together");
     if (o->threads < 0 || o->threads > BVXI_MAX_THREADS)
         return fault_of(BVX_ERR_ARGUMENT, "threads is 0 to 1024");
     if (o->cpu < BVX_CPU_BEST || o->cpu > BVX_CPU_AVX2)
@@ -66,7 +66,7 @@ static context_fault take_context_options(int32_t header_version, const bvx_cont
 /* Where no threads are built in and none are given all runs on the calling one. */
 static int32_t choose_threads(const bvx_context_options *o)
 {
-    if (o->parallel != NULL) return o->threads == 0 ? 1 : o->threads;
+    if (o->parallel.call != NULL) return o->threads == 0 ? 1 : o->threads;
     if (bvxi_pool_size(2) == 0) return 1;
     return o->threads == 0 ? bvxi_processors() : o->threads;
 }
@@ -120,7 +120,7 @@ static void place_pool(bvx_context *c)
 static size_t context_size(const bvx_context_options *o, int32_t threads)
 {
     return aligned_size(sizeof(bvx_context)) +
-           (o->parallel == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
+           (o->parallel.call == NULL ? aligned_size(bvxi_pool_size(threads)) : 0);
 }
 
 const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options)
@@ -129,8 +129,8 @@ const char *bvx_context_fault(int32_t header_version, const bvx_context_options 
     context_fault const f = take_context_options(header_version, options, &o);
 
     /* Nothing is written to the arena, which may be another context's. */
-    if (f.status != BVX_OK || o.arena == NULL ||
-        fits_in_arena(o.arena, o.arena_size, context_size(&o, choose_threads(&o))))
+    if (f.status != BVX_OK || o.arena.memory == NULL ||
+        fits_in_arena(o.arena.memory, o.arena.size, context_size(&o, choose_threads(&o))))
         return f.text;
     return "the arena is too small for the context and its threads";
 }
@@ -149,18 +149,18 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
     *context = NULL;
     fault = take_context_options(header_version, options, &o);
     if (fault.status != BVX_OK) return fault.status;
-    if (o.alloc == NULL) {
-        o.alloc = bvxi_heap_alloc;
-        o.free = bvxi_heap_free;
+    if (o.allocator.alloc == NULL) {
+        o.allocator.alloc = bvxi_heap_alloc;
+        o.allocator.free = bvxi_heap_free;
     }
 
     /* The helpers' state and the table of scratch lie behind the context, in the one block that creating a
      * context takes. */
     threads = choose_threads(&o); /* once: to count processors takes longer than all that follows */
     size = context_size(&o, threads);
-    table = o.arena == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
-    c = o.arena != NULL ? place_in_arena(o.arena, o.arena_size, size, &arena)
-                        : o.alloc(o.alloc_user, size + table, BVXI_ALIGN);
+    table = o.arena.memory == NULL ? BVXI_SCRATCH_ROOM * sizeof *c->scratch : 0;
+    c = o.arena.memory != NULL ? place_in_arena(o.arena.memory, o.arena.size, size, &arena)
+                               : o.allocator.alloc(o.allocator.user, size + table, BVXI_ALIGN);
     if (c == NULL) return BVX_ERR_MEMORY;
 
     memset(c, 0, sizeof *c);
@@ -169,15 +169,15 @@ bvx_status bvx_context_create_version(int32_t header_version, const bvx_context_
         c->scratch = c->scratch_first = (bvxi_scratch *)(void *)((unsigned char *)c + size);
         c->scratch_room = BVXI_SCRATCH_ROOM;
     }
-    c->alloc = o.alloc;
-    c->free = o.free;
-    c->alloc_user = o.alloc_user;
+    c->alloc = o.allocator.alloc;
+    c->free = o.allocator.free;
+    c->alloc_user = o.allocator.user;
     c->arena = arena;
     c->memory_limit = o.memory_limit;
-    c->parallel = o.parallel;
-    c->parallel_user = o.parallel_user;
-    c->progress = o.progress;
-    c->progress_user = o.progress_user;
+    c->parallel = o.parallel.call;
+    c->parallel_user = o.parallel.user;
+    c->progress = o.progress.call;
+    c->progress_user = o.progress.user;
     c->share[0].high = 1.0;
     c->error.function = "";
     c->error.message = c->error.text = c->message;

@@ -32,9 +32,18 @@
 #if defined(__GNUC__) && defined(__x86_64__)
 #define BVXI_HAVE_AVX2 1
 #define BVXI_AVX2      __attribute__((target("avx2,bmi,bmi2,popcnt")))
+/* A copy of a loop for this level, and the call of the one that may run. */
+#define BVXI_AVX2_COPY(name, parameters, call) \
+    BVXI_AVX2 static void name parameters      \
+    {                                          \
+        call;                                  \
+    }
+#define BVXI_PATH(fast, plain, vectors) ((fast) ? vectors : plain)
 #else
 #define BVXI_HAVE_AVX2 0
 #define BVXI_AVX2
+#define BVXI_AVX2_COPY(name, parameters, call)
+#define BVXI_PATH(fast, plain, vectors) ((void)(fast), plain)
 #endif
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0)

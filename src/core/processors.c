@@ -2,10 +2,9 @@
  * groups grant of them, and what OMP_NUM_THREADS and OMP_THREAD_LIMIT require, by which schedulers of many
  * processes divide a machine.
  *
- * A group of version 2 has cpu.max ("150000 100000": one and a half processors, "max 100000": all); one of
- * version 1 has cpu.cfs_quota_us (-1: all) and cpu.cfs_period_us. Every group above it limits it too. Inside
- * a container the path that /proc tells may be that outside; then the mounted folder itself is the
- * container's. Nothing is kept between calls.
+ * A group (of version 2) has cpu.max ("150000 100000": one and a half processors, "max 100000": all). Every
+ * group above it limits it too. Inside a container the path that /proc tells may be that outside; then the
+ * mounted folder itself is the container's. Nothing is kept between calls.
  *
  * And when: helpers must cost next to nothing where there is nothing for them to gain, in small calls and on
  * processors that others keep busy. Three rules see to that; none can show in a result, as what a task
@@ -73,19 +72,6 @@ static int64_t take_count(const char **text)
     return n;
 }
 
-/* One path of the parts; 0 when it is too long. */
-static int join_path(char *path, const char *a, const char *b, size_t b_length, const char *c)
-{
-    size_t const first = bvxi_text_length(a), last = bvxi_text_length(c);
-
-    /* A path that does not fit names no file that is looked for. */
-    if (first + b_length + last >= GROUP_PATH) return 0;
-    memcpy(path, a, first);
-    memcpy(path + first, b, b_length);
-    memcpy(path + first + b_length, c, last + 1);
-    return 1;
-}
-
 /* Processors that quota of each period are worth, to the nearest whole one; 0: all. */
 static int32_t granted(int64_t quota, int64_t period)
 {
@@ -102,94 +88,45 @@ static int32_t lesser_quota(int32_t a, int32_t b)
     return a == 0 || (b != 0 && b < a) ? b : a;
 }
 
-/* What the group of this folder grants by itself. */
-static int32_t folder_quota(const char *mounted, const char *group, size_t length, int version)
+/* What the group of this path grants, and all above it up to the mounted folder itself. */
+static int32_t group_quota(const char *mounted, const char *group, size_t length)
 {
+    size_t const first = bvxi_text_length(mounted);
     char path[GROUP_PATH], text[128];
-    const char *p = text;
-    int64_t quota;
-
-    if (version == 2) {
-        /* A group without such a file grants all. */
-        if (!join_path(path, mounted, group, length, "/cpu.max") || read_text(path, text, sizeof text) < 0)
-            return 0;
-        quota = take_count(&p);
-        return granted(quota, take_count(&p));
-    }
-
-    if (!join_path(path, mounted, group, length, "/cpu.cfs_quota_us") ||
-        read_text(path, text, sizeof text) < 0)
-        return 0;
-    /* Two files: a quota of -1 grants all. */
-    quota = take_count(&p);
-    if (quota < 0 || !join_path(path, mounted, group, length, "/cpu.cfs_period_us") ||
-        read_text(path, text, sizeof text) < 0)
-        return 0;
-    p = text;
-    return granted(quota, take_count(&p));
-}
-
-/* The group, and all above it up to the mounted folder itself. */
-static int32_t group_quota(const char *mounted, const char *group, size_t length, int version)
-{
     int32_t least = 0;
 
+    if (first + length + sizeof "/cpu.max" > sizeof path) return 0;
+    memcpy(path, mounted, first);
+    memcpy(path + first, group, length);
     for (;;) {
-        /* From the group upwards: each folder may grant less. */
         while (length > 0 && group[length - 1] == '/') length--;
-        least = lesser_quota(least, folder_quota(mounted, group, length, version));
+        memcpy(path + first + length, "/cpu.max", sizeof "/cpu.max");
+        if (read_text(path, text, sizeof text) >= 0) {
+            const char *p = text;
+            int64_t const quota = take_count(&p);
+
+            least = lesser_quota(least, granted(quota, take_count(&p)));
+        }
         if (length == 0) return least;
         while (length > 0 && group[length - 1] != '/') length--;
+        memcpy(path + first, group, length);
     }
 }
 
-/* 1 when the list "cpu,cpuacct" has cpu. */
-static int names_cpu(const char *list, const char *end)
-{
-    /* Version 1 may have several controllers in one folder. */
-    for (const char *p = list; p < end; p++) {
-        const char *const comma = bvxi_find_byte(p, end, ',');
-
-        if (comma - p == 3 && memcmp(p, "cpu", 3) == 0) return 1;
-        p = comma;
-    }
-    return 0;
-}
-
-/* A line of /proc/self/cgroup: number:controllers:path. Version 2 has none
- * named, and may be mounted beside version 1. */
-static int32_t line_quota(const char *line, const char *end, const char *mounted)
-{
-    char folder[GROUP_PATH];
-    const char *const list = bvxi_find_byte(line, end, ':');
-    const char *const path = list == end ? end : bvxi_find_byte(list + 1, end, ':');
-    size_t const length = path == end ? 0 : (size_t)(end - path - 1);
-
-    if (path == end) return 0;
-    /* No controllers are named: version 2, at its own place or beside version 1. */
-    if (path == list + 1) {
-        if (!join_path(folder, mounted, "/unified", 8, "")) return 0;
-        return lesser_quota(group_quota(mounted, path + 1, length, 2),
-                            group_quota(folder, path + 1, length, 2));
-    }
-    if (!names_cpu(list + 1, path) || !join_path(folder, mounted, "/cpu", 4, "")) return 0;
-    return group_quota(folder, path + 1, length, 1);
-}
-
+/* Of the lines number:controllers:path that of version 2, which names no controllers. */
 int32_t bvxi_processor_quota(const char *groups, const char *mounted)
 {
     char text[GROUP_FILE];
     int64_t const length = read_text(groups, text, sizeof text);
-    int32_t least = 0;
 
-    /* All lines: the least of what all grant. */
     for (const char *p = text; length > 0 && p < text + length; p++) {
         const char *const end = bvxi_find_byte(p, text + length, '\n');
 
-        least = lesser_quota(least, line_quota(p, end, mounted));
+        if (end - p > 3 && memcmp(p, "0::", 3) == 0)
+            return group_quota(mounted, p + 3, (size_t)(end - p) - 3);
         p = end;
     }
-    return least;
+    return 0;
 }
 
 int32_t bvxi_online_processors(void)

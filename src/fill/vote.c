@@ -161,7 +161,7 @@ static bvx_status move_sheet(bvx_context *ctx, bvxi_solid_job *job, vote_work *w
     bvxi_sheet sheet;
 
     BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &w->solid->lattice, &sheet));
-    BVXI_TRY(bvxi_sheet_mesh_open(ctx, mesh, holes, &view));
+    BVXI_TRY(bvxi_sheet_mesh_open(ctx, mesh, sheet.holes, &view));
 
     /* The sheet is a mesh like any other, so the same engine finds its crossings, with the same ties. The
      * balance of rows is that of the mesh. */

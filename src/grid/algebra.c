@@ -5,7 +5,7 @@
  * overlap. Memory is what it costs. */
 #include "grid/grid.h"
 
-enum { ALGEBRA_UNION, ALGEBRA_INTERSECTION, ALGEBRA_SUBTRACT, ALGEBRA_XOR, ALGEBRA_COMPLEMENT };
+enum { ALGEBRA_COMPLEMENT = BVX_BOOLEAN_XOR + 1 };
 enum { ALGEBRA_GRAIN = 8192 /* least words a piece */, ALGEBRA_BLOCK = 8 };
 
 typedef struct algebra_job {
@@ -17,10 +17,10 @@ typedef struct algebra_job {
 BVXI_VECTOR_INLINE uint64_t combine_word(uint64_t a, uint64_t b, int32_t operation)
 {
     switch (operation) {
-    case ALGEBRA_UNION: return a | b;
-    case ALGEBRA_INTERSECTION: return a & b;
-    case ALGEBRA_SUBTRACT: return a & ~b;
-    case ALGEBRA_XOR: return a ^ b;
+    case BVX_BOOLEAN_UNION: return a | b;
+    case BVX_BOOLEAN_INTERSECTION: return a & b;
+    case BVX_BOOLEAN_DIFFERENCE: return a & ~b;
+    case BVX_BOOLEAN_XOR: return a ^ b;
     default: return ~a;
     }
 }
@@ -47,32 +47,24 @@ BVXI_VECTOR_INLINE void combine_rows(const algebra_job *job, size_t from, size_t
     uint64_t *const to = job->result->words + from;
 
     switch (job->operation) {
-    case ALGEBRA_UNION: combine_words(a, b, to, n, ALGEBRA_UNION); break;
-    case ALGEBRA_INTERSECTION: combine_words(a, b, to, n, ALGEBRA_INTERSECTION); break;
-    case ALGEBRA_SUBTRACT: combine_words(a, b, to, n, ALGEBRA_SUBTRACT); break;
-    case ALGEBRA_XOR: combine_words(a, b, to, n, ALGEBRA_XOR); break;
+    case BVX_BOOLEAN_UNION: combine_words(a, b, to, n, BVX_BOOLEAN_UNION); break;
+    case BVX_BOOLEAN_INTERSECTION: combine_words(a, b, to, n, BVX_BOOLEAN_INTERSECTION); break;
+    case BVX_BOOLEAN_DIFFERENCE: combine_words(a, b, to, n, BVX_BOOLEAN_DIFFERENCE); break;
+    case BVX_BOOLEAN_XOR: combine_words(a, b, to, n, BVX_BOOLEAN_XOR); break;
     default: combine_words(a, a, to, n, ALGEBRA_COMPLEMENT); break;
     }
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void combine_rows_avx2(const algebra_job *job, size_t from, size_t n)
-{
-    combine_rows(job, from, n);
-}
-#endif
+BVXI_AVX2_COPY(combine_rows_avx2, (const algebra_job *job, size_t from, size_t n), combine_rows(job, from, n))
 
 static void combine_piece(void *user, uint64_t begin, uint64_t end)
 {
     const algebra_job *const job = user;
-    size_t const row = (size_t)job->a->words_per_row;
+    size_t const row = (size_t)job->a->words_per_row, from = (size_t)begin * row;
+    size_t const words = (size_t)(end - begin) * row;
     uint64_t const tail = bvxi_tail_mask(job->a->size[0]);
 
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) combine_rows_avx2(job, (size_t)begin * row, (size_t)(end - begin) * row);
-    else
-#endif
-        combine_rows(job, (size_t)begin * row, (size_t)(end - begin) * row);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, combine_rows(job, from, words), combine_rows_avx2(job, from, words));
 
     /* Only the complement sets bits past the end of a row. */
     if (job->operation != ALGEBRA_COMPLEMENT || tail == ~UINT64_C(0)) return;
@@ -110,25 +102,21 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                           made_here, result);
 }
 
-bvx_status bvx_grid_union(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+static bvx_status run_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
+                                   int32_t operation, bvx_grid *result)
 {
-    return BVXI_CALL(context, combine_grids(context, "bvx_grid_union", a, b, ALGEBRA_UNION, result));
+    static const char *const function = "bvx_grid_combine";
+
+    if (operation < BVX_BOOLEAN_UNION || operation > BVX_BOOLEAN_XOR)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: operation %d is unknown",
+                             function, (int64_t)operation);
+    return combine_grids(context, function, a, b, operation, result);
 }
 
-bvx_status bvx_grid_intersection(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
+bvx_status bvx_grid_combine(bvx_context *context, const bvx_grid *a, const bvx_grid *b, int32_t operation,
+                            bvx_grid *result)
 {
-    return BVXI_CALL(context,
-                     combine_grids(context, "bvx_grid_intersection", a, b, ALGEBRA_INTERSECTION, result));
-}
-
-bvx_status bvx_grid_subtract(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
-{
-    return BVXI_CALL(context, combine_grids(context, "bvx_grid_subtract", a, b, ALGEBRA_SUBTRACT, result));
-}
-
-bvx_status bvx_grid_xor(bvx_context *context, const bvx_grid *a, const bvx_grid *b, bvx_grid *result)
-{
-    return BVXI_CALL(context, combine_grids(context, "bvx_grid_xor", a, b, ALGEBRA_XOR, result));
+    return BVXI_CALL(context, run_grid_combine(context, a, b, operation, result));
 }
 
 bvx_status bvx_grid_complement(bvx_context *context, const bvx_grid *grid, bvx_grid *result)

@@ -8,15 +8,6 @@
 
 enum { COVERAGE_MAX_WORDS = 64 }; /* words of a row seen at a time by OR and AND */
 
-BVXI_VECTOR_INLINE uint32_t count_cover(uint64_t w, int fast)
-{
-#if BVXI_HAVE_AVX2
-    if (fast) return (uint32_t)__builtin_popcountll(w);
-#endif
-    (void)fast;
-    return bvxi_popcount(w);
-}
-
 /* Bits [begin, begin + n) of a row of `words` words, n <= 64; beyond the row they are 0. */
 BVXI_VECTOR_INLINE uint64_t cut_bits(const uint64_t *row, int32_t words, int32_t begin, int32_t n)
 {
@@ -37,7 +28,7 @@ BVXI_VECTOR_INLINE int64_t cover_row(const bvxi_sample_axis *x, const uint64_t *
         int32_t const part = n - from < 64 ? n - from : 64;
         uint64_t const bits = cut_bits(row, words, begin + from, part);
         /* Whole voxels first; the two at the ends lose the part that lies outside the box. */
-        sum += (int64_t)count_cover(bits, fast) * x->r;
+        sum += (int64_t)bvxi_count_bits(bits, fast) * x->r;
         if (from == 0) sum -= (int64_t)(bits & 1) * (x->r - x->first[i]);
         if (from + part == n && n > 1) sum -= (int64_t)(bits >> (part - 1) & 1) * (x->r - x->last[i]);
     }
@@ -64,14 +55,14 @@ BVXI_VECTOR_INLINE int64_t cover_rows(const bvxi_sample_axis *x, const uint64_t 
     if (shift + n > 64 && (begin >> 6) + 1 < words) {
         for (int32_t a = 0; a < rows; a++, row += words) {
             uint64_t const bits = (row[0] >> shift | row[1] << (64 - shift)) & mask;
-            whole += count_cover(bits, fast);
+            whole += bvxi_count_bits(bits, fast);
             first += bits & 1;
             last += bits >> (n - 1);
         }
     } else {
         for (int32_t a = 0; a < rows; a++, row += words) {
             uint64_t const bits = row[0] >> shift & mask;
-            whole += count_cover(bits, fast);
+            whole += bvxi_count_bits(bits, fast);
             first += bits & 1;
             last += bits >> (n - 1);
         }
@@ -198,24 +189,13 @@ BVXI_VECTOR_INLINE void cover_piece(const bvxi_downsample *d, int32_t piece, int
                          (int32_t)(row / (uint64_t)d->axis[1].count), fast);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void cover_piece_avx2(const bvxi_downsample *d, int32_t piece)
-{
-    cover_piece(d, piece, 1);
-}
-#endif
+BVXI_AVX2_COPY(cover_piece_avx2, (const bvxi_downsample *d, int32_t piece), cover_piece(d, piece, 1))
 
 static void cover_piece_task(void *user, int32_t piece)
 {
     const bvxi_downsample *const d = user;
 
-#if BVXI_HAVE_AVX2
-    if (d->cpu == BVX_CPU_AVX2) {
-        cover_piece_avx2(d, piece);
-        return;
-    }
-#endif
-    cover_piece(d, piece, 0);
+    BVXI_PATH(d->cpu == BVX_CPU_AVX2, cover_piece(d, piece, 0), cover_piece_avx2(d, piece));
 }
 
 bvx_status bvxi_coverage_sample(bvx_context *ctx, bvxi_downsample *d, int keep_values)

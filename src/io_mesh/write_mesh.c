@@ -1,5 +1,4 @@
-/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: bvx_write_mesh,
- * bvx_check_written.
+/* write_mesh.c - a mesh, or levels of detail, to the bytes of a file: bvx_write_mesh.
  *
  * The checks around the formats' own writers: arguments, normals, and whether rounding to 32-bit floats
  * would spoil the mesh. */
@@ -301,39 +300,26 @@ static bvx_status check_levels(bvx_context *ctx, const char *function, const bvx
     return BVX_OK;
 }
 
-static bvx_status run_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                                    const bvx_write_options *options, int32_t format,
-                                    bvx_write_report *reports)
+/* A report for each level. Those of GLB share one frame; other formats have a file for each. */
+static bvx_status report_files(bvx_context *ctx, const char *function, const bvx_mesh *levels,
+                               uint64_t level_count, const bvx_write_options *o, int32_t format)
 {
-    static const char *const function = "bvx_check_written";
     char name[BVXI_LEVEL_NAME];
-    bvx_write_options o;
     bvxi_file_frame frame;
     bvx_mesh *turned;
 
-    BVXI_TRY(take_write_options(context, function, options, &o));
-    if (levels == NULL) return bvxi_fail_null(context, function, "levels");
-    if (reports == NULL) return bvxi_fail_null(context, function, "reports");
-    BVXI_TRY(check_mesh_format(context, function, format, &o));
-    BVXI_TRY(check_levels(context, function, levels, level_count));
-    BVXI_TRY(bvxi_turn_meshes(context, levels, level_count, o.turn, &turned));
+    BVXI_TRY(bvxi_turn_meshes(ctx, levels, level_count, o->turn, &turned));
     if (turned != NULL) levels = turned;
-    BVXI_TRY(bvxi_find_frame(context, levels, level_count, format, o.quantize, &frame));
+    BVXI_TRY(bvxi_find_frame(ctx, levels, level_count, format, o->quantize, &frame));
 
     /* Levels share the progress evenly: how long one takes is not known before. */
     for (uint64_t l = 0; l < level_count; l++) {
-        memset(&reports[l], 0, sizeof reports[l]);
-        BVXI_TRY(BVXI_SHARE(context, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
-                            check_written_file(context, level_name(function, l, level_count, name),
-                                               &levels[l], format, &frame, &reports[l])));
+        memset(&o->reports[l], 0, sizeof o->reports[l]);
+        BVXI_TRY(BVXI_SHARE(ctx, (double)l / (double)level_count, (double)(l + 1) / (double)level_count,
+                            check_written_file(ctx, level_name(function, l, level_count, name), &levels[l],
+                                               format, &frame, &o->reports[l])));
     }
     return BVX_OK;
-}
-
-bvx_status bvx_check_written(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
-                             const bvx_write_options *options, int32_t format, bvx_write_report *reports)
-{
-    return BVXI_CALL(context, run_check_written(context, levels, level_count, options, format, reports));
 }
 
 static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,
@@ -341,19 +327,26 @@ static bvx_status run_write_mesh(bvx_context *context, const bvx_mesh *levels, u
 {
     static const char *const function = "bvx_write_mesh";
     bvx_write_options o;
+    int reported;
 
     BVXI_TRY(take_write_options(context, function, options, &o));
+    reported = o.reports != NULL;
     if (levels == NULL) return bvxi_fail_null(context, function, "levels");
-    BVXI_TRY(bvxi_renew_buffer(context, function, file));
+    if (!reported || file != NULL) BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(check_mesh_format(context, function, format, &o));
-    if (level_count > 1 && format != BVX_FORMAT_GLB)
+    if (level_count > 1 && format != BVX_FORMAT_GLB && file != NULL)
         return bvxi_fail(context, BVX_ERR_UNSUPPORTED,
                          "%s: format %d does not hold levels; write one file a level, or take GLB", function,
                          (int64_t)format);
 
-    BVXI_TRY(bvxi_progress(context, "write", 0.0));
+    if (file != NULL) BVXI_TRY(bvxi_progress(context, "write", 0.0));
     BVXI_TRY(check_levels(context, function, levels, level_count));
-    return write_checked(context, function, levels, level_count, &o, format, file);
+    if (reported)
+        BVXI_TRY(BVXI_SHARE(context, 0.0, file != NULL ? 0.5 : 1.0,
+                            report_files(context, function, levels, level_count, &o, format)));
+    if (file == NULL) return BVX_OK;
+    return BVXI_SHARE(context, reported ? 0.5 : 0.0, 1.0,
+                      write_checked(context, function, levels, level_count, &o, format, file));
 }
 
 bvx_status bvx_write_mesh(bvx_context *context, const bvx_mesh *levels, uint64_t level_count,

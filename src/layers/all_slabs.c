@@ -202,7 +202,7 @@ bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
     slabs_job job;
 
     /* Other ways share vertices of planes as they come, so their slabs are made in order. */
-    if (s->options.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
+    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
     memset(&job, 0, sizeof job);
     job.s = s;
     job.slab = slabs;

@@ -298,7 +298,7 @@ bvx_status bvxi_nesting_open(bvxi_stack *s)
 {
     bvxi_nesting *const n = &s->nesting;
 
-    if (s->report.holes == 0 || s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
+    if (s->report.holes == 0 || s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->count));
     BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count, "the levels of loops", &n->joined));
     for (int k = 0; k < 2; k++)

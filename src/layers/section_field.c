@@ -379,10 +379,10 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 {
     f->slab = slab;
     /* A plane without loops has nothing that levels could blend. */
-    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.layers;
+    f->layers = is_nothing(f, 0) || is_nothing(f, 1) ? 1 : f->s->options.slabs.layers;
     /* What was above is below now: its distances and hints
      * stay valid, so both are swapped, not measured again. */
-    if (f->s->options.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
+    if (f->s->options.slabs.crossings != BVX_CROSSINGS_EXACT && f->plane[1].plane == slab->plane[0]) {
         bvxi_plane_field const up = f->plane[1];
         f->plane[1] = f->plane[0];
         f->plane[0] = up;
@@ -403,19 +403,19 @@ bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
     memset(f, 0, sizeof *f);
     f->s = s;
     f->line_room = lines;
-    for (int k = 0; k < (s->options.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
+    for (int k = 0; k < (s->options.slabs.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
                             &f->plane[k].column));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
                                  &f->line[k]));
         /* Each line is measured once then; keeping distances would only cost memory. */
-        if (s->options.crossings == BVX_CROSSINGS_EXACT && s->options.layers == 1) continue;
+        if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT && s->options.slabs.layers == 1) continue;
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
                             &f->plane[k].distance));
         BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section",
                                  &f->plane[k].known));
     }
-    if (s->options.layers > 1)
+    if (s->options.slabs.layers > 1)
         BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
     BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells",
                         &f->hanging_column));

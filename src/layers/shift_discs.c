@@ -288,7 +288,7 @@ static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *gr
 bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_groups *g)
 {
     uint64_t const n = (uint64_t)on[0].count + on[1].count;
-    double const reach = s->options.join;
+    double const reach = s->options.slabs.join;
     shift_near *near = NULL;
     uint8_t *met = NULL;
 

@@ -187,7 +187,7 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
 
 static void look_beyond(const bvxi_stack *s, bvxi_slab *slabs)
 {
-    if (s->options.blend != BVX_BLEND_CUBIC) return;
+    if (s->options.slabs.blend != BVX_BLEND_CUBIC) return;
     for (uint32_t i = 0; i < s->slab_count; i++) {
         if (bvxi_plane_is_nothing(slabs[i].plane[0]) || bvxi_plane_is_nothing(slabs[i].plane[1])) continue;
         for (int side = 0; side < 2; side++) slabs[i].far[side] = plane_beyond(s, slabs, i, side);
@@ -243,6 +243,6 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 
     /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
      * themselves. */
-    if (s->options.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
+    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
     return split_slabs(s, *slabs, s->slab_count);
 }

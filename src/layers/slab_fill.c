@@ -26,7 +26,7 @@ static void find_active(bvxi_slab_work *w, int32_t j)
                     row_word_up(c + high, i, words);
     for (int k = 0; k < 2; k++) {
         const bvxi_plane *const p = w->field.slab->plane[k];
-        if (s->options.crossings == BVX_CROSSINGS_EXACT) {
+        if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT) {
             for (uint32_t a = w->arc[k]; a < p->arc_count && p->arc_cell[a] >> 16 == (uint32_t)j; a++)
                 w->row[(p->arc_cell[a] & 0xffff) >> 6] |= UINT64_C(1) << (p->arc_cell[a] & 63);
             continue;
@@ -156,7 +156,7 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     uint32_t arcs[2] = {0, 0};
     int done = 0;
 
-    if (w->s->options.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
+    if (w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
 
     /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
      * full. */
@@ -209,8 +209,8 @@ static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
     if (k < 0) return;
     level->plane = slab->plane[k];
     if (bvxi_plane_is_nothing(level->plane)) level->kind = BVXI_PLANE_EMPTY;
-    else if (w->s->options.crossings == BVX_CROSSINGS_EXACT) level->kind = BVXI_PLANE_EXACT;
-    else if (w->s->options.crossings == BVX_CROSSINGS_PAPER) level->inserts = 1;
+    else if (w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT) level->kind = BVXI_PLANE_EXACT;
+    else if (w->s->options.slabs.crossings == BVX_CROSSINGS_PAPER) level->inserts = 1;
 }
 
 static bvx_status fill_layers(bvxi_slab_work *w)
@@ -242,7 +242,8 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
-    w->plain = !w->only_traced && w->s->options.crossings == BVX_CROSSINGS_EXACT && w->field.layers == 1;
+    w->plain = !w->only_traced && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT &&
+               w->field.layers == 1;
 
     /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
      * time. */

@@ -328,7 +328,7 @@ static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
     while (top > 0) {
         bvxi_split_cell const c = stack[--top];
         if (asks_for_split(w, &c)) {
-            if (c.depth < w->s->options.depth) {
+            if (c.depth < w->s->options.slabs.depth) {
                 bvxi_split_cell quarter[4];
                 BVXI_TRY(split_in_four(w, &c, quarter));
                 for (int j = 4; j-- > 0;) stack[top++] = quarter[j];
@@ -363,7 +363,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
     /* Without subdivision there is only what has to be reported. */
-    if (s->options.depth == 0) {
+    if (s->options.slabs.depth == 0) {
         count_unkept(w, &c);
         return BVX_OK;
     }

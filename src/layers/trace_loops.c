@@ -278,7 +278,7 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
     /* The usual filling first; nearly all cells are done with it. */
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
-    if (s->options.crossings != BVX_CROSSINGS_PAPER)
+    if (s->options.slabs.crossings != BVX_CROSSINGS_PAPER)
         for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) choices *= 3;
     for (uint32_t i = 1; i < choices; i++) {
         bvxi_trace_undo_fill(t, &made);

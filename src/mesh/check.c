@@ -106,7 +106,7 @@ static void add_round(collector *w, double *area, double *volume)
     }
     for (int32_t t = 0; t < w->tasks; t++)
         for (int a = 0; a < 3; a++) {
-            double *const low = &c->result.low[a], *const high = &c->result.high[a];
+            double *const low = &c->result.box.low[a], *const high = &c->result.box.high[a];
             *low = w->least[t][a] < *low ? w->least[t][a] : *low;
             *high = w->most[t][a] > *high ? w->most[t][a] : *high;
         }
@@ -127,8 +127,8 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     /* Scaled, sums of products neither overflow nor vanish; about the centre, less is lost in the volume. */
     for (int a = 0; a < 3; a++) {
         w.centre[a] = (low[a] * scale + high[a] * scale) * 0.5;
-        w.low[a] = r->high[a] = low[a];
-        w.high[a] = r->low[a] = high[a];
+        w.low[a] = r->box.high[a] = low[a];
+        w.high[a] = r->box.low[a] = high[a];
     }
     r->degenerate = c->triangle_count = 0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * sizeof *w.terms, "what triangles add", &w.terms));
@@ -148,16 +148,16 @@ static bvx_status collect_triangles(bvx_context *ctx, checker *c, double progres
     r->area = area * 0.5 * back * back;
     r->volume = volume / 6.0 * back * back * back + 0.0;
     for (int a = 0; a < 3; a++) {
-        r->low[a] = r->triangles != 0 ? r->low[a] + 0.0 : 0.0;
-        r->high[a] = r->triangles != 0 ? r->high[a] + 0.0 : 0.0;
+        r->box.low[a] = r->triangles != 0 ? r->box.low[a] + 0.0 : 0.0;
+        r->box.high[a] = r->triangles != 0 ? r->box.high[a] + 0.0 : 0.0;
     }
     return BVX_OK;
 }
 
 static int check_same_bounds(const bvx_certificate *r, const double low[3], const double high[3])
 {
-    return r->low[0] == low[0] && r->low[1] == low[1] && r->low[2] == low[2] && r->high[0] == high[0] &&
-           r->high[1] == high[1] && r->high[2] == high[2];
+    return r->box.low[0] == low[0] && r->box.low[1] == low[1] && r->box.low[2] == low[2] &&
+           r->box.high[0] == high[0] && r->box.high[1] == high[1] && r->box.high[2] == high[2];
 }
 
 /* low and high are the bounds of all triangles, also those that do not count. */
@@ -178,8 +178,8 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     /* once more about the right centre */
     if (c->triangle_count != 0 && !check_same_bounds(&c->result, low, high)) {
-        memcpy(kept_low, c->result.low, sizeof kept_low);
-        memcpy(kept_high, c->result.high, sizeof kept_high);
+        memcpy(kept_low, c->result.box.low, sizeof kept_low);
+        memcpy(kept_high, c->result.box.high, sizeof kept_high);
         BVXI_TRY(collect_triangles(ctx, c, 0.35, kept_low, kept_high));
     }
     /* Its memory is freed before the topology needs its own. */

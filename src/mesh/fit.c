@@ -1,4 +1,4 @@
-/* fit.c - a lattice around a mesh, a cloud of points, or a box.
+/* fit.c - a lattice around a mesh or a cloud of points.
  *
  * Low-aligned: the mesh's bounds begin on the low corner of the first voxel after the padding. dims are the
  * smallest count that covers the bounds; an excess below 2^-40 of the extent is the rounding of the division,
@@ -48,64 +48,32 @@ static double least_cover(double extent, double spacing)
     return whole < 1 ? 1 : whole;
 }
 
-/* What is fitted to: the mesh, or the corners where it is NULL. */
-typedef struct fit_target {
-    const bvx_mesh_view *mesh;
-    const double *low, *high;
-} fit_target;
-
-static bvx_status take_box(bvx_context *ctx, const char *name, const fit_target *target, double low[3],
-                           double high[3])
-{
-    static const char axis_name[3][2] = {"x", "y", "z"};
-
-    if (target->low == NULL || target->high == NULL)
-        return bvxi_fail_null(ctx, name, target->low == NULL ? "low" : "high");
-
-    /* Corners of the caller's: finite, and the low one not above. */
-    for (int32_t a = 0; a < 3; a++) {
-        double const from = target->low[a], to = target->high[a];
-
-        if (!(from - from == 0.0) || !(to - to == 0.0))
-            return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                 "%s: the box is from %g to %g along %s, which is not finite", name, from, to,
-                                 axis_name[a]);
-        if (from > to)
-            return bvxi_fail(ctx, BVX_ERR_ARGUMENT,
-                             "%s: the box's low corner is above its high one along %s: %g and %g", name,
-                             axis_name[a], from, to);
-        low[a] = from;
-        high[a] = to;
-    }
-    return BVX_OK;
-}
-
-static bvx_status take_target(bvx_context *ctx, const char *name, const fit_target *target, double low[3],
+static bvx_status take_bounds(bvx_context *ctx, const char *name, const bvx_mesh_view *mesh, double low[3],
                               double high[3])
 {
-    if (target->mesh == NULL) return take_box(ctx, name, target, low, high);
     /* A cloud of points is a mesh without triangles: all its vertices count. */
-    if (target->mesh->triangle_count == 0) {
+    if (mesh->triangle_count == 0) {
         bvx_mesh_view cloud;
 
-        BVXI_TRY(bvxi_view_take_points(ctx, name, target->mesh, &cloud));
+        BVXI_TRY(bvxi_view_take_points(ctx, name, mesh, &cloud));
         return bvxi_view_point_bounds(ctx, name, &cloud, low, high);
     }
-    BVXI_TRY(bvxi_view_check(ctx, name, target->mesh));
-    return bvxi_view_bounds(ctx, name, target->mesh, low, high);
+    BVXI_TRY(bvxi_view_check(ctx, name, mesh));
+    return bvxi_view_bounds(ctx, name, mesh, low, high);
 }
 
-static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_target *target,
+static bvx_status fit_lattice(bvx_context *context, const char *name, const bvx_mesh_view *mesh,
                               const bvx_lattice_options *options, bvx_lattice *lattice)
 {
     bvx_lattice_options o;
     int32_t per_axis, by_spacing, longest = 0, dims[3];
     double low[3], high[3], extent[3], spacing[3], origin[3];
 
+    if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
     if (lattice == NULL) return bvxi_fail_null(context, name, "lattice");
     BVXI_TRY(bvxi_take_options(context, name, options, &o, sizeof o));
     BVXI_TRY(check_fit_options(context, name, &o, &per_axis, &by_spacing));
-    BVXI_TRY(take_target(context, name, target, low, high));
+    BVXI_TRY(take_bounds(context, name, mesh, low, high));
 
     /* The longest side has the resolution, and the others follow its spacing. */
     for (int32_t a = 0; a < 3; a++) {
@@ -115,10 +83,7 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
 
     if (!by_spacing && !(extent[longest] > 0))
         return bvxi_fail(context, BVX_ERR_EMPTY,
-                         target->mesh == NULL
-                             ? "%s: the box is a point, so a resolution gives no spacing"
-                             : "%s: all vertices lie at one point, so a resolution gives no spacing",
-                         name);
+                         "%s: all vertices lie at one point, so a resolution gives no spacing", name);
     if (!(extent[longest] - extent[longest] == 0.0))
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                              "%s: the extent is too large for a double", name);
@@ -152,33 +117,10 @@ static bvx_status fit_lattice(bvx_context *context, const char *name, const fit_
     return bvx_lattice_make(context, origin, spacing, dims, lattice);
 }
 
-static bvx_status run_fit_mesh(bvx_context *context, const char *name, const bvx_mesh_view *mesh,
-                               const bvx_lattice_options *options, bvx_lattice *lattice)
-{
-    fit_target const target = {.mesh = mesh};
-
-    if (mesh == NULL) return bvxi_fail_null(context, name, "mesh");
-    return fit_lattice(context, name, &target, options, lattice);
-}
-
 bvx_status bvx_lattice_fit_with(bvx_context *context, const bvx_mesh_view *mesh,
                                 const bvx_lattice_options *options, bvx_lattice *lattice)
 {
-    return BVXI_CALL(context, run_fit_mesh(context, "bvx_lattice_fit_with", mesh, options, lattice));
-}
-
-static bvx_status run_fit_box(bvx_context *context, const double low[3], const double high[3],
-                              const bvx_lattice_options *options, bvx_lattice *lattice)
-{
-    fit_target const target = {.low = low, .high = high};
-
-    return fit_lattice(context, "bvx_lattice_fit_box", &target, options, lattice);
-}
-
-bvx_status bvx_lattice_fit_box(bvx_context *context, const double low[3], const double high[3],
-                               const bvx_lattice_options *options, bvx_lattice *lattice)
-{
-    return BVXI_CALL(context, run_fit_box(context, low, high, options, lattice));
+    return BVXI_CALL(context, fit_lattice(context, "bvx_lattice_fit_with", mesh, options, lattice));
 }
 
 static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,
@@ -190,7 +132,7 @@ static bvx_status run_lattice_fit(bvx_context *context, const bvx_mesh_view *mes
         return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                              "bvx_lattice_fit: resolution %d is outside 1 to %d", (int64_t)resolution,
                              (int64_t)BVXI_MAX_SIDE);
-    return run_fit_mesh(context, "bvx_lattice_fit", mesh, &o, lattice);
+    return fit_lattice(context, "bvx_lattice_fit", mesh, &o, lattice);
 }
 
 bvx_status bvx_lattice_fit(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,

@@ -68,13 +68,9 @@ BVXI_VECTOR_INLINE void take_lengths(const distance_job *job, size_t at, int32_t
     else store_lengths(job, at, count, wanted, lengths);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void take_lengths_avx2(const distance_job *job, size_t at, int32_t count, uint32_t wanted,
-                                        const void *squares)
-{
-    take_lengths(job, at, count, wanted, squares);
-}
-#endif
+BVXI_AVX2_COPY(take_lengths_avx2,
+               (const distance_job *job, size_t at, int32_t count, uint32_t wanted, const void *squares),
+               take_lengths(job, at, count, wanted, squares))
 
 static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t count, const void *squares,
                          const uint64_t *nearest)
@@ -94,13 +90,8 @@ static void take_squares(void *user, int32_t x, int32_t y, int32_t z, int32_t co
         memcpy((uint32_t *)job->values + at, squares, (size_t)count * sizeof(uint32_t));
         return;
     }
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        take_lengths_avx2(job, at, count, wanted, squares);
-        return;
-    }
-#endif
-    take_lengths(job, at, count, wanted, squares);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, take_lengths(job, at, count, wanted, squares),
+              take_lengths_avx2(job, at, count, wanted, squares));
 }
 
 static bvx_status measure_side(bvx_context *ctx, distance_job *job, int32_t inside, double from, double to)

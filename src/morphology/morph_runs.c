@@ -83,41 +83,23 @@ BVXI_VECTOR_INLINE void join_words_loop(uint64_t *BVXI_RESTRICT out, const uint6
     for (size_t k = 0; k < words; k++) out[k] |= a[k] | b[k];
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void grow_slice_avx2(const uint64_t *from, const bvxi_row_ends *ends, uint64_t around,
-                                      uint64_t *out, size_t words)
-{
-    grow_slice_loop(from, ends, around, out, words);
-}
-
-BVXI_AVX2 static void join_words_avx2(uint64_t *out, const uint64_t *a, const uint64_t *b, size_t words)
-{
-    join_words_loop(out, a, b, words);
-}
-#endif
+BVXI_AVX2_COPY(grow_slice_avx2,
+               (const uint64_t *from, const bvxi_row_ends *ends, uint64_t around, uint64_t *out,
+                size_t words),
+               grow_slice_loop(from, ends, around, out, words))
+BVXI_AVX2_COPY(join_words_avx2, (uint64_t * out, const uint64_t *a, const uint64_t *b, size_t words),
+               join_words_loop(out, a, b, words))
 
 static void grow_slice_along_x(const runs_job *job, const uint64_t *from, uint64_t *out)
 {
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        grow_slice_avx2(from, &job->ends, job->around, out, job->slice);
-        return;
-    }
-#endif
-    grow_slice_loop(from, &job->ends, job->around, out, job->slice);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, grow_slice_loop(from, &job->ends, job->around, out, job->slice),
+              grow_slice_avx2(from, &job->ends, job->around, out, job->slice));
 }
 
 /* out joined with a and b. */
 static void join_two(const runs_job *job, uint64_t *out, const uint64_t *a, const uint64_t *b, size_t words)
 {
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        join_words_avx2(out, a, b, words);
-        return;
-    }
-#endif
-    (void)job;
-    join_words_loop(out, a, b, words);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, join_words_loop(out, a, b, words), join_words_avx2(out, a, b, words));
 }
 
 /* The slice grown by w voxels, row 0; there are rows before and behind it. */

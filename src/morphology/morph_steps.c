@@ -105,22 +105,13 @@ BVXI_VECTOR_INLINE void step_stretch(const sweep_job *job, const step_rows *r, u
     else step_wide(r, &job->ends, 1, out, words);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void step_stretch_avx2(const sweep_job *job, const step_rows *r, uint64_t *out, size_t words)
-{
-    step_stretch(job, r, out, words);
-}
-#endif
+BVXI_AVX2_COPY(step_stretch_avx2, (const sweep_job *job, const step_rows *r, uint64_t *out, size_t words),
+               step_stretch(job, r, out, words))
 
 static void take_step(const sweep_job *job, const step_rows *r, uint64_t *out, size_t words)
 {
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        step_stretch_avx2(job, r, out, words);
-        return;
-    }
-#endif
-    step_stretch(job, r, out, words);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, step_stretch(job, r, out, words),
+              step_stretch_avx2(job, r, out, words));
 }
 
 /* What a slice of a step is made from: three slices of the step before, rows beyond them, a place to work

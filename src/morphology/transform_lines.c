@@ -176,10 +176,7 @@ static int try_search(const bvxi_columns *c)
 {
     /* The search reads all rows, and does not know where the least came from. */
     if (c->from != NULL || c->place_count != c->n) return 0;
-#if BVXI_HAVE_AVX2
-    if (c->cpu == BVX_CPU_AVX2) return search_columns_avx2(c);
-#endif
-    return search_columns(c);
+    return BVXI_PATH(c->cpu == BVX_CPU_AVX2, search_columns(c), search_columns_avx2(c));
 }
 
 /* The parabolas of one column that are least somewhere: site[i] from

@@ -141,12 +141,7 @@ void bvxi_closest_find(const bvxi_closest_tree *tree, const double point[3], uin
 
     /* A good first guess drops most of the tree at once. It changes the time and nothing else. */
     try_closest_triangle(&s, hint < tree->triangle_count ? hint : 0);
-#if BVXI_HAVE_AVX2
-    if (tree->fast) search_closest_avx2(&s);
-    else search_closest_base(&s);
-#else
-    search_closest_base(&s);
-#endif
+    BVXI_PATH(tree->fast, search_closest_base(&s), search_closest_avx2(&s));
 
     /* The point itself from one evaluation, to the sign of its zeros. */
     bvxi_closest_corners(tree, found->place, t);

@@ -37,13 +37,7 @@
 void bvxi_near_make_leaf(const uint32_t number[BVXI_NEAR_WIDTH], const float corner[9][BVXI_NEAR_WIDTH],
                          const float low[3], int32_t fast, bvxi_near_leaf *leaf)
 {
-#if BVXI_HAVE_AVX2
-    if (fast) frame_near_leaf_avx2(corner, low, leaf);
-    else frame_near_leaf_base(corner, low, leaf);
-#else
-    (void)fast;
-    frame_near_leaf_base(corner, low, leaf);
-#endif
+    BVXI_PATH(fast, frame_near_leaf_base(corner, low, leaf), frame_near_leaf_avx2(corner, low, leaf));
     for (int k = 0; k < BVXI_NEAR_WIDTH; k++) leaf->frame[k].triangle = number[k];
 }
 
@@ -105,21 +99,28 @@ static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NE
     }
 }
 
-static void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH], near_box *box,
-                            float local[9][BVXI_NEAR_WIDTH])
+BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
+                                        near_box *box, float local[9][BVXI_NEAR_WIDTH])
 {
     for (int a = 0; a < 3; a++) {
         /* Moved and scaled in doubles first, so that a float's digits are spent on the lattice's
          * surroundings. */
-        double low = HUGE_VAL, high = -HUGE_VAL;
+        double low[BVXI_NEAR_WIDTH], high[BVXI_NEAR_WIDTH];
+        for (int k = 0; k < BVXI_NEAR_WIDTH; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
         for (int v = a; v < 9; v += 3)
             for (int k = 0; k < BVXI_NEAR_WIDTH; k++) {
-                double const x = corner[v][k] = (corner[v][k] * n->scale - n->middle[a]) * n->box_scale;
-                low = x < low ? x : low;
-                high = x > high ? x : high;
+                double const x = (corner[v][k] * n->scale - n->middle[a]) * n->box_scale;
+                corner[v][k] = x;
+                low[k] = x < low[k] ? x : low[k];
+                high[k] = x > high[k] ? x : high[k];
             }
-        box->low[a] = near_float_below(low);
-        box->high[a] = near_float_above(high);
+        for (int half = BVXI_NEAR_WIDTH / 2; half > 0; half /= 2)
+            for (int k = 0; k < half; k++) {
+                low[k] = low[k + half] < low[k] ? low[k + half] : low[k];
+                high[k] = high[k + half] > high[k] ? high[k + half] : high[k];
+            }
+        box->low[a] = near_float_below(low[0]);
+        box->high[a] = near_float_above(high[0]);
 
         /* Corners relative to the leaf's box, whose rounded corner is exact: small numbers, small
          * roundings. */
@@ -129,36 +130,10 @@ static void bound_near_leaf(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WI
     }
 }
 
-#if BVXI_HAVE_AVX2
-/* The same in vectors. */
-BVXI_AVX2 static void bound_near_leaf_avx2(const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH],
-                                           near_box *box, float local[9][BVXI_NEAR_WIDTH])
-{
-    __m256d const scale = _mm256_set1_pd(n->scale), box_scale = _mm256_set1_pd(n->box_scale);
-
-    for (int a = 0; a < 3; a++) {
-        __m256d const middle = _mm256_set1_pd(n->middle[a]);
-        __m256d x[6], low, high;
-        double end[4];
-        for (int i = 0; i < 6; i++)
-            x[i] = (_mm256_loadu_pd(&corner[a + 3 * (i / 2)][i % 2 * 4]) * scale - middle) * box_scale;
-        low = _mm256_min_pd(_mm256_min_pd(_mm256_min_pd(x[0], x[1]), _mm256_min_pd(x[2], x[3])),
-                            _mm256_min_pd(x[4], x[5]));
-        high = _mm256_max_pd(_mm256_max_pd(_mm256_max_pd(x[0], x[1]), _mm256_max_pd(x[2], x[3])),
-                             _mm256_max_pd(x[4], x[5]));
-        low = _mm256_min_pd(low, _mm256_permute2f128_pd(low, low, 1));
-        high = _mm256_max_pd(high, _mm256_permute2f128_pd(high, high, 1));
-        low = _mm256_unpacklo_pd(_mm256_min_pd(low, _mm256_permute_pd(low, 5)),
-                                 _mm256_max_pd(high, _mm256_permute_pd(high, 5)));
-        _mm256_storeu_pd(end, low);
-        box->low[a] = near_float_below(end[0]);
-        box->high[a] = near_float_above(end[1]);
-        low = _mm256_set1_pd((double)box->low[a]);
-        for (int i = 0; i < 6; i++)
-            _mm_storeu_ps(&local[a + 3 * (i / 2)][i % 2 * 4], _mm256_cvtpd_ps(x[i] - low));
-    }
-}
-#endif
+BVXI_AVX2_COPY(bound_near_leaf_avx2,
+               (const bvxi_nearest *n, double corner[9][BVXI_NEAR_WIDTH], near_box *box,
+                float local[9][BVXI_NEAR_WIDTH]),
+               bound_near_leaf(n, corner, box, local))
 
 /* Ask for the memory of a triangle some leaves ahead: first of its indices, then of its vertices. */
 static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end)
@@ -188,12 +163,8 @@ static void fill_near_leaf(const near_builder *b, uint64_t first, uint32_t count
         prefetch_near(b, first + k, end);
     }
     gather_near_leaf(n, order, corner);
-#if BVXI_HAVE_AVX2
-    if (b->fast) bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local);
-    else bound_near_leaf(n, corner, &b->boxes[leaf], local);
-#else
-    bound_near_leaf(n, corner, &b->boxes[leaf], local);
-#endif
+    BVXI_PATH(b->fast, bound_near_leaf(n, corner, &b->boxes[leaf], local),
+              bound_near_leaf_avx2(n, corner, &b->boxes[leaf], local));
     bvxi_near_make_leaf(order, (const float(*)[BVXI_NEAR_WIDTH])local, b->boxes[leaf].low, b->fast,
                         &n->leaves[leaf]);
 

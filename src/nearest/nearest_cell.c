@@ -128,24 +128,21 @@ static void start_near_children(const bvxi_near_node *node, uint32_t mask, bvxi_
 #define BVXI_SIMD_LEVEL _avx2
 #include "nearest/nearest_cell_body.h"
 #undef BVXI_SIMD_LEVEL
-#define NEAR_CELL_PATH(fast, plain, vectors) ((fast) ? vectors : plain)
-#else
-#define NEAR_CELL_PATH(fast, plain, vectors) ((void)(fast), plain)
 #endif
 
 void bvxi_near_cell_begin(const bvxi_nearest *n, const bvxi_near_question *q, const bvxi_near_start *start,
                           int32_t fast, bvxi_near_cell *cell)
 {
     set_near_cell(n, q, cell);
-    NEAR_CELL_PATH(fast, begin_near_search_base(n, start, cell), begin_near_search_avx2(n, start, cell));
+    BVXI_PATH(fast, begin_near_search_base(n, start, cell), begin_near_search_avx2(n, start, cell));
 }
 
 void bvxi_near_cell_start(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast, bvxi_near_start *start)
 {
-    NEAR_CELL_PATH(fast, start_near_cell_base(n, cell, start), start_near_cell_avx2(n, cell, start));
+    BVXI_PATH(fast, start_near_cell_base(n, cell, start), start_near_cell_avx2(n, cell, start));
 }
 
 int32_t bvxi_near_cell_list(const bvxi_nearest *n, bvxi_near_cell *cell, int32_t fast, bvxi_near_list *list)
 {
-    return NEAR_CELL_PATH(fast, list_near_cell_base(n, cell, list), list_near_cell_avx2(n, cell, list));
+    return BVXI_PATH(fast, list_near_cell_base(n, cell, list), list_near_cell_avx2(n, cell, list));
 }

@@ -95,15 +95,12 @@ BVXI_AVX2 static inline uint32_t near_append_wide_avx2(uint32_t mask, uint32_t b
 #define BVXI_SIMD_LEVEL _avx2
 #include "nearest/nearest_eight_body.h"
 #undef BVXI_SIMD_LEVEL
-#define NEAR_PATH(fast, plain, vectors) ((fast) ? vectors : plain)
-#else
-#define NEAR_PATH(fast, plain, vectors) ((void)(fast), plain)
 #endif
 
 void bvxi_near_sieve_list(const bvxi_near_list *list, const bvxi_near_places *places, float limit2,
                           int32_t fast, bvxi_near_sieve *sieve)
 {
-    NEAR_PATH(fast, sieve_near_list_base(list, places, limit2, sieve),
+    BVXI_PATH(fast, sieve_near_list_base(list, places, limit2, sieve),
               sieve_near_list_avx2(list, places, limit2, sieve));
 }
 
@@ -112,13 +109,13 @@ void bvxi_near_eight_take(const bvxi_near_list *list, const bvxi_near_sieve *sie
 {
     e->error = list->error > e->error ? list->error : e->error;
     e->leaves = e->next = 0;
-    NEAR_PATH(fast, take_near_list_base(list, sieve, e), take_near_list_avx2(list, sieve, e));
+    BVXI_PATH(fast, take_near_list_base(list, sieve, e), take_near_list_avx2(list, sieve, e));
 }
 
 int32_t bvxi_near_eight_look(const bvxi_nearest *n, const bvxi_near_list *list, const float origin[3],
                              int32_t fast, bvxi_near_eight *e)
 {
-    NEAR_PATH(fast, look_near_base(n, list, origin, e), look_near_avx2(n, list, origin, e));
+    BVXI_PATH(fast, look_near_base(n, list, origin, e), look_near_avx2(n, list, origin, e));
     return e->next == e->leaves;
 }
 
@@ -132,7 +129,7 @@ int32_t bvxi_near_eight_winners(const bvxi_nearest *n, int32_t fast, bvxi_near_e
         float const d = (float)sqrt((double)(e->least2[c] > 0.0f ? e->least2[c] : 0.0f)) + 2.0f * e->error;
         most2[c] = e->least2[c] < 0.0f ? -1.0f : d * d * (1.0f + 0x1p-20f);
     }
-    count = NEAR_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
+    count = BVXI_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
                       find_near_winners_avx2(n->leaves, most2, e, winners));
 
     e->count = 0;

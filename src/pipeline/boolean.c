@@ -83,8 +83,9 @@ bvx_status bvxi_boolean_lattice(bvx_context *ctx, int32_t operation, int32_t res
                                                                       : joined_boxes(box);
     /* A layer around, so that the surface closes within the lattice. */
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = 1};
+    bvx_mesh_view const corners = {.positions = &fit, .vertex_count = 2, .position_type = BVX_F64};
 
-    BVXI_TRY(bvx_lattice_fit_box(ctx, fit.low, fit.high, &o, lattice));
+    BVXI_TRY(bvx_lattice_fit_with(ctx, &corners, &o, lattice));
     give_way(box, lattice);
     return BVX_OK;
 }
@@ -336,16 +337,13 @@ static bvx_status fill_body(boolean_job *job, int32_t i)
 
 static bvx_status fill_boolean(boolean_job *job)
 {
-    /* In the order of the operations' numbers. */
-    static bvx_status (*const combine[4])(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *) = {
-        bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract, bvx_grid_xor};
     bvx_grid *const a = &job->body[0].solid, *const b = &job->body[1].solid;
 
     for (int32_t i = 0; i < 2; i++)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.45 * i, 0.45 * (i + 1), fill_body(job, i)));
 
     /* Both solids are kept: the surface needs to know which body changes its side on each edge. */
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.9, 0.95, combine[job->operation](job->ctx, a, b, &job->inside)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.9, 0.95, bvx_grid_combine(job->ctx, a, b, job->operation, &job->inside)));
     BVXI_TRY(bvx_grid_count(job->ctx, a, &job->report.voxels_a));
     BVXI_TRY(bvx_grid_count(job->ctx, b, &job->report.voxels_b));
     BVXI_TRY(bvx_grid_count(job->ctx, &job->inside, &job->report.voxels));

@@ -59,8 +59,8 @@ static bvx_status check_resolutions(bvx_context *ctx, const bvx_grid *solid, con
 }
 
 static const bvxi_option lod_rows[] = {
-    BVXI_CHOICE(bvx_lod_options, method, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE),
-    BVXI_WHOLE(bvx_lod_options, edge_samples, 0, 65536),
+    BVXI_CHOICE(bvx_lod_options, sampling.method, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE),
+    BVXI_WHOLE(bvx_lod_options, sampling.edge_samples, 0, 65536),
     BVXI_CHOICE(bvx_lod_options, face_rule, BVX_FACE_SEPARATE, BVX_FACE_JOIN),
     BVXI_CHOICE(bvx_lod_options, position_type, BVX_POSITION_AUTO, BVX_F64),
     BVXI_SWITCH(bvx_lod_options, local_frame),
@@ -73,11 +73,11 @@ static bvx_status check_lod_options(bvx_context *ctx, const bvx_grid *solid, bvx
 {
     BVXI_TRY(bvxi_check_options(ctx, lod_name, o, BVXI_OPTIONS(lod_rows)));
     /* Strictly between: at either end all or nothing would be inside. */
-    if (o->threshold == 0.0) o->threshold = 0.5;
-    if (!(o->threshold > 0 && o->threshold < 1))
+    if (o->sampling.threshold == 0.0) o->sampling.threshold = 0.5;
+    if (!(o->sampling.threshold > 0 && o->sampling.threshold < 1))
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: threshold %g is not between 0 and 1", lod_name, o->threshold);
-    if (o->edge_samples != 0 && o->method != BVX_LOD_EDGE_RATIO)
+                             "%s: threshold %g is not between 0 and 1", lod_name, o->sampling.threshold);
+    if (o->sampling.edge_samples != 0 && o->sampling.method != BVX_LOD_EDGE_RATIO)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
                              "%s: edge_samples requires BVX_LOD_EDGE_RATIO", lod_name);
     /* Each way of saying how large levels are excludes the others. */
@@ -117,7 +117,7 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     const bvx_lod_options *const o = job->options;
     bvx_extract_options extract = {
         .face_rule = o->face_rule, .position_type = job->position_type, .local_frame = o->local_frame};
-    bvxi_downsample_by by = {.threshold = o->threshold, .edge_samples = o->edge_samples};
+    bvxi_downsample_by by = {.threshold = o->sampling.threshold, .edge_samples = o->sampling.edge_samples};
 
     memset(w, 0, sizeof *w);
     w->march.function = lod_name;
@@ -125,9 +125,9 @@ static bvx_status open_level(bvx_context *ctx, lod_job *job, int32_t resolution,
     /* Samples first; the march over their bits asks for ratios at crossed edges only. */
     level_ratio(job, resolution, by.n, by.r);
     BVXI_TRY(bvxi_downsample_open(ctx, lod_name, job->solid, &by, &w->samples));
-    if (o->method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
+    if (o->sampling.method == BVX_LOD_EDGE_RATIO) BVXI_TRY(bvxi_extended_sample(ctx, &w->samples));
     else BVXI_TRY(bvxi_coverage_sample(ctx, &w->samples, !count_only));
-    w->march.ratio = o->method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
+    w->march.ratio = o->sampling.method == BVX_LOD_EDGE_RATIO ? bvxi_extended_ratio : bvxi_coverage_ratio;
     w->march.ratio_user = &w->samples;
     BVXI_TRY(bvxi_march_open(ctx, &w->march, &w->samples.coarse, &extract));
     /* One try with doubles: all that follow are compared with it. */
@@ -166,8 +166,6 @@ static void report_lod(const lod_job *job, const level_work *w, const bvx_mesh *
     report->vertices = mesh->vertex_count;
     report->triangles = mesh->triangle_count;
     report->searched = job->searched;
-    report->exceeds_source = job->options->source_triangles != 0 &&
-                             mesh->triangle_count > job->options->source_triangles;
 }
 
 /* Collapse the edges of a level that was made with more triangles than it may have. */

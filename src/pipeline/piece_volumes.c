@@ -53,7 +53,7 @@ static void add_triangles(const bvx_mesh_view *mesh, const bvxi_piece_marks *by,
         bvxi_view_triangle(mesh, t, v);
         for (int k = 0; k < 3; k++) {
             bvxi_view_position(mesh, v[k], p[k]);
-            for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * of->low[a] + 0.5 * of->high[a];
+            for (int a = 0; a < 3; a++) p[k][a] -= 0.5 * of->box.low[a] + 0.5 * of->box.high[a];
         }
         part->mark = mark;
         add_to_piece(part, (const double(*)[3])p);

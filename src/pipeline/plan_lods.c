@@ -23,7 +23,7 @@ typedef struct lods_plan {
     const bvx_lod_options *options;
     uint64_t level_count;
     int32_t padding;
-    double low[3], high[3];
+    double corners[2][3];
 } lods_plan;
 
 static bvx_status check_planned_levels(bvx_context *ctx, const bvx_lod_options *o, uint64_t level_count)
@@ -57,7 +57,10 @@ static double finest_samples(const lods_plan *p)
 
     for (uint64_t i = 0; i < p->level_count; i++)
         if ((double)o->target_triangles[i] > triangles) triangles = (double)o->target_triangles[i];
-    for (int a = 0; a < 3; a++) longest = p->high[a] - p->low[a] > longest ? p->high[a] - p->low[a] : longest;
+    for (int a = 0; a < 3; a++) {
+        double const side = p->corners[1][a] - p->corners[0][a];
+        longest = side > longest ? side : longest;
+    }
     area = bvxi_view_area(p->mesh);
     if (!(area > 0)) return finest;
 
@@ -91,8 +94,9 @@ static bvx_status try_planned(bvx_context *ctx, const lods_plan *p, int32_t reso
                               int32_t *fits)
 {
     bvx_lattice_options const o = {.struct_size = sizeof o, .resolution = resolution, .padding = p->padding};
+    bvx_mesh_view const box = {.positions = p->corners, .vertex_count = 2, .position_type = BVX_F64};
     bvx_lattice lattice;
-    bvx_status const status = bvx_lattice_fit_box(ctx, p->low, p->high, &o, &lattice);
+    bvx_status const status = bvx_lattice_fit_with(ctx, &box, &o, &lattice);
     /* The bound is in words, room in bytes. */
     *fits = status == BVX_OK && bvx_grid_bound(&lattice, NULL) <= room / 8;
     /* Too large a lattice is an answer here, not an error. */
@@ -129,7 +133,7 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
                                 int32_t *resolution, int32_t *limited)
 {
     bvx_lod_options o;
-    lods_plan p = {mesh, &o, level_count, padding, {0}, {0}};
+    lods_plan p = {mesh, &o, level_count, padding, {{0}}};
     int32_t planned, by_memory;
 
     if (options == NULL) return bvxi_fail_null(context, plan_lods_name, "options");
@@ -142,8 +146,9 @@ static bvx_status run_plan_lods(bvx_context *context, const bvx_mesh_view *mesh,
                              "%s: padding %d is not from 0 to 65536", plan_lods_name, (int64_t)padding);
 
     BVXI_TRY(bvxi_view_check(context, plan_lods_name, mesh));
-    BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.low, p.high));
-    if (p.low[0] == p.high[0] && p.low[1] == p.high[1] && p.low[2] == p.high[2])
+    BVXI_TRY(bvxi_view_bounds(context, plan_lods_name, mesh, p.corners[0], p.corners[1]));
+    if (p.corners[0][0] == p.corners[1][0] && p.corners[0][1] == p.corners[1][1] &&
+        p.corners[0][2] == p.corners[1][2])
         return bvxi_fail(context, BVX_ERR_EMPTY,
                          "%s: all vertices lie at one point, so a resolution gives no spacing",
                          plan_lods_name);

@@ -12,14 +12,13 @@
 
 #include <math.h>
 
-enum { REPAIR_SAMPLES = 100000 };
-
 static const bvxi_option repair_rows[] = {
     BVXI_CHOICE(bvx_repair_options, sign, 0, BVX_SIGN_COUNT - 1),
     BVXI_RESERVED(bvx_repair_options, fit.reserved),
     BVXI_PLACING(bvx_repair_options),
     BVXI_PARTS(bvx_repair_options),
-    BVXI_SWITCH(bvx_repair_options, measure),
+    BVXI_COUNT(bvx_repair_options, samples, 0, INT32_MAX),
+    BVXI_RESERVED(bvx_repair_options, reserved),
     BVXI_OR(bvx_repair_options, shell, ZERO_OR, 2.0, 1.5, 1e6),
     BVXI_SWITCH(bvx_repair_options, if_needed),
     BVXI_CHOICE(bvx_repair_options, thin, BVX_THIN_KEEP, BVX_THIN_SHELL),
@@ -33,11 +32,6 @@ static bvx_status check_repair_choices(bvx_context *ctx, bvx_repair_options *o)
             ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
             "%s: sign %d is by normals, which are wrong beyond holes; take auto, exact, winding or vote",
             bvxi_repair_name, (int64_t)o->sign);
-    if (o->measure_samples == 0) o->measure_samples = REPAIR_SAMPLES;
-    if (o->measure && o->measure_samples > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: measure_samples is %u; 1 to 2^31 - 1 are possible", bvxi_repair_name,
-                             o->measure_samples);
     return BVX_OK;
 }
 
@@ -164,7 +158,7 @@ static bvx_status make_repaired(bvxi_repair_job *job, bvx_mesh *repaired)
 static bvx_status repair_steps(bvxi_repair_job *job, bvx_mesh *repaired)
 {
     const bvx_repair_options *const o = job->options;
-    double const made = o->report == NULL ? 1.0 : o->measure ? 0.5 : 0.9;
+    double const made = o->report == NULL ? 1.0 : o->samples != 0 ? 0.5 : 0.9;
 
     BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, made, make_repaired(job, repaired)));
     /* A copy is measured where it is made. */

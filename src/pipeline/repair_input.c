@@ -160,8 +160,8 @@ static bvx_status mark_crossing(bvxi_repair_job *job, const uint32_t *representa
     for (uint64_t n = 0; n < count; n++)
         in_question += pieces[n].volume6 < 0 ? !pieces[n].turned : pieces[n].turned;
     if (in_question == 0) return BVX_OK;
-    memcpy(welded.low, job->report.before.low, sizeof welded.low);
-    memcpy(welded.high, job->report.before.high, sizeof welded.high);
+    memcpy(welded.low, job->report.before.box.low, sizeof welded.low);
+    memcpy(welded.high, job->report.before.box.high, sizeof welded.high);
     BVXI_TRY(
         BVXI_SHARE(ctx, 0.9, 0.95, bvxi_mesh_crossings(ctx, bvxi_repair_name, &welded, &pairs, NULL, 0)));
     if (pairs == 0) return BVX_OK;
@@ -254,7 +254,7 @@ static bvx_status take_pieces(bvxi_repair_job *job, const uint32_t *representati
     if (job->patches.part == NULL && (!c->closed || c->duplicates != 0)) return BVX_OK;
 
     /* Bodies that touch at vertices are one piece by them, whose volume says nothing of either. */
-    for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->low[a] + 0.5 * c->high[a];
+    for (int a = 0; a < 3; a++) centre[a] = 0.5 * c->box.low[a] + 0.5 * c->box.high[a];
     if (job->patches.part == NULL && c->nonmanifold_vertices != 0 && c->components > 1)
         BVXI_TRY(bvxi_patches_open(job->ctx, &job->mesh, representative, centre, 0, &job->patches));
     by.piece = job->piece;

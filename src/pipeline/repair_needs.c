@@ -127,10 +127,10 @@ bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy)
     job->report.sharp = 0;
     if (job->options->report == NULL) return BVX_OK;
     bvx_mesh_view_of(copy, &view);
-    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->measure ? 0.3 : 1.0,
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.1, job->options->samples != 0 ? 0.3 : 1.0,
                         bvx_mesh_check(job->ctx, &view, 0, &job->report.after)));
-    if (!job->options->measure) return BVX_OK;
-    return BVXI_SHARE(job->ctx, 0.3, 1.0,
-                      bvx_mesh_distance(job->ctx, job->given, &view, job->options->measure_samples, 1,
-                                        &job->report.distance));
+    if (job->options->samples == 0) return BVX_OK;
+    return BVXI_SHARE(
+        job->ctx, 0.3, 1.0,
+        bvx_mesh_distance(job->ctx, job->given, &view, job->options->samples, 1, &job->report.distance));
 }

@@ -66,8 +66,7 @@ static bvx_status measure_distances(bvxi_repair_job *job, const bvx_mesh *repair
     result->positions = world;
     result->position_type = BVX_F64;
     result->position_stride = 0;
-    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->measure_samples, 1,
-                             &job->report.distance);
+    return bvx_mesh_distance(job->ctx, &job->mesh, result, job->options->samples, 1, &job->report.distance);
 }
 
 #define REPAIR_OFF     0.02 /* of the mesh's own volume, from which on it is warned of */
@@ -134,7 +133,7 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
         BVXI_TRY(BVXI_SHARE(job->ctx, 0.4, 0.4,
                             bvxi_see_volume(job->ctx, bvxi_repair_name, &job->body, &job->lattice, job->fill,
                                             job->report.after.volume, &job->report.crossing_volume)));
-    if (!job->options->measure) return BVX_OK;
+    if (job->options->samples == 0) return BVX_OK;
     return BVXI_SHARE(job->ctx, 0.4, 1.0, measure_distances(job, repaired, &result));
 }
 

@@ -340,21 +340,11 @@ BVXI_VECTOR_INLINE void touch_batch_children(bvxi_children_batch *b, uint32_t co
     }
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void touch_batch_children_avx2(bvxi_children_batch *b, uint32_t count, int32_t half)
-{
-    touch_batch_children(b, count, half);
-}
-#endif
+BVXI_AVX2_COPY(touch_batch_children_avx2, (bvxi_children_batch * b, uint32_t count, int32_t half),
+               touch_batch_children(b, count, half))
 
 void bvxi_children_of_batch(bvxi_children_batch *batch, uint32_t count, int32_t half, int32_t cpu)
 {
-#if BVXI_HAVE_AVX2
-    if (cpu == BVX_CPU_AVX2) {
-        touch_batch_children_avx2(batch, count, half);
-        return;
-    }
-#endif
-    (void)cpu;
-    touch_batch_children(batch, count, half);
+    BVXI_PATH(cpu == BVX_CPU_AVX2, touch_batch_children(batch, count, half),
+              touch_batch_children_avx2(batch, count, half));
 }

@@ -104,7 +104,7 @@ static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
                                  s->end[0] - s->begin[0] < s->grid->size[0]
                              ? " where the cut leaves any"
                              : "");
-    bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
+    bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
 }
@@ -123,7 +123,7 @@ static void look_at_grid(bvxi_grid_scene *s)
     }
 
     /* The camera looks at the whole lattice, so a cut does not turn the picture. */
-    bvxi_camera_look(c, low, high, s->picture.options.direction, s->picture.options.up);
+    bvxi_camera_look(c, low, high, s->picture.options.camera.direction, s->picture.options.camera.up);
     bvxi_camera_turn(c, low, s->corner);
     /* Edges of a voxel in the camera's axes: all corners are sums of whole multiples of them. */
     for (int e = 0; e < 3; e++)
@@ -375,7 +375,7 @@ void bvxi_grid_scene_draw(const void *user, const bvxi_raster *raster, bvxi_rast
 bvx_status bvxi_grid_scene_fit(bvx_context *ctx, bvxi_grid_scene *scene)
 {
     const bvx_render_options *const o = &scene->picture.options;
-    bvxi_grid_cut(scene->grid, o->cut_low, o->cut_high, scene->begin, scene->end);
+    bvxi_grid_cut(scene->grid, o->cut.low, o->cut.high, scene->begin, scene->end);
     look_at_grid(scene);
     BVXI_TRY(fit_kept_voxels(ctx, scene));
     place_grid(scene);

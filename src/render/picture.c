@@ -22,17 +22,17 @@ static bvx_status check_picture_direction(bvx_context *ctx, const char *function
 /* What only pictures from a direction look at. */
 static bvx_status check_picture_view(bvx_context *ctx, const char *function, const bvx_render_options *o)
 {
-    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->direction));
-    BVXI_TRY(check_picture_direction(ctx, function, "up", o->up));
+    BVXI_TRY(check_picture_direction(ctx, function, "direction", o->camera.direction));
+    BVXI_TRY(check_picture_direction(ctx, function, "up", o->camera.up));
     if (o->smooth != 0 && o->smooth != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: smooth is %d, not 0 or 1",
                              function, (int64_t)o->smooth);
     /* What must at least be in the frame: 0 requires nothing. */
     for (int a = 0; a < 2; a++)
-        if (!(o->show[a] >= 0.0) || o->show[a] - o->show[a] != 0.0)
+        if (!(o->camera.show[a] >= 0.0) || o->camera.show[a] - o->camera.show[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: show is %g, %g; both must be 0 or more, and finite", function,
-                                 o->show[0], o->show[1]);
+                                 o->camera.show[0], o->camera.show[1]);
     if (o->wireframe != 0 && o->wireframe != 1)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: wireframe is %d, not 0 or 1",
                              function, (int64_t)o->wireframe);
@@ -43,10 +43,10 @@ static bvx_status check_picture_cut(bvx_context *ctx, const char *function, cons
 {
     static const char *const axis[3] = {"x", "y", "z"};
     for (int a = 0; a < 3; a++)
-        if (!(o->cut_low[a] <= o->cut_high[a]))
+        if (!(o->cut.low[a] <= o->cut.high[a]))
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION,
-                                 "%s: the cut from %g to %g along %s is not a range", function, o->cut_low[a],
-                                 o->cut_high[a], axis[a]);
+                                 "%s: the cut from %g to %g along %s is not a range", function, o->cut.low[a],
+                                 o->cut.high[a], axis[a]);
     return BVX_OK;
 }
 
@@ -56,7 +56,9 @@ static const bvxi_option picture_rows[] = {
     BVXI_SWITCH(bvx_render_options, smooth),
     BVXI_OR(bvx_render_options, samples, WHOLE, 2, 1, 4),
     BVXI_SWITCH(bvx_render_options, wireframe),
-    BVXI_WHOLE(bvx_render_options, cut, 0, 63),
+    BVXI_WHOLE(bvx_render_options, cut.sides, 0, 63),
+    BVXI_RESERVED(bvx_render_options, cut.reserved),
+    BVXI_RESERVED(bvx_render_options, reserved),
 };
 
 /* What zeros stand for. */
@@ -68,11 +70,11 @@ static void put_picture_defaults(bvx_render_options *o)
 
     if (memcmp(o->colour, none, sizeof none) == 0) memcpy(o->colour, colour, sizeof colour);
     if (memcmp(o->background, none, sizeof none) == 0) memcpy(o->background, background, sizeof background);
-    if (bvxi_vec_is_zero(o->direction)) memcpy(o->direction, direction, sizeof direction);
-    if (bvxi_vec_is_zero(o->up)) memcpy(o->up, up, sizeof up);
+    if (bvxi_vec_is_zero(o->camera.direction)) memcpy(o->camera.direction, direction, sizeof direction);
+    if (bvxi_vec_is_zero(o->camera.up)) memcpy(o->camera.up, up, sizeof up);
     for (int a = 0; a < 3; a++) {
-        if ((o->cut & BVX_OPEN_X_LOW << 2 * a) == 0) o->cut_low[a] = -(double)INFINITY;
-        if ((o->cut & BVX_OPEN_X_HIGH << 2 * a) == 0) o->cut_high[a] = (double)INFINITY;
+        if ((o->cut.sides & BVX_OPEN_X_LOW << 2 * a) == 0) o->cut.low[a] = -(double)INFINITY;
+        if ((o->cut.sides & BVX_OPEN_X_HIGH << 2 * a) == 0) o->cut.high[a] = (double)INFINITY;
     }
 }
 

@@ -45,11 +45,11 @@ static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
 
     /* Where the cut lies inside the bounds, it replaces them for the camera. */
     for (int a = 0; a < 3; a++) {
-        s->cut.low[a] = o->cut_low[a] * s->picture.camera.unit;
-        s->cut.high[a] = o->cut_high[a] * s->picture.camera.unit;
-        s->cut.on |= o->cut_low[a] > low[a] || o->cut_high[a] < high[a];
-        if (o->cut_low[a] > low[a] && o->cut_low[a] < high[a]) low[a] = o->cut_low[a];
-        if (o->cut_high[a] < high[a] && o->cut_high[a] > low[a]) high[a] = o->cut_high[a];
+        s->cut.low[a] = o->cut.low[a] * s->picture.camera.unit;
+        s->cut.high[a] = o->cut.high[a] * s->picture.camera.unit;
+        s->cut.on |= o->cut.low[a] > low[a] || o->cut.high[a] < high[a];
+        if (o->cut.low[a] > low[a] && o->cut.low[a] < high[a]) low[a] = o->cut.low[a];
+        if (o->cut.high[a] < high[a] && o->cut.high[a] > low[a]) high[a] = o->cut.high[a];
     }
     if (s->cut.on) bvxi_camera_move(&s->picture.camera, low, high);
 }
@@ -95,7 +95,7 @@ static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
     bvxi_drop(ctx, s->extent);
     if (all.low[0] > all.high[0])
         return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves nothing", s->picture.function);
-    bvxi_camera_show(&s->picture.camera, s->picture.options.show, &all);
+    bvxi_camera_show(&s->picture.camera, s->picture.options.camera.show, &all);
     bvxi_camera_fit(&s->picture.camera, &all, s->picture.raster.width, s->picture.raster.height);
     return BVX_OK;
 }
@@ -271,7 +271,8 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     if (low[0] == high[0] && low[1] == high[1] && low[2] == high[2])
         return bvxi_fail(context, BVX_ERR_EMPTY, "%s: all vertices lie at one point", function);
     /* The direction of view is that of the whole mesh; the cut only moves what is looked at. */
-    bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.direction, s.picture.options.up);
+    bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.camera.direction,
+                     s.picture.options.camera.up);
     take_scene_cut(&s, low, high);
     status = make_scene(context, &s);
     if (status != BVX_OK) return status;

@@ -68,7 +68,7 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
     uint64_t size;
 
     /* The cut is what may be shown; the box of what is set in it is what will be. */
-    bvxi_grid_cut(s->grid, s->options.cut_low, s->options.cut_high, s->begin, s->end);
+    bvxi_grid_cut(s->grid, s->options.cut.low, s->options.cut.high, s->begin, s->end);
     for (int a = 0; a < 3; a++)
         if (s->begin[a] == s->end[a])
             return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->function);

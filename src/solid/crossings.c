@@ -163,9 +163,9 @@ BVXI_COLD static int cross_exactly(const bvxi_solid_job *job, const uint32_t *co
 }
 
 /* The centres of a block that are inside, by the bits that judge_blocks sets, and how many. */
-static const uint16_t inside_centres[16][4] = {{0},       {0},       {1},       {0, 1},    {2},    {0, 2},
-                                               {1, 2},    {0, 1, 2}, {3},       {0, 3},    {1, 3}, {0, 1, 3},
-                                               {2, 3},    {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+static const uint16_t inside_centres[16][4] = {{0},    {0},       {1},       {0, 1},      {2},    {0, 2},
+                                               {1, 2}, {0, 1, 2}, {3},       {0, 3},      {1, 3}, {0, 1, 3},
+                                               {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
 static const uint8_t inside_count[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
 
 /* Judge the blocks and write the crossings of centres inside; the buffer has room for all. */

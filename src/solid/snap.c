@@ -54,7 +54,8 @@ BVXI_VECTOR_INLINE int snap_range(const snap_job *job, uint64_t begin, uint64_t 
         }
         for (; end - v >= SNAP_RUN; v += SNAP_RUN) {
             /* the slow loop finds which */
-            if (BVXI_UNLIKELY(!snap_run(bvxi_view_position_at(view, v), origin, scale, job->out->xyz + 3 * v)))
+            if (BVXI_UNLIKELY(
+                    !snap_run(bvxi_view_position_at(view, v), origin, scale, job->out->xyz + 3 * v)))
                 break;
         }
     }

@@ -79,15 +79,6 @@ typedef struct bvxi_cell_list {
     uint16_t at[BVXI_CELL_BLOCK * 64 + 8];
 } bvxi_cell_list;
 
-BVXI_VECTOR_INLINE uint32_t bvxi_count_bits(uint64_t w, int fast)
-{
-#if BVXI_HAVE_AVX2
-    if (fast) return (uint32_t)__builtin_popcountll(w);
-#endif
-    (void)fast;
-    return bvxi_popcount(w);
-}
-
 /* Append the set bits of word n of the block, `group` at a time whether there are so many or not: most words
  * then cost no misprediction. group is a constant up to 8. */
 BVXI_VECTOR_INLINE void bvxi_list_bits(bvxi_cell_list *list, uint64_t mask, int32_t n, uint32_t group,

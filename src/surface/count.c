@@ -66,22 +66,11 @@ BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
     m->piece_counts[3 * piece + 2] = past;
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void count_piece_avx2(bvxi_march *m, int32_t piece)
-{
-    count_piece(m, piece, 1);
-}
-#endif
+BVXI_AVX2_COPY(count_piece_avx2, (bvxi_march * m, int32_t piece), count_piece(m, piece, 1))
 
 void bvxi_march_count_piece(void *march, int32_t piece)
 {
     bvxi_march *const m = march;
 
-#if BVXI_HAVE_AVX2
-    if (m->cpu == BVX_CPU_AVX2) {
-        count_piece_avx2(m, piece);
-        return;
-    }
-#endif
-    count_piece(m, piece, 0);
+    BVXI_PATH(m->cpu == BVX_CPU_AVX2, count_piece(m, piece, 0), count_piece_avx2(m, piece));
 }

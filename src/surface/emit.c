@@ -237,22 +237,11 @@ BVXI_VECTOR_INLINE void emit_piece(const bvxi_march *m, int32_t piece, int fast)
     for (uint64_t s = begin; s < end; s++) emit_slot(m, s, piece_end, fast);
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void emit_piece_avx2(const bvxi_march *m, int32_t piece)
-{
-    emit_piece(m, piece, 1);
-}
-#endif
+BVXI_AVX2_COPY(emit_piece_avx2, (const bvxi_march *m, int32_t piece), emit_piece(m, piece, 1))
 
 void bvxi_march_emit_piece(void *march, int32_t piece)
 {
     const bvxi_march *const m = march;
 
-#if BVXI_HAVE_AVX2
-    if (m->cpu == BVX_CPU_AVX2) {
-        emit_piece_avx2(m, piece);
-        return;
-    }
-#endif
-    emit_piece(m, piece, 0);
+    BVXI_PATH(m->cpu == BVX_CPU_AVX2, emit_piece(m, piece, 0), emit_piece_avx2(m, piece));
 }

@@ -280,17 +280,8 @@ BVXI_VECTOR_INLINE void touch_all(const touch_place *place, const uint32_t *id, 
     }
 }
 
-#if BVXI_HAVE_AVX2
-BVXI_AVX2 static void touch_all_avx2(const touch_place *place, const uint32_t *id, uint64_t count)
-{
-    touch_all(place, id, count);
-}
-#endif
-
-static void touch_all_portable(const touch_place *place, const uint32_t *id, uint64_t count)
-{
-    touch_all(place, id, count);
-}
+BVXI_AVX2_COPY(touch_all_avx2, (const touch_place *place, const uint32_t *id, uint64_t count),
+               touch_all(place, id, count))
 
 void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64_t count)
 {
@@ -307,11 +298,5 @@ void bvxi_touch_conservative(bvxi_surface_tile *tile, const uint32_t *id, uint64
     place.nz = (uint32_t)(tile->rows.k1 - tile->rows.k0);
     place.j0 = tile->rows.j0;
     place.k0 = tile->rows.k0;
-#if BVXI_HAVE_AVX2
-    if (job->cpu == BVX_CPU_AVX2) {
-        touch_all_avx2(&place, id, count);
-        return;
-    }
-#endif
-    touch_all_portable(&place, id, count);
+    BVXI_PATH(job->cpu == BVX_CPU_AVX2, touch_all(&place, id, count), touch_all_avx2(&place, id, count));
 }

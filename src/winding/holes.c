@@ -233,24 +233,29 @@ static int32_t has_repeated_edge(const uint64_t *edges, uint64_t count)
     return 0;
 }
 
-static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
+bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
                              bvxi_holes *holes)
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *place = NULL, *number = NULL;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place));
-
-    /* A loop has as many points as edges, so these arrays hold all of them. */
-    holes->room = count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
     uint64_t const corners = number_places(s, edges, count, number, place);
-    holes->repeated = has_repeated_edge(edges, count);
     BVXI_TRY(join_loops(ctx, edges, count, place, corners, holes));
     bvxi_drop(ctx, number);
     bvxi_drop(ctx, place);
+    return BVX_OK;
+}
+
+static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
+                             bvxi_holes *holes)
+{
+    /* A loop has as many points as edges, so these arrays hold all of them. */
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
+    BVXI_TRY(bvxi_holes_append(ctx, s, edges, count, holes));
+    holes->repeated = has_repeated_edge(edges, count);
     return BVX_OK;
 }
 

@@ -14,7 +14,6 @@ typedef struct bvxi_holes {
     uint32_t *vertex;   /* of the mesh [Size: points] */
     uint64_t *loop_end; /* [Size: loops] */
     uint64_t points, loops;
-    uint64_t room;    /* points that the arrays were made for */
     int32_t repeated; /* 1: the loops have some edge more than once */
 } bvxi_holes;
 
@@ -45,6 +44,10 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
  * edge. */
 bvx_status bvxi_cancel_lines(bvx_context *ctx, const bvxi_snapped *snapped, int odd_once, uint64_t **edges,
                              uint64_t *count);
+/* Edges of which as many leave each place as arrive are joined to loops behind those of holes, whose arrays have
+ * room for count points and loops more. edges: from << 32 | to; become numbers by place, sorted. */
+bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
+                             bvxi_holes *holes);
 void bvxi_holes_close(bvx_context *ctx, bvxi_holes *holes);
 
 /* The nodes of a sheet over points i .. j, from large to small, without

@@ -336,8 +336,10 @@ static void add_cells(const bvxi_sheet *s, const int64_t p[3], const uint32_t *c
 
     start_sheet_sum(s, p, sum);
     for (uint64_t i = 0; i < count; i++) {
-        const bvxi_sheet_cell *const c = &s->tree->cell[cells[i]];
-        for (uint64_t t = c->first; t < c->end; t++) {
+        int const single = cells[i] >= s->tree->cells;
+        const bvxi_sheet_cell *const c = &s->tree->cell[single ? 0 : cells[i]];
+        uint64_t const first = single ? cells[i] - s->tree->cells : c->first;
+        for (uint64_t t = first; t < (single ? first + 1 : c->end); t++) {
             uint64_t const corner[3] = {all[3 * t], all[3 * t + 1], all[3 * t + 2]};
             bvxi_seen_point seen[3];
             const bvxi_seen_point *const three[3] = {&seen[0], &seen[1], &seen[2]};

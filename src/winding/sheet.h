@@ -22,15 +22,16 @@ typedef struct bvxi_sheet_node {
 typedef struct bvxi_sheet_tree bvxi_sheet_tree;
 
 typedef struct bvxi_sheet {
-    const bvxi_holes *holes;
-    const int32_t *xyz;     /* snapped, in the order x y z */
-    double *point;          /* x, y, z of each [Size: holes->points * 3] [Units: the largest spacing] */
-    bvxi_sheet_node *node;  /* [Size: holes->points] */
-    uint32_t *order;        /* loops, neighbours near each other [Size: holes->loops] */
-    bvxi_sheet_node *group; /* of the loops order[i] .. order[j - 1], at i + (j - i) / 2 */
-    bvxi_sheet_tree *tree;  /* where there are very many loops, else NULL (turns.h) */
-    double scale[3];        /* fixed point to these units */
-    double step[3];         /* one voxel */
+    const bvxi_holes *holes; /* what is summed: strips, or the mesh's own */
+    bvxi_holes strips;       /* hole_strips.c; none: no loops */
+    const int32_t *xyz;      /* snapped, in the order x y z */
+    double *point;           /* x, y, z of each [Size: holes->points * 3] [Units: the largest spacing] */
+    bvxi_sheet_node *node;   /* [Size: holes->points] */
+    uint32_t *order;         /* loops, neighbours near each other [Size: holes->loops] */
+    bvxi_sheet_node *group;  /* of the loops order[i] .. order[j - 1], at i + (j - i) / 2 */
+    bvxi_sheet_tree *tree;   /* where there are very many loops, else NULL (turns.h) */
+    double scale[3];         /* fixed point to these units */
+    double step[3];          /* one voxel */
     int32_t fraction_bits;
     int32_t fast; /* 1: four places at once */
 } bvxi_sheet;
@@ -45,6 +46,22 @@ static inline uint64_t bvxi_loop_begin(const bvxi_holes *holes, uint32_t loop)
     return loop == 0 ? 0 : holes->loop_end[loop - 1];
 }
 
+/* Half the cross product of b - a and c - a. */
+static inline void bvxi_sheet_normal(const double a[3], const double b[3], const double c[3], double n[3])
+{
+    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    n[0] = 0.5 * (u[1] * v[2] - u[2] * v[1]);
+    n[1] = 0.5 * (u[2] * v[0] - u[0] * v[2]);
+    n[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
+}
+
+static inline double bvxi_sheet_distance(const double a[3], const double b[3])
+{
+    double const v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    return bvxi_vec_length(v);
+}
+
 /* What loops order[i] .. order[j - 1] are from far off. */
 static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint64_t i, uint64_t j)
 {
@@ -54,7 +71,12 @@ static inline const bvxi_sheet_node *bvxi_sheet_group(const bvxi_sheet *s, uint6
     return &s->node[begin + (s->holes->loop_end[s->order[i]] - 1 - begin) / 2];
 }
 
-/* sheet_nodes.c. Scratch: 88 bytes a point, 76 a loop. */
+/* hole_strips.c: the loops parted anew into strips along cracks, scale as in a sheet; no loops where there are few
+ * cracks. Scratch: 24 bytes a point, then 28. */
+bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
+                             const double scale[3], bvxi_holes *strips);
+
+/* sheet_nodes.c. Scratch: 88 bytes a point, 76 a loop; with strips of these. The sheet must not be moved. */
 bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi_snapped *snapped,
                            const bvx_lattice *lattice, bvxi_sheet *sheet);
 void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet);

@@ -1,23 +1,8 @@
 /* sheet_nodes.c - what parts of a sheet over holes are from far off: a ball around each and its area, for
  * parts of loops, loops, and groups of neighbouring loops. sheet.c opens these from the largest on. */
-#include "winding/turns.h"
+#include "bits/sort.h"
 #include "mesh/mesh.h"
-
-/* Half the cross product of b - a and c - a. */
-static void sheet_normal(const double a[3], const double b[3], const double c[3], double n[3])
-{
-    double const u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    double const v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    n[0] = 0.5 * (u[1] * v[2] - u[2] * v[1]);
-    n[1] = 0.5 * (u[2] * v[0] - u[0] * v[2]);
-    n[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
-}
-
-static double sheet_distance(const double a[3], const double b[3])
-{
-    double const v[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return bvxi_vec_length(v);
-}
+#include "winding/turns.h"
 
 /* A ball around points i .. j: about the middle of their box. */
 static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_node *node)
@@ -38,7 +23,7 @@ static void enclose_points(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_she
     node->radius = 0;
     for (int a = 0; a < 3; a++) node->centre[a] = 0.5 * (low[a] + high[a]);
     for (uint64_t k = i; k <= j; k++) {
-        double const d = sheet_distance(node->centre, bvxi_sheet_point(s, k));
+        double const d = bvxi_sheet_distance(node->centre, bvxi_sheet_point(s, k));
         if (d > node->radius) node->radius = d;
     }
     node->radius *= 1.0 + 1e-12; /* beyond what rounding takes */
@@ -59,7 +44,7 @@ static void make_node(const bvxi_sheet *s, uint64_t i, uint64_t j, bvxi_sheet_no
         uint64_t const m = from + (to - from) / 2;
         double n[3];
         if (to - from < 2) continue;
-        sheet_normal(bvxi_sheet_point(s, from), bvxi_sheet_point(s, m), bvxi_sheet_point(s, to), n);
+        bvxi_sheet_normal(bvxi_sheet_point(s, from), bvxi_sheet_point(s, m), bvxi_sheet_point(s, to), n);
         for (int a = 0; a < 3; a++) node->normal[a] += n[a];
         node->area += bvxi_vec_length(n);
         bvxi_sheet_push(&w, from, m);
@@ -74,13 +59,14 @@ void bvxi_sheet_close(bvx_context *ctx, bvxi_sheet *sheet)
     bvxi_drop(ctx, sheet->order);
     bvxi_drop(ctx, sheet->node);
     bvxi_drop(ctx, sheet->point);
+    bvxi_holes_close(ctx, &sheet->strips);
     memset(sheet, 0, sizeof *sheet);
 }
 
 /* The sum of two parts, and a ball around both. */
 static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_sheet_node *both)
 {
-    double const d = sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
+    double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
     /* The ball around two balls touches both at their far sides; one may hold the other. */
     double const t = d > 0 ? (radius - a->radius) / d : 0; /* on the way from a to b */
 
@@ -95,14 +81,12 @@ static void join_nodes(const bvxi_sheet_node *a, const bvxi_sheet_node *b, bvxi_
     both->radius *= 1.0 + 1e-12;
 }
 
-/* Bits of a loop's first point in turn (Morton's order): what is near in it is near in space. */
+/* The place of a loop's first point on a curve: what is near on it is near in space. */
 static uint64_t loop_place(const bvxi_sheet *s, uint32_t loop)
 {
     const int32_t *const q = s->xyz + 3 * (uint64_t)s->holes->vertex[bvxi_loop_begin(s->holes, loop)];
     uint64_t key = 0;
-    /* 21 bits of each coordinate, the highest first, in turn. */
-    for (int bit = 20; bit >= 0; bit--)
-        for (int a = 0; a < 3; a++) key = key << 1 | ((uint32_t)(q[a] + (1 << 30)) >> (bit + 10) & 1);
+    for (int a = 0; a < 3; a++) key |= bvxi_curve_spread((uint32_t)(q[a] + (1 << 30)) >> 10) << (2 - a);
     return key;
 }
 
@@ -171,7 +155,6 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
     double const largest = bvxi_largest_spacing(lattice);
 
     memset(sheet, 0, sizeof *sheet);
-    sheet->holes = holes;
     sheet->xyz = snapped->xyz;
     sheet->fraction_bits = lattice->fraction_bits;
     sheet->fast = bvxi_cpu(ctx) == BVX_CPU_AVX2;
@@ -181,6 +164,9 @@ bvx_status bvxi_sheet_open(bvx_context *ctx, const bvxi_holes *holes, const bvxi
         sheet->step[a] = lattice->spacing[a] / largest;
         sheet->scale[a] = sheet->step[a] / (double)(1 << lattice->fraction_bits);
     }
+    BVXI_TRY(bvxi_holes_strips(ctx, holes, snapped, sheet->scale, &sheet->strips));
+    if (sheet->strips.loops > 0) holes = &sheet->strips;
+    sheet->holes = holes;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * 24, "the holes' points", &sheet->point));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes->points * sizeof *sheet->node, "the sheet over the holes",
                         &sheet->node));

@@ -118,7 +118,7 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
     const bvxi_row_block *const rows = &job->solid->block;
     uint64_t const bytes = (uint64_t)bvxi_threads(ctx) * sizeof *job->worker;
     const bvxi_sheet_tree *const tree = job->sheet->tree;
-    uint64_t const cells = tree == NULL ? 0 : tree->leaves * BVXI_TURNS_LEVELS;
+    uint64_t const cells = tree == NULL ? 0 : tree->pendings * BVXI_TURNS_LEVELS;
     uint64_t const cell_bytes = (uint64_t)bvxi_threads(ctx) * cells * 4;
     uint32_t *pending = NULL;
 

@@ -9,8 +9,9 @@
  * Where all triangles of a mesh hang loose each is a hole of its own, and the sheet is these triangles once
  * more: its loops have nothing to tell then, and groups of them are many. The bits are the same with a tree
  * and without. */
-#include "winding/turns.h"
+#include "bits/sort.h"
 #include "mesh/mesh.h"
+#include "winding/turns.h"
 
 #include <math.h>
 
@@ -20,20 +21,35 @@ enum { TREE_LOOPS = 256, TREE_LOOP_POINTS = 16 };
 
 /* ---- Triangles in order ---- */
 
-/* Bits of the middle of a triangle in turn. */
+/* The place of a triangle's middle on a curve. */
 static uint64_t triangle_place(const bvxi_sheet *s, const uint32_t *corner)
 {
-    uint64_t key = 0, place[3];
+    uint64_t key = 0;
 
     for (int a = 0; a < 3; a++) {
         /* Corners are within 2^30 of 0; the sum is moved up so that it is not negative. */
         int64_t sum = (int64_t)3 << 30;
         for (int k = 0; k < 3; k++) sum += s->xyz[3 * (uint64_t)s->holes->vertex[corner[k]] + (uint64_t)a];
-        place[a] = (uint64_t)(sum / 3) >> 10;
+        key |= bvxi_curve_spread((uint64_t)(sum / 3) >> 10) << (2 - a);
     }
-    for (int bit = 20; bit >= 0; bit--)
-        for (int a = 0; a < 3; a++) key = key << 1 | (place[a] >> bit & 1);
     return key;
+}
+
+static void shape_triangle(const bvxi_sheet *s, const uint32_t *corner, bvxi_sheet_shape *shape)
+{
+    double longest = -1, n[3];
+
+    for (uint32_t k = 0; k < 3; k++) {
+        double const length = bvxi_sheet_distance(bvxi_sheet_point(s, corner[k]),
+                                                  bvxi_sheet_point(s, corner[(k + 1) % 3]));
+        if (length <= longest) continue;
+        longest = length;
+        shape->side = k;
+    }
+    bvxi_sheet_normal(bvxi_sheet_point(s, corner[0]), bvxi_sheet_point(s, corner[1]),
+                      bvxi_sheet_point(s, corner[2]), n);
+    shape->area = bvxi_vec_length(n);
+    shape->width = longest > 0 ? 2 * shape->area / longest * (1 + 1e-9) : 0;
 }
 
 /* keys: sorted. */
@@ -52,7 +68,10 @@ static bvx_status order_sheet(bvx_context *ctx, const bvxi_sheet *s, bvxi_sheet_
         number[t] = (uint32_t)t;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, keys, number, count));
-    for (uint64_t t = 0; t < count; t++) memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
+    for (uint64_t t = 0; t < count; t++) {
+        memcpy(tree->corner + 3 * t, listed + 3 * (uint64_t)number[t], 12);
+        shape_triangle(s, tree->corner + 3 * t, tree->shape + t);
+    }
     return BVX_OK;
 }
 
@@ -84,7 +103,7 @@ static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
     first[0] = 0;
     end[0] = (uint32_t)tree->triangles;
     parent[0] = 0;
-    tree->cells = tree->leaves = 0;
+    tree->cells = tree->pendings = 0;
     while (count-- > 0) {
         uint32_t const from = first[count];
         uint32_t const to = end[count];
@@ -98,7 +117,7 @@ static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
             tree->cell[number].second = 0;
             if (up != 0) tree->cell[up - 1].second = number;
         }
-        tree->leaves += (uint64_t)leaf;
+        tree->pendings += (uint64_t)leaf;
         if (leaf) continue;
 
         /* Two halves: the second's number is known only when it is met, so its parent gets it then. */
@@ -114,13 +133,6 @@ static void cut_sheet_cells(const uint64_t *keys, bvxi_sheet_tree *tree)
 static const double *sheet_tree_point(const bvxi_sheet *s, const bvxi_sheet_tree *tree, uint64_t i)
 {
     return bvxi_sheet_point(s, tree->corner[i]);
-}
-
-static double tree_distance(const double a[3], const double b[3])
-{
-    /* The walk over triangles is for small cells; larger ones take the ball of both halves. */
-    double const v[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return bvxi_vec_length(v);
 }
 
 /* A ball about the middle of the triangles' box. */
@@ -140,7 +152,7 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
     c->radius = 0;
     for (int a = 0; a < 3; a++) c->centre[a] = 0.5 * (low[a] + high[a]);
     for (uint64_t i = 3 * (uint64_t)c->first; i < 3 * (uint64_t)c->end; i++) {
-        double const d = tree_distance(c->centre, sheet_tree_point(s, tree, i));
+        double const d = bvxi_sheet_distance(c->centre, sheet_tree_point(s, tree, i));
         if (d > c->radius) c->radius = d;
     }
     c->radius *= 1 + 1e-12; /* beyond what rounding takes */
@@ -149,7 +161,7 @@ static void enclose_triangles(const bvxi_sheet *s, const bvxi_sheet_tree *tree, 
 /* A ball around two. */
 static void enclose_halves(const bvxi_sheet_cell *a, const bvxi_sheet_cell *b, bvxi_sheet_cell *both)
 {
-    double const d = tree_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
+    double const d = bvxi_sheet_distance(a->centre, b->centre), radius = 0.5 * (a->radius + b->radius + d);
     /* As for the nodes of loops: it touches both balls at their far sides. */
     double const t = d > 0 ? (radius - a->radius) / d : 0;
     for (int i = 0; i < 3; i++)
@@ -168,15 +180,10 @@ static void add_triangle_moments(const bvxi_sheet *s, const bvxi_sheet_tree *tre
     double const side[3] = {1.0 / 3, (6 - root) / 21, (6 + root) / 21};
     const double *const p[3] = {sheet_tree_point(s, tree, 3 * t), sheet_tree_point(s, tree, 3 * t + 1),
                                 sheet_tree_point(s, tree, 3 * t + 2)};
-    double u[3], v[3], n[3];
+    double n[3];
 
     /* The normal, as long as the area, is what the moments are made of. */
-    for (int a = 0; a < 3; a++) {
-        u[a] = p[1][a] - p[0][a];
-        v[a] = p[2][a] - p[0][a];
-    }
-    for (int a = 0; a < 3; a++)
-        n[a] = 0.5 * (u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3]);
+    bvxi_sheet_normal(p[0], p[1], p[2], n);
     c->area += bvxi_vec_length(n);
     /* One point in the middle, three near the corners, three near the sides. */
     for (int i = 0; i < 7; i++) {
@@ -233,6 +240,7 @@ static bvx_status make_sheet_cells(bvx_context *ctx, const bvxi_sheet *s, bvxi_s
     cut_sheet_cells(keys, tree);
     /* Backwards, as halves stand after what they are halves of. */
     for (uint64_t c = tree->cells; c-- > 0;) fill_sheet_cell(s, tree, &tree->cell[c]);
+    if (s->strips.loops > 0) tree->pendings = tree->triangles;
     bvxi_drop(ctx, keys);
     return BVX_OK;
 }
@@ -241,6 +249,7 @@ void bvxi_sheet_tree_close(bvx_context *ctx, bvxi_sheet_tree *tree)
 {
     if (tree == NULL) return;
     bvxi_drop(ctx, tree->cell);
+    bvxi_drop(ctx, tree->shape);
     bvxi_drop(ctx, tree->corner);
     bvxi_drop(ctx, tree);
 }
@@ -258,6 +267,8 @@ bvx_status bvxi_sheet_tree_open(bvx_context *ctx, const bvxi_sheet *sheet, bvxi_
     bvxi_series_open(&t->table);
     t->triangles = holes->points - 2 * holes->loops;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * 12, "the sheet's triangles", &t->corner));
+    BVXI_TRY(
+        bvxi_alloc(ctx, BVXI_SCRATCH, t->triangles * sizeof *t->shape, "the triangles' shapes", &t->shape));
     BVXI_TRY(make_sheet_cells(ctx, sheet, t));
     *tree = t;
     return BVX_OK;

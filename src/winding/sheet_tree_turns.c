@@ -25,6 +25,9 @@ static const double tree_near = 0.45;
 /* the same for a single centre, one after the other */
 static const double tree_ask[3] = {0.25, 0.0625, 0.02};
 #define TREE_ROUNDING 1e-8
+/* Of strips little parts, by what they cover at most, are only bounds, up to such a sum more in each eighth: the
+ * angle is near a half in few places then. */
+static const double tree_little = 2e-3, tree_spend = 0.08;
 static const double tree_doubt = 0.2; /* looks of a wider bound answer for few of a brick's centres */
 static const double tree_edge = 1e-2; /* in small bricks edges are near when they alone are off by more */
 
@@ -34,6 +37,7 @@ typedef struct tree_view {
     double local[BVXI_SERIES_LOCAL], error;
     double near;                  /* no less than what is near can be; 1 or more: anything */
     uint64_t pendings, triangles; /* of the cells that are pending */
+    double spend;                 /* the error up to which little parts are bounds only */
     int looked;                   /* 1: few triangles are pending, and look has them and the polynomial */
     bvxi_sheet_look look;
 } tree_view;
@@ -56,6 +60,7 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
 
     /* An eighth takes over the polynomial of the brick above, moved to its own middle. */
     v->error = from == NULL ? TREE_ROUNDING : from->error;
+    v->spend = s->strips.loops == 0 ? 0 : tree_spend + (from == NULL ? 0 : from->spend);
     v->near = 0;
     v->pendings = v->triangles = 0;
     v->looked = 0;
@@ -63,33 +68,67 @@ static void start_view(const bvxi_turns_block *block, const turns_brick *b, cons
     else bvxi_series_move_local(&s->tree->table, from->local, way, v->local);
 }
 
-/* Cells that are near stay pending; larger ones than the brick in their halves. */
-static void view_sheet_cell(const bvxi_sheet_tree *tree, uint32_t number, uint32_t *pending, tree_view *v)
+/* No less than the turns that triangle t covers from any of the brick's centres: by its longest side. */
+static double most_of_triangle(const bvxi_sheet *s, uint64_t t, const tree_view *v)
 {
+    const bvxi_sheet_tree *const tree = s->tree;
+    const bvxi_sheet_shape *const shape = &tree->shape[t];
+    const double *const a = bvxi_sheet_point(s, tree->corner[3 * t + shape->side]);
+    const double *const b = bvxi_sheet_point(s, tree->corner[3 * t + (shape->side + 1) % 3]);
+    double u[3], w[3], along, uu, gap;
+
+    for (int k = 0; k < 3; k++) {
+        u[k] = b[k] - a[k];
+        w[k] = v->middle[k] - a[k];
+    }
+    along = bvxi_vec_dot(u, w);
+    uu = bvxi_vec_dot(u, u);
+    along = along <= 0 || uu == 0 ? 0 : along >= uu ? 1 : along / uu;
+    for (int k = 0; k < 3; k++) w[k] -= along * u[k];
+    gap = bvxi_vec_length(w) * (1 - 1e-9) - shape->width - v->reach;
+    return gap <= 0 ? 1 : shape->area / (4 * BVXI_PI * gap * gap);
+}
+
+/* Cells that are near stay pending; larger ones than the brick in their halves, at last triangle by triangle. */
+static void view_sheet_cell(const bvxi_sheet *s, uint32_t number, uint32_t *pending, tree_view *v)
+{
+    const bvxi_sheet_tree *const tree = s->tree;
     uint32_t stack[TREE_BRICK_STACK];
     int32_t count = 1;
 
     stack[0] = number;
     while (count-- > 0) {
-        const bvxi_sheet_cell *const c = &tree->cell[stack[count]];
-        double const r[3] = {c->centre[0] - v->middle[0], c->centre[1] - v->middle[1],
-                             c->centre[2] - v->middle[2]};
-        double const d2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], reach = c->radius + v->reach;
+        uint32_t const at = stack[count];
+        int const single = at >= tree->cells;
+        const bvxi_sheet_cell *const c = &tree->cell[single ? 0 : at];
+        double most, r[3], d2 = 0, reach = 0;
 
-        /* Far from all of the brick's centres: into the polynomial. */
-        if (reach * reach < tree_near * tree_near * d2) {
+        if (single) {
+            most = most_of_triangle(s, at - tree->cells, v);
+        } else {
+            for (int a = 0; a < 3; a++) r[a] = c->centre[a] - v->middle[a];
+            d2 = bvxi_vec_dot(r, r);
+            reach = c->radius + v->reach;
+            double const gap = sqrt(d2) * (1 - 1e-9) - reach;
+            most = gap <= 0 ? 1 : c->area / (4 * BVXI_PI * gap * gap);
+        }
+
+        /* Next to nothing is a bound; far from all of the brick's centres: into the polynomial. */
+        if (most < tree_little && v->error + most < v->spend) {
+            v->error += most;
+        } else if (!single && reach * reach < tree_near * tree_near * d2) {
             bvxi_series_add(&tree->table, c->moment, r, 0, v->local);
             v->error += c->area * bvxi_series_rest(d2, reach / sqrt(d2));
-        } else if (c->second != 0 && 1.5 * c->radius > v->reach) {
-            uint32_t const first = stack[count] + 1;
+        } else if (!single && c->second != 0 && 1.5 * c->radius > v->reach) {
             stack[count++] = c->second;
-            stack[count++] = first;
+            stack[count++] = at + 1;
+        } else if (!single && v->spend > 0 && c->second == 0 && 1.5 * c->radius > v->reach) {
+            for (uint64_t t = c->first; t < c->end; t++) stack[count++] = (uint32_t)(tree->cells + t);
         } else {
             /* What is near stays on the list, and its greatest share counts as a bound. */
-            double const gap = sqrt(d2) * (1 - 1e-9) - reach;
-            v->near += gap <= 0 ? 1 : c->area / (4 * BVXI_PI * gap * gap);
-            v->triangles += c->end - c->first;
-            pending[v->pendings++] = stack[count];
+            v->near += most;
+            v->triangles += single ? 1 : c->end - c->first;
+            pending[v->pendings++] = at;
         }
     }
 }
@@ -122,7 +161,8 @@ static void look_at_pending(const bvxi_turns_block *block, const turns_brick *b,
     int64_t p[3];
 
     reach = bvxi_turns_middle(block, b, p);
-    if (!(reach > 0) || v->triangles > TREE_LOOKED) return;
+    /* Strips are narrower than any brick: what they do is not near linear. */
+    if (!(reach > 0) || v->triangles > TREE_LOOKED || block->sheet->strips.loops > 0) return;
     bvxi_sheet_cells_around(block->sheet, p, pending, v->pendings, reach,
                             b->side <= TREE_PLAIN ? tree_edge : 1e60, look);
     bvxi_series_powers(&block->sheet->tree->table, v->half, BVXI_SERIES_LOCAL, power);
@@ -201,15 +241,14 @@ static void view_centres(bvxi_turns_block *block, const turns_brick *b, const ui
 static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_view *above,
                       const uint32_t *left, uint32_t *pending, tree_view *v)
 {
-    const bvxi_sheet_tree *const tree = block->sheet->tree;
     int32_t whole;
     int clear;
 
     /* The first brick begins with the whole tree, the others with what was left above. */
     start_view(block, b, above, v);
-    if (above == NULL) view_sheet_cell(tree, 0, pending, v);
+    if (above == NULL) view_sheet_cell(block->sheet, 0, pending, v);
     else
-        for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(tree, left[i], pending, v);
+        for (uint64_t i = 0; i < above->pendings; i++) view_sheet_cell(block->sheet, left[i], pending, v);
 
     /* One number for all, or eighths, or small enough to go centre by centre. */
     if (is_one_number(block, v, &whole, &clear)) settle_brick(block, b, whole, block->want_clear && clear);
@@ -223,7 +262,7 @@ static int view_brick(bvxi_turns_block *block, const turns_brick *b, const tree_
 
 void bvxi_sheet_tree_block(bvxi_turns_block *block)
 {
-    uint64_t const leaves = block->sheet->tree->leaves;
+    uint64_t const most = block->sheet->tree->pendings;
     turns_brick stack[TREE_BRICKS];
     tree_view view[BVXI_TURNS_LEVELS];
     int32_t count = 1;
@@ -241,8 +280,8 @@ void bvxi_sheet_tree_block(bvxi_turns_block *block)
         while (BVXI_TURNS_SIDE >> level > b.side) level++;
         if (!block->all_open && !brick_is_open(block, &b)) continue;
         if (!view_brick(block, &b, level == 0 ? NULL : &view[level - 1],
-                        level == 0 ? NULL : block->pending + (uint64_t)(level - 1) * leaves,
-                        block->pending + (uint64_t)level * leaves, &view[level]))
+                        level == 0 ? NULL : block->pending + (uint64_t)(level - 1) * most,
+                        block->pending + (uint64_t)level * most, &view[level]))
             cut_brick(&b, stack, &count);
     }
 }

@@ -32,7 +32,8 @@ typedef struct bvxi_turns_block {
     /* want_clear: of these, those nearer than a quarter to a whole number */
     uint32_t clear[BVXI_TURNS_ROWS];
     int32_t dirty; /* 0: turns are 0 everywhere */
-    /* where the sheet has a tree: cells that bricks are too near to [Size: BVXI_TURNS_LEVELS * leaves] */
+    /* where the sheet has a tree: cells that bricks are too near to, and triangles, numbered behind all cells [Size:
+     * BVXI_TURNS_LEVELS * pendings] */
     uint32_t *pending;
     int32_t turns[BVXI_TURNS_ROWS * BVXI_TURNS_SIDE]; /* twice whole(w); odd for ties */
 } bvxi_turns_block;
@@ -201,11 +202,18 @@ typedef struct bvxi_sheet_cell {
     double moment[BVXI_SERIES_TERMS];
 } bvxi_sheet_cell;
 
+/* A triangle lies within width of its longest side, which runs from that corner to the next. */
+typedef struct bvxi_sheet_shape {
+    double area, width;
+    uint32_t side;
+} bvxi_sheet_shape;
+
 struct bvxi_sheet_tree {
     bvxi_series_table table;
-    bvxi_sheet_cell *cell; /* the whole first */
-    uint32_t *corner;      /* points of the loops [Size: triangles * 3] */
-    uint64_t cells, leaves, triangles;
+    bvxi_sheet_cell *cell;               /* the whole first */
+    uint32_t *corner;                    /* points of the loops [Size: triangles * 3] */
+    bvxi_sheet_shape *shape;             /* [Size: triangles] */
+    uint64_t cells, triangles, pendings; /* entries of a brick's list at most */
 };
 
 /* *tree stays NULL where the sheet has few loops, or wide ones: sheet_turns.c is for these. Scratch: about

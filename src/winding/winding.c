@@ -109,7 +109,7 @@ static bvx_status wind_over_holes(bvx_context *ctx, bvxi_solid_job *job, const b
     bvxi_sheet sheet;
 
     BVXI_TRY(bvxi_sheet_open(ctx, holes, &job->snapped, &solid->lattice, &sheet));
-    BVXI_TRY(bvxi_sheet_mesh_open(ctx, job->view, holes, &view));
+    BVXI_TRY(bvxi_sheet_mesh_open(ctx, job->view, sheet.holes, &view));
     /* The sheet's rows are gathered block by block, with those of the mesh. */
     w.sheet = &sheet;
     w.sheet_view = &view;

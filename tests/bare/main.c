@@ -48,8 +48,8 @@ int main(void)
     bare_result r = {0, 0, 0, 0};
     bvx_status status;
 
-    options.arena = arena;
-    options.arena_size = sizeof arena;
+    options.arena.memory = arena;
+    options.arena.size = sizeof arena;
     status = bvx_context_create(&options, &ctx);
     if (status == BVX_OK) status = bare_case(ctx, &torus, &r);
     if (status == BVX_OK) {

@@ -106,9 +106,9 @@ bvx_context *bench_context(int threads, int cpu, bench_memory *memory)
     o.threads = threads;
     o.cpu = cpu;
     if (memory != NULL) {
-        o.alloc = bench_alloc;
-        o.free = bench_free;
-        o.alloc_user = memory;
+        o.allocator.alloc = bench_alloc;
+        o.allocator.free = bench_free;
+        o.allocator.user = memory;
     }
     bvx_status const status = bvx_context_create(&o, &ctx);
     if (status != BVX_OK) {

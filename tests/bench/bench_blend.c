@@ -33,7 +33,7 @@ static void cut_mesh(bvx_context *ctx, const bvx_mesh *mesh, bvx_sections *secti
 
     bvx_mesh_view_of(mesh, &view);
     bench_try(ctx, bvx_mesh_check(ctx, &view, 1, &c), "bounds");
-    o.spacing = (c.high[2] - c.low[2]) / BLEND_CUTS;
+    o.spacing = (c.box.high[2] - c.box.low[2]) / BLEND_CUTS;
     bench_try(ctx, bvx_slice_mesh(ctx, &view, &o, sections), "sections");
 }
 
@@ -234,8 +234,8 @@ static void show_blend(bvx_context *ctx, const char *name, const bvx_sections *s
     uint64_t pairs = 0;
 
     memset(&times, 0, sizeof times);
-    o.layers = layers;
-    o.blend = blend;
+    o.slabs.layers = layers;
+    o.slabs.blend = blend;
     o.mend = 1;
     o.report = &report;
     for (int i = 0; i < BLEND_RUNS; i++) {

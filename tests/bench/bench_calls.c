@@ -54,7 +54,7 @@ static int count_voxels(void)
 
 static int unite_grids(void)
 {
-    return bvx_grid_union(ctx, &solid, &solid, &made) == BVX_OK;
+    return bvx_grid_combine(ctx, &solid, &solid, BVX_BOOLEAN_UNION, &made) == BVX_OK;
 }
 
 static int dilate_grid(void)
@@ -143,7 +143,7 @@ static const struct {
              {"bvx_lattice_make", make_lattice},
              {"bvx_lattice_fit", fit_lattice},
              {"bvx_grid_count", count_voxels},
-             {"bvx_grid_union, into itself again", unite_grids},
+             {"bvx_grid_combine, into itself again", unite_grids},
              {"bvx_grid_morph", dilate_grid},
              {"bvx_grid_components", count_parts},
              {"bvx_voxelize_solid", voxelize},

@@ -256,11 +256,11 @@ static void show_phases(subject *s)
     bvx_context *ctx;
 
     o.threads = 1;
-    o.alloc = bench_alloc;
-    o.free = bench_free;
-    o.alloc_user = &memory;
-    o.progress = on_progress;
-    o.progress_user = &clock;
+    o.allocator.alloc = bench_alloc;
+    o.allocator.free = bench_free;
+    o.allocator.user = &memory;
+    o.progress.call = on_progress;
+    o.progress.user = &clock;
     bench_try(NULL, bvx_context_create(&o, &ctx), "context");
     for (int run = 0; run < s->runs; run++) {
         bvx_grid solid = {0};

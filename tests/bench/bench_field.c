@@ -123,7 +123,7 @@ static double run_repair(bvx_context *ctx, const bench_model *m, int threads, bv
     double const start = bench_clock(threads);
 
     o.fit.resolution = RESOLUTION;
-    o.measure = measure;
+    o.samples = measure ? 100000 : 0;
     o.report = report;
     bench_try(ctx, bvx_repair(ctx, &m->view, &o, repaired), m->name);
     return bench_clock(threads) - start;

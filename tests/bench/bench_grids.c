@@ -72,12 +72,12 @@ static void do_copy(bvx_context *ctx, algebra_bench *j)
 
 static void do_union(bvx_context *ctx, algebra_bench *j)
 {
-    bench_try(ctx, bvx_grid_union(ctx, j->a, j->b, &j->result), "union");
+    bench_try(ctx, bvx_grid_combine(ctx, j->a, j->b, BVX_BOOLEAN_UNION, &j->result), "union");
 }
 
 static void do_union_in_place(bvx_context *ctx, algebra_bench *j)
 {
-    bench_try(ctx, bvx_grid_union(ctx, &j->result, j->b, &j->result), "union");
+    bench_try(ctx, bvx_grid_combine(ctx, &j->result, j->b, BVX_BOOLEAN_UNION, &j->result), "union");
 }
 
 static void do_complement(bvx_context *ctx, algebra_bench *j)

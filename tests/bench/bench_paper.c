@@ -89,7 +89,7 @@ static void rebuild(bvx_context *ctx, const bvx_grid *solid, int32_t samples, in
     bvx_lod_options options = {.struct_size = sizeof options};
     int32_t const resolution[3] = {samples, samples, samples};
 
-    options.method = methods[m];
+    options.sampling.method = methods[m];
     options.axis_resolutions = resolution;
     double const start = bench_clock(1);
     bench_try(ctx, bvx_build_lods(ctx, solid, &options, 1, &level), "level");

@@ -26,7 +26,7 @@ typedef struct original {
 static double diagonal_of(const bvx_certificate *c)
 {
     double sum = 0.0;
-    for (int a = 0; a < 3; a++) sum += (c->high[a] - c->low[a]) * (c->high[a] - c->low[a]);
+    for (int a = 0; a < 3; a++) sum += (c->box.high[a] - c->box.low[a]) * (c->box.high[a] - c->box.low[a]);
     return sqrt(sum);
 }
 
@@ -111,9 +111,9 @@ static void one_level(bvx_context *ctx, const original *o, const setting *s, con
     if (s->threshold != 0.5) n += snprintf(name + n, sizeof name - (size_t)n, ", threshold %g", s->threshold);
     if (s->edge_samples != 0) n += snprintf(name + n, sizeof name - (size_t)n, ", steps %d", s->edge_samples);
     if (s->collapse != 0.0) n += snprintf(name + n, sizeof name - (size_t)n, ", collapse %g", s->collapse);
-    options.method = s->method;
-    options.edge_samples = s->edge_samples;
-    options.threshold = s->threshold;
+    options.sampling.method = s->method;
+    options.sampling.edge_samples = s->edge_samples;
+    options.sampling.threshold = s->threshold;
     options.collapse = s->collapse;
     options.target_triangles = &target;
     options.reports = &report;

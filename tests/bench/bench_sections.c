@@ -161,9 +161,9 @@ static void show_row(bvx_context *ctx, const bvx_sections *s, int32_t grid, int3
 
     memset(&times, 0, sizeof times);
     memset(&report, 0, sizeof report);
-    o.grid[0] = o.grid[1] = grid;
-    o.crossings = crossings;
-    o.blend = blend;
+    o.slabs.grid[0] = o.slabs.grid[1] = grid;
+    o.slabs.crossings = crossings;
+    o.slabs.blend = blend;
     o.report = &report;
     for (int i = 0; i < runs; i++) {
         double start;

@@ -49,7 +49,6 @@ static int bake(bvx_context *ctx, const void *file, size_t size)
     if (bvx_voxelize_solid(ctx, &view, &lattice, NULL, &solid) != BVX_OK) return fail(ctx, "solid");
 
     options.resolutions = resolutions;
-    options.source_triangles = mesh.triangle_count;
     options.reports = report;
     if (bvx_build_lods(ctx, &solid, &options, LEVELS, level) != BVX_OK) return fail(ctx, "levels");
     for (int i = 0; i < LEVELS; i++) {
@@ -76,8 +75,8 @@ int main(int count, char **word)
     bvx_context *ctx;
     int status = 1;
 
-    options.arena = block;
-    options.arena_size = BLOCK_BYTES;
+    options.arena.memory = block;
+    options.arena.size = BLOCK_BYTES;
     options.threads = 1; /* the tool bakes one asset a thread */
     if (file != NULL && block != NULL && bvx_context_create(&options, &ctx) == BVX_OK)
         status = bake(ctx, file, size);

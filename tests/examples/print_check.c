@@ -35,8 +35,8 @@ static int save(const char *path, const bvx_buffer *file)
 
 static void tell(const bvx_certificate *c)
 {
-    printf("part: %u triangles, %.4g x %.4g x %.4g mm\n", (unsigned)c->triangles, c->high[0] - c->low[0],
-           c->high[1] - c->low[1], c->high[2] - c->low[2]);
+    printf("part: %u triangles, %.4g x %.4g x %.4g mm\n", (unsigned)c->triangles,
+           c->box.high[0] - c->box.low[0], c->box.high[1] - c->box.low[1], c->box.high[2] - c->box.low[2]);
     printf("  %u boundary edges, %u flipped edges, %u edges of three and more triangles\n",
            (unsigned)c->boundary_edges, (unsigned)c->flipped_edges, (unsigned)c->nonmanifold_edges);
     if (c->closed && c->oriented) printf("  sound; volume %.6g mm^3\n", c->volume);

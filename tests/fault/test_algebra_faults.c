@@ -68,28 +68,28 @@ static bvx_status unite(void *user, bvx_context *ctx)
 {
     bvx_grid g = {0};
     (void)user;
-    return end_grid(ctx, bvx_grid_union(ctx, &a, &b, &g), &g);
+    return end_grid(ctx, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_UNION, &g), &g);
 }
 
 static bvx_status intersect(void *user, bvx_context *ctx)
 {
     bvx_grid g = {0};
     (void)user;
-    return end_grid(ctx, bvx_grid_intersection(ctx, &a, &b, &g), &g);
+    return end_grid(ctx, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_INTERSECTION, &g), &g);
 }
 
 static bvx_status take_away(void *user, bvx_context *ctx)
 {
     bvx_grid g = {0};
     (void)user;
-    return end_grid(ctx, bvx_grid_subtract(ctx, &a, &b, &g), &g);
+    return end_grid(ctx, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_DIFFERENCE, &g), &g);
 }
 
 static bvx_status differ(void *user, bvx_context *ctx)
 {
     bvx_grid g = {0};
     (void)user;
-    return end_grid(ctx, bvx_grid_xor(ctx, &a, &b, &g), &g);
+    return end_grid(ctx, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_XOR, &g), &g);
 }
 
 static bvx_status invert(void *user, bvx_context *ctx)
@@ -248,10 +248,10 @@ static void test_cancelled_in_place_keeps_the_words(void **state)
     memcpy(copy, a.words, words * 8);
     own.words = copy;
     own.owned = 0;
-    o.progress = stop;
+    o.progress.call = stop;
     o.threads = 1;
     ctx = context_with(&o);
-    assert_int_equal(bvx_grid_union(ctx, &own, &b, &own), BVX_CANCELLED);
+    assert_int_equal(bvx_grid_combine(ctx, &own, &b, BVX_BOOLEAN_UNION, &own), BVX_CANCELLED);
     assert_ptr_equal(own.words, copy);
     assert_int_equal(own.size[0], a.size[0]);
     bvx_context_destroy(ctx);

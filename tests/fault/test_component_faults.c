@@ -115,7 +115,6 @@ static bvx_status topology(void *user, bvx_context *ctx)
 
 static bvx_status points(void *user, bvx_context *ctx)
 {
-    static const double low[3] = {0, 0, 0}, high[3] = {1, 2, 3};
     bvx_points_options o = {.struct_size = sizeof o};
     bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice l;
@@ -123,7 +122,6 @@ static bvx_status points(void *user, bvx_context *ctx)
 
     (void)user;
     fit.resolution = 30;
-    assert_int_equal(bvx_lattice_fit_box(ctx, low, high, &fit, &l), BVX_OK);
     assert_int_equal(bvx_lattice_fit_with(ctx, &cloud_view, &fit, &l), BVX_OK);
     o.minimum = 2;
     o.body = 1;

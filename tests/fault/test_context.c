@@ -117,11 +117,11 @@ static void test_create_raises_no_floating_exception(void **state)
 static void test_create_refuses_bad_options(void **state)
 {
     static unsigned char memory[4096];
-    static const char *const why[8] = {"alloc and free are given together",
-                                       "alloc and free are given together",
-                                       "alloc and arena exclude each other",
-                                       "arena and arena_size are given together",
-                                       "arena and arena_size are given together",
+    static const char *const why[8] = {"allocator.alloc and .free are given together",
+                                       "allocator.alloc and .free are given together",
+                                       "allocator and arena exclude each other",
+                                       "arena.memory and .size are given together",
+                                       "arena.memory and .size are given together",
                                        "threads is 0 to 1024",
                                        "threads is 0 to 1024",
                                        "cpu is BVX_CPU_BEST, BVX_CPU_PORTABLE or BVX_CPU_AVX2"};
@@ -131,13 +131,13 @@ static void test_create_refuses_bad_options(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) bad[i] = default_options();
-    bad[0].alloc = fault_alloc;          /* alloc without free */
-    bad[1].free = fault_free;            /* free without alloc */
-    bad[2] = fault_options(NULL, &heap); /* an allocator and an arena */
-    bad[2].arena = memory;
-    bad[2].arena_size = sizeof memory;
-    bad[3].arena = memory;             /* an arena without size */
-    bad[4].arena_size = sizeof memory; /* a size without arena */
+    bad[0].allocator.alloc = fault_alloc; /* alloc without free */
+    bad[1].allocator.free = fault_free;   /* free without alloc */
+    bad[2] = fault_options(NULL, &heap);  /* an allocator and an arena */
+    bad[2].arena.memory = memory;
+    bad[2].arena.size = sizeof memory;
+    bad[3].arena.memory = memory;      /* an arena without size */
+    bad[4].arena.size = sizeof memory; /* a size without arena */
     bad[5].threads = -1;
     bad[6].threads = 1025;
     bad[7].cpu = BVX_CPU_AVX2 + 1;
@@ -172,8 +172,8 @@ static void test_fault_of_an_arena_is_that_of_its_context(void **state)
         bvx_status status;
 
         memset(memory, 0xEE, sizeof memory);
-        o.arena = memory + 3;
-        o.arena_size = size;
+        o.arena.memory = memory + 3;
+        o.arena.size = size;
         fault = bvx_context_fault(BVX_VERSION, &o);
         assert_memory_equal(memory, same, sizeof memory);
         status = bvx_context_create(&o, &ctx);

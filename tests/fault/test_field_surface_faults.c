@@ -32,7 +32,8 @@ static int make_inputs(void **state)
     assert_int_equal(bvx_lattice_make(maker, origin, spacing, dims, &lattice), BVX_OK);
     field_maker_measure(maker, &box, &lattice, 2.0, BVX_F32, &field);
     assert_int_equal(bvx_grid_create(maker, &lattice, NULL, &changed), BVX_OK);
-    assert_int_equal(bvx_grid_union(maker, &field.inside, &field.inside, &changed), BVX_OK);
+    assert_int_equal(bvx_grid_combine(maker, &field.inside, &field.inside, BVX_BOOLEAN_UNION, &changed),
+                     BVX_OK);
     for (int32_t x = 0; x < dims[0]; x++) bvx_grid_set(&changed, x, 9, 7, 0);
     return 0;
 }

@@ -206,9 +206,9 @@ static void test_grid_files_in_arenas(void **state)
         bvx_context_options o = default_options();
         o.threads = 2;
         working w = start(i, &o);
-        o.arena = memory;
+        o.arena.memory = memory;
         for (uint64_t size = ARENA; size > 4096; size -= size / 5) {
-            o.arena_size = size;
+            o.arena.size = size;
             bvx_context *const ctx = context_with(&o);
             for (int again = 0; again < 2; again++) {
                 bvx_status const status = run_action(&w, ctx);

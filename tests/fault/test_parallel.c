@@ -68,8 +68,8 @@ static void test_the_callers_parallel_for_is_used(void **state)
         bvx_context_options o = default_options();
         bvx_context *ctx;
         memset(&r, 0, sizeof r);
-        o.parallel = run_backwards;
-        o.parallel_user = &own;
+        o.parallel.call = run_backwards;
+        o.parallel.user = &own;
         o.threads = workers;
         ctx = context_with(&o);
         assert_int_equal(bvx_context_threads(ctx), workers);
@@ -89,8 +89,8 @@ static void test_a_parallel_for_without_threads_means_one(void **state)
     bvx_context *ctx;
 
     (void)state;
-    o.parallel = run_backwards;
-    o.parallel_user = &own;
+    o.parallel.call = run_backwards;
+    o.parallel.user = &own;
     ctx = context_with(&o);
     assert_int_equal(bvx_context_threads(ctx), 1);
     bvx_context_destroy(ctx);
@@ -135,11 +135,11 @@ static void test_progress_grows_and_cancels_at_every_call(void **state)
         bvx_status status;
         memset(&r, 0, sizeof r);
         w.cancel_at = ++n;
-        o.parallel = run_backwards; /* one thread in truth, so that started may be counted */
-        o.parallel_user = &own;
+        o.parallel.call = run_backwards; /* one thread in truth, so that started may be counted */
+        o.parallel.user = &own;
         o.threads = 2;
-        o.progress = watch;
-        o.progress_user = &w;
+        o.progress.call = watch;
+        o.progress.user = &w;
         ctx = context_with(&o);
         status = bvxi_parallel(ctx, "tasks", 0.25, 0.5, TASKS, start_task, &r);
         if (w.calls < n) {

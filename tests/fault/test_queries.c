@@ -184,8 +184,8 @@ static void test_a_tree_lives_beside_other_work(void **state)
 
     (void)state;
     assert_non_null(memory);
-    o.arena = memory;
-    o.arena_size = most;
+    o.arena.memory = memory;
+    o.arena.size = most;
     o.threads = 1;
     ctx = context_with(&o);
     assert_int_equal(bvx_closest_create(ctx, &star_view, &closest), BVX_OK);

@@ -59,9 +59,9 @@ static bvx_render_options cut_options(void)
     o.height = 50;
     o.samples = 1;
     o.smooth = o.wireframe = 1;
-    o.cut = BVX_OPEN_X_HIGH | BVX_OPEN_Z_LOW;
-    o.cut_high[0] = 20;
-    o.cut_low[2] = 9.1;
+    o.cut.sides = BVX_OPEN_X_HIGH | BVX_OPEN_Z_LOW;
+    o.cut.high[0] = 20;
+    o.cut.low[2] = 9.1;
     return o;
 }
 

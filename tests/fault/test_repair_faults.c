@@ -23,8 +23,7 @@ static bvx_status repair_once(void *user, bvx_context *ctx)
     o.parts.keep_largest = 1;
     o.parts.least_cavity = 5;
     o.placing.sharp = BVX_SHARP_ALWAYS;
-    o.measure = 1;
-    o.measure_samples = 50;
+    o.samples = 50;
     o.report = &report;
     status = bvx_repair(ctx, &spoilt_view, &o, &mesh);
     if (status != BVX_OK) {
@@ -112,8 +111,8 @@ static void test_repair_lives_in_an_arena(void **state)
     bvx_context *ctx;
 
     (void)state;
-    o.arena = memory;
-    o.arena_size = sizeof memory;
+    o.arena.memory = memory;
+    o.arena.size = sizeof memory;
     ctx = context_with(&o);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(repair_once(NULL, ctx), BVX_OK);

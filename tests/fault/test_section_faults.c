@@ -116,16 +116,16 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
     bvx_sections_report report;
     bvx_mesh mesh = {0};
 
-    o.grid[0] = 7;
-    o.grid[1] = 5;
+    o.slabs.grid[0] = 7;
+    o.slabs.grid[1] = 5;
     o.cells = 8;
     o.agree = 0.5;
     if (run->kind == RUN_TAPER || run->kind == RUN_LENS) o.caps = BVX_CAPS_TAPER;
-    if (run->kind == RUN_PAPER) o.crossings = BVX_CROSSINGS_PAPER;
-    if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.layers = 3;
-    if (run->kind == RUN_CUBIC) o.blend = BVX_BLEND_CUBIC;
+    if (run->kind == RUN_PAPER) o.slabs.crossings = BVX_CROSSINGS_PAPER;
+    if (run->kind == RUN_LAYERS || run->kind == RUN_CUBIC) o.slabs.layers = 3;
+    if (run->kind == RUN_CUBIC) o.slabs.blend = BVX_BLEND_CUBIC;
     if (run->kind == RUN_SLAB || run->kind == RUN_LENS) o.thickness = 0.5;
-    if (run->kind == RUN_SHIFTED) o.join = 4;
+    if (run->kind == RUN_SHIFTED) o.slabs.join = 4;
     o.report = &report;
     o.mend = run->kind == RUN_MENDED;
     bvx_status status = bvx_build_sections(ctx,
@@ -133,7 +133,7 @@ static bvx_status run_body(section_run *run, bvx_context *ctx, uint64_t *mark)
                                            : run->kind == RUN_OBLIQUE ? &oblique.s
                                            : run->kind == RUN_HANDLED ? &handled.s
                                            : o.thickness > 0.0        ? &lone.s
-                                           : o.join > 0.0             ? &slanted.s
+                                           : o.slabs.join > 0.0       ? &slanted.s
                                            : o.mend                   ? &crossed.s
                                                                       : &stack.s,
                                            &o, &mesh);
@@ -292,8 +292,8 @@ static bvx_status run_close_points(void *user, bvx_context *ctx)
     bvx_mesh mesh = {0};
     bvx_status status;
 
-    o.grid[0] = 6;
-    o.grid[1] = 5;
+    o.slabs.grid[0] = 6;
+    o.slabs.grid[1] = 5;
     status = bvx_build_sections(ctx, &run->stack.s, &o, &mesh);
     if (status == BVX_OK) {
         run->volume = volume_of(&mesh);

@@ -403,7 +403,7 @@ static bvx_status lods_by_resolution(void *user, bvx_context *ctx)
     static const int32_t resolutions[3] = {30, 17, 8};
     bvx_lod_options o = {.struct_size = sizeof o};
     (void)user;
-    o.method = BVX_LOD_EDGE_RATIO;
+    o.sampling.method = BVX_LOD_EDGE_RATIO;
     o.resolutions = resolutions;
     return lods(ctx, &solid, &o);
 }
@@ -413,7 +413,7 @@ static bvx_status lods_by_coverage(void *user, bvx_context *ctx)
     static const int32_t resolutions[9] = {30, 20, 25, 14, 14, 15, 8, 9, 7};
     bvx_lod_options o = {.struct_size = sizeof o};
     (void)user;
-    o.method = BVX_LOD_COVERAGE;
+    o.sampling.method = BVX_LOD_COVERAGE;
     o.axis_resolutions = resolutions;
     return lods(ctx, &solid, &o);
 }
@@ -505,8 +505,8 @@ static void test_progress_grows_over_several_blocks(void **state)
         bvx_lattice l;
         bvx_grid grid = {0};
         bvx_context *ctx;
-        o.progress = fault_on_progress;
-        o.progress_user = &progress;
+        o.progress.call = fault_on_progress;
+        o.progress.user = &progress;
         o.threads = 1;
         ctx = context_with(&o);
         assert_int_equal(bvx_lattice_make(ctx, origin, spacing, dims, &l), BVX_OK);
@@ -544,8 +544,8 @@ static void test_stages_live_in_an_arena(void **state)
             size_t const size = n == STEPS ? most : most / 8 * n * n / STEPS / STEPS, skew = n % 16;
             bvx_context *ctx;
             bvx_status first, second;
-            o.arena = memory + skew;
-            o.arena_size = size;
+            o.arena.memory = memory + skew;
+            o.arena.size = size;
             o.threads = 1;
             memset(memory, 0xA5, skew);
             memset(memory + skew + size, 0xA5, 16 - skew);
@@ -592,8 +592,8 @@ static void test_the_main_job_in_one_arena(void **state)
     (void)state;
     assert_non_null(memory);
     memset(level, 0, sizeof level);
-    o.arena = memory;
-    o.arena_size = most;
+    o.arena.memory = memory;
+    o.arena.size = most;
     o.threads = 2;
     ctx = context_with(&o);
     l.resolutions = resolutions;

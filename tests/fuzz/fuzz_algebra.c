@@ -15,15 +15,15 @@ static void fuzz_sets(bvx_context *ctx, bvx_context *other, const bvx_grid *a, c
 {
     bvx_grid both = {0}, any = {0}, left = {0}, one = {0}, none = {0}, again = {0};
 
-    fuzz_must(ctx, bvx_grid_intersection(ctx, a, b, &both));
-    fuzz_must(ctx, bvx_grid_union(ctx, a, b, &any));
-    fuzz_must(ctx, bvx_grid_subtract(ctx, a, b, &left));
-    fuzz_must(ctx, bvx_grid_xor(ctx, a, b, &one));
+    fuzz_must(ctx, bvx_grid_combine(ctx, a, b, BVX_BOOLEAN_INTERSECTION, &both));
+    fuzz_must(ctx, bvx_grid_combine(ctx, a, b, BVX_BOOLEAN_UNION, &any));
+    fuzz_must(ctx, bvx_grid_combine(ctx, a, b, BVX_BOOLEAN_DIFFERENCE, &left));
+    fuzz_must(ctx, bvx_grid_combine(ctx, a, b, BVX_BOOLEAN_XOR, &one));
     fuzz_require(fuzz_count(ctx, &any) + fuzz_count(ctx, &both) == fuzz_count(ctx, a) + fuzz_count(ctx, b),
                  "a union of another size");
-    fuzz_must(ctx, bvx_grid_union(ctx, &left, &both, &left));
+    fuzz_must(ctx, bvx_grid_combine(ctx, &left, &both, BVX_BOOLEAN_UNION, &left));
     fuzz_grids_equal(&left, a, "what is left of a and what both have is not a");
-    fuzz_must(other, bvx_grid_subtract(other, &any, &both, &again));
+    fuzz_must(other, bvx_grid_combine(other, &any, &both, BVX_BOOLEAN_DIFFERENCE, &again));
     fuzz_grids_equal(&again, &one, "a union less what both have is not one of both");
     fuzz_must(ctx, bvx_grid_complement(ctx, &any, &none));
     fuzz_must(ctx, bvx_grid_complement(ctx, &none, &none));

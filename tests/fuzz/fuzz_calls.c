@@ -47,13 +47,13 @@ static void fuzz_slices(bvx_context *ctx, bvx_context *other, fuzz_input *in, co
     o.normal[1] = fuzz_range(in, -2, 2);
     o.spacing = fuzz_range(in, 2, 32) / 8.0;
     if (!fuzz_good(ctx, bvx_slice_mesh(ctx, &view, &o, &sections))) return;
-    b.grid[0] = fuzz_range(in, 2, 20);
-    b.grid[1] = fuzz_range(in, 2, 20);
-    b.layers = fuzz_range(in, 1, 3);
-    b.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
+    b.slabs.grid[0] = fuzz_range(in, 2, 20);
+    b.slabs.grid[1] = fuzz_range(in, 2, 20);
+    b.slabs.layers = fuzz_range(in, 1, 3);
+    b.slabs.blend = fuzz_range(in, BVX_BLEND_AUTO, BVX_BLEND_CUBIC);
     b.caps = fuzz_range(in, BVX_CAPS_FLAT, BVX_CAPS_TAPER);
-    b.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
-    b.depth = fuzz_range(in, BVX_NONE, 5);
+    b.slabs.crossings = fuzz_range(in, BVX_CROSSINGS_EXACT, BVX_CROSSINGS_CLASSIC);
+    b.slabs.depth = fuzz_range(in, BVX_NONE, 5);
     { /* contours of voxel surfaces may touch themselves, which is refused in words */
         bvx_status const status = bvx_build_sections(ctx, &sections, &b, &body);
         if (status == BVX_ERR_FORMAT) fuzz_require(bvx_last_message(ctx)[0] != 0, "a failure without words");
@@ -88,6 +88,23 @@ static void fuzz_distances(bvx_context *ctx, fuzz_input *in, const fuzz_mesh *m,
     source.colours = colours;
     if (fuzz_good(ctx, bvx_mesh_carry(ctx, &source, surface)))
         fuzz_require(surface->colours != NULL, "colours that were not carried");
+}
+
+/* Bounds are finite and not negative, the tensor is one of a body, and more threads change no byte. */
+static void fuzz_measure(bvx_context *ctx, bvx_context *other, fuzz_input *in, const bvx_mesh_view *view)
+{
+    bvx_measure_options const o = {.struct_size = sizeof o, .resolution = fuzz_range(in, 1, 24)};
+    bvx_measure_report r, twin;
+
+    if (!fuzz_good(ctx, bvx_measure(ctx, view, &o, &r))) return;
+    fuzz_require(r.volume >= 0 && r.volume_error >= 0 && r.center_error >= 0 && r.inertia_error >= 0 &&
+                     r.inertia_error <= 1e300,
+                 "a bound that is none");
+    for (int a = 0; a < 3; a++)
+        fuzz_require(r.inertia[a] <= r.inertia[(a + 1) % 3] + r.inertia[(a + 2) % 3] + 4 * r.inertia_error,
+                     "a tensor that no body has");
+    fuzz_must(other, bvx_measure(other, view, &o, &twin));
+    fuzz_require(memcmp(&r, &twin, sizeof r) == 0, "another mass with more threads");
 }
 
 /* In order, each once, and the same pairs with more threads. */
@@ -156,10 +173,10 @@ static void fuzz_pictures(bvx_context *ctx, bvx_context *other, fuzz_input *in, 
     o.samples = fuzz_range(in, 1, 2);
     o.smooth = fuzz_range(in, 0, 1);
     o.wireframe = fuzz_range(in, 0, 1);
-    o.direction[0] = fuzz_range(in, -4, 4);
+    o.camera.direction[0] = fuzz_range(in, -4, 4);
     int const cut = fuzz_range(in, 0, 2);
-    o.cut = BVX_OPEN_X_LOW << 2 * cut;
-    o.cut_low[cut] = fuzz_range(in, -8, 64) / 8.0;
+    o.cut.sides = BVX_OPEN_X_LOW << 2 * cut;
+    o.cut.low[cut] = fuzz_range(in, -8, 64) / 8.0;
     for (int turn = 0; turn < 2; turn++) {
         bvx_context *const c = turn == 0 ? ctx : other;
         bvx_image *const i = turn == 0 ? &image : &twin;
@@ -238,6 +255,7 @@ static void fuzz_one(fuzz_input *in)
         case 6:
             fuzz_normals(ctx, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
+            fuzz_measure(ctx, other, &in, &m.view);
             break;
         default: fuzz_parts(ctx, &solid);
         }

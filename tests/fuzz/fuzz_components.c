@@ -119,7 +119,8 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
     bvx_points_report r;
     bvx_lattice lattice, boxed;
     bvx_grid whole = {0}, part = {0}, body = {0};
-    double low[3], high[3];
+    double low_high[2][3], *const low = low_high[0], *const high = low_high[1];
+    bvx_mesh_view const box = {.positions = low_high, .vertex_count = 2, .position_type = BVX_F64};
 
     fuzz_take_mesh(in, &m);
     m.view.triangle_count = 0;
@@ -132,7 +133,7 @@ static void fuzz_cloud(bvx_context *ctx, fuzz_input *in)
             high[a] = m.v[v][a] > high[a] ? m.v[v][a] : high[a];
         }
     }
-    fuzz_must(ctx, bvx_lattice_fit_box(ctx, low, high, &fit, &boxed));
+    fuzz_must(ctx, bvx_lattice_fit_with(ctx, &box, &fit, &boxed));
     fuzz_require(memcmp(&boxed, &lattice, sizeof boxed) == 0,
                  "the box of points has another lattice than they have");
     o.minimum = fuzz_range(in, 1, 5);

@@ -56,18 +56,18 @@ static void fuzz_check_body(bvx_context *ctx, const bvx_sections *s, int32_t cho
     bvx_certificate c;
     bvx_status status;
 
-    o.grid[0] = 2 + choice % 7;
-    o.grid[1] = 2 + choice % 11;
-    o.depth = choice % 5;
+    o.slabs.grid[0] = 2 + choice % 7;
+    o.slabs.grid[1] = 2 + choice % 11;
+    o.slabs.depth = choice % 5;
     o.caps = choice % 2;
-    o.layers = 1 + choice % 3;
+    o.slabs.layers = 1 + choice % 3;
     o.mend = choice / 64 % 2;
-    o.blend = choice / 128 % 3;
+    o.slabs.blend = choice / 128 % 3;
     o.label = s->loops[0].label;
     o.cells = 8 + choice % 13;
-    o.thickness = choice / 512 % 2 == 0 ? 0.0 : 0.5; /* of one section alone */
-    o.join = choice / 1024 % 4 == 0 ? 2.0 : 0.0;     /* of parallel ones */
-    o.agree = choice / 256 % 3 == 0 ? 0.0 : 1e9;     /* of planes that are not parallel */
+    o.thickness = choice / 512 % 2 == 0 ? 0.0 : 0.5;   /* of one section alone */
+    o.slabs.join = choice / 1024 % 4 == 0 ? 2.0 : 0.0; /* of parallel ones */
+    o.agree = choice / 256 % 3 == 0 ? 0.0 : 1e9;       /* of planes that are not parallel */
     status = bvx_build_sections(ctx, s, &o, &mesh);
     if (status == BVX_OK) {
         bvx_mesh_view_of(&mesh, &view);

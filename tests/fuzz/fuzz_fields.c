@@ -80,7 +80,7 @@ static void fuzz_field_surface(bvx_context *ctx, fuzz_input *in, const fuzz_mesh
 
     if (field->inside.words == NULL) return;
     if (fuzz_range(in, 0, 1)) {
-        fuzz_must(ctx, bvx_grid_union(ctx, &field->inside, &field->inside, &changed));
+        fuzz_must(ctx, bvx_grid_combine(ctx, &field->inside, &field->inside, BVX_BOOLEAN_UNION, &changed));
         for (int32_t n = 0; n < 12; n++)
             bvx_grid_set(&changed, fuzz_range(in, 0, changed.size[0] - 1),
                          fuzz_range(in, 0, changed.size[1] - 1), fuzz_range(in, 0, changed.size[2] - 1),

@@ -126,9 +126,9 @@ static void fuzz_levels(bvx_context *ctx, fuzz_input *in, const bvx_grid *solid)
     int32_t longest = 1;
 
     for (int a = 0; a < 3; a++) longest = solid->size[a] > longest ? solid->size[a] : longest;
-    o.method = fuzz_range(in, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE);
-    if (o.method == BVX_LOD_EDGE_RATIO) o.edge_samples = fuzz_range(in, 0, 5);
-    o.threshold = fuzz_range(in, 1, 15) / 16.0;
+    o.sampling.method = fuzz_range(in, BVX_LOD_EDGE_RATIO, BVX_LOD_COVERAGE);
+    if (o.sampling.method == BVX_LOD_EDGE_RATIO) o.sampling.edge_samples = fuzz_range(in, 0, 5);
+    o.sampling.threshold = fuzz_range(in, 1, 15) / 16.0;
     o.position_type = BVX_F64;
     for (int i = 0; i < 2; i++) {
         resolutions[i] = fuzz_range(in, 1, longest);

@@ -57,10 +57,11 @@ static void algebra_cases(golden *g)
     if (golden_good(g, bvx_lattice_fit(g->context, &view, 66, &lattice)) &&
         golden_good(g, bvx_voxelize_solid(g->context, &view, &lattice, NULL, &a)) &&
         golden_good(g, bvx_voxelize_solid(g->context, &ball_view, &lattice, NULL, &b))) {
-        combined(g, "union", bvx_grid_union(g->context, &a, &b, &made), &made);
-        combined(g, "intersection", bvx_grid_intersection(g->context, &a, &b, &made), &made);
-        combined(g, "difference", bvx_grid_subtract(g->context, &a, &b, &made), &made);
-        combined(g, "xor", bvx_grid_xor(g->context, &a, &b, &made), &made);
+        combined(g, "union", bvx_grid_combine(g->context, &a, &b, BVX_BOOLEAN_UNION, &made), &made);
+        combined(g, "intersection", bvx_grid_combine(g->context, &a, &b, BVX_BOOLEAN_INTERSECTION, &made),
+                 &made);
+        combined(g, "difference", bvx_grid_combine(g->context, &a, &b, BVX_BOOLEAN_DIFFERENCE, &made), &made);
+        combined(g, "xor", bvx_grid_combine(g->context, &a, &b, BVX_BOOLEAN_XOR, &made), &made);
         combined(g, "complement", bvx_grid_complement(g->context, &a, &made), &made);
         block_values(g, &a);
         moved_values(g, &a);

@@ -87,20 +87,21 @@ static void lattice_value(golden *g, const char *key, const bvx_lattice *lattice
 
 static void box_case(golden *g)
 {
-    static const double low[3] = {-1.25, 0.1, 3000.0}, high[3] = {2.5, 0.1, 3001.7};
+    static const double corners[2][3] = {{-1.25, 0.1, 3000.0}, {2.5, 0.1, 3001.7}};
+    bvx_mesh_view const box = {.positions = corners, .vertex_count = 2, .position_type = BVX_F64};
     bvx_lattice_options fit = {.struct_size = sizeof fit};
     bvx_lattice lattice;
 
     golden_begin(g, "box_lattice");
     fit.resolution = 100;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+    if (golden_good(g, bvx_lattice_fit_with(g->context, &box, &fit, &lattice)))
         lattice_value(g, "cubic", &lattice);
     fit.padding = 3;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+    if (golden_good(g, bvx_lattice_fit_with(g->context, &box, &fit, &lattice)))
         lattice_value(g, "padded", &lattice);
     fit.resolution = 0;
     fit.spacing[0] = fit.spacing[1] = fit.spacing[2] = 0.03;
-    if (golden_good(g, bvx_lattice_fit_box(g->context, low, high, &fit, &lattice)))
+    if (golden_good(g, bvx_lattice_fit_with(g->context, &box, &fit, &lattice)))
         lattice_value(g, "spacing", &lattice);
     golden_end(g);
 }

@@ -59,7 +59,8 @@ static void changed_values(golden *g, const char *name, const bvx_mesh_view *vie
     o.half_width = 5;
     if (golden_good(g, bvx_lattice_fit(g->context, view, resolution, &lattice)) &&
         golden_good(g, bvx_measure_field(g->context, view, &lattice, &o, &field)) &&
-        golden_good(g, bvx_grid_union(g->context, &field.inside, &field.inside, &shell))) {
+        golden_good(g,
+                    bvx_grid_combine(g->context, &field.inside, &field.inside, BVX_BOOLEAN_UNION, &shell))) {
         double const thickness = 2.25 * lattice.spacing[0];
         for (int32_t z = 0; z < shell.size[2]; z++)
             for (int32_t y = 0; y < shell.size[1]; y++)

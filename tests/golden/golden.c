@@ -242,7 +242,7 @@ static void levels_of(golden *g, const bvx_grid *solid)
     for (int32_t method = BVX_LOD_EDGE_RATIO; method <= BVX_LOD_COVERAGE; method++) {
         bvx_mesh levels[3] = {{0}};
         bvx_lod_options options = {.struct_size = sizeof options};
-        options.method = method;
+        options.sampling.method = method;
         options.resolutions = resolutions;
         if (!golden_good(g, bvx_build_lods(g->context, solid, &options, 3, levels))) return;
         for (int32_t l = 0; l < 3; l++) {

@@ -15,11 +15,11 @@ static void body_values(golden *g, const bvx_sections *sections, int32_t cells)
         for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_OPEN; caps++) {
             bvx_sections_options o = {.struct_size = sizeof o};
             bvx_mesh mesh = {0};
-            o.crossings = crossings;
+            o.slabs.crossings = crossings;
             o.caps = caps;
-            o.blend = BVX_BLEND_LINEAR;
-            o.grid[0] = o.grid[1] = cells;
-            o.layers = 1 + caps;
+            o.slabs.blend = BVX_BLEND_LINEAR;
+            o.slabs.grid[0] = o.slabs.grid[1] = cells;
+            o.slabs.layers = 1 + caps;
             o.report = &report;
             mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
             if (crossings != BVX_CROSSINGS_EXACT || caps != BVX_CAPS_TAPER) continue;
@@ -36,10 +36,10 @@ static void cubic_values(golden *g, const bvx_sections *sections, int32_t cells)
         for (int32_t layers = 1; layers <= 4; layers += 3) {
             bvx_sections_options o = {.struct_size = sizeof o};
             bvx_mesh mesh = {0};
-            o.crossings = crossings;
-            o.grid[0] = o.grid[1] = cells;
-            o.layers = layers;
-            o.blend = BVX_BLEND_CUBIC;
+            o.slabs.crossings = crossings;
+            o.slabs.grid[0] = o.slabs.grid[1] = cells;
+            o.slabs.layers = layers;
+            o.slabs.blend = BVX_BLEND_CUBIC;
             mesh_value(g, key[crossings], bvx_build_sections(g->context, sections, &o, &mesh), &mesh);
         }
 }
@@ -209,7 +209,7 @@ static void shifted_values(golden *g)
         bvx_sections_report report;
         bvx_mesh mesh = {0};
         o.caps = caps;
-        o.join = 5;
+        o.slabs.join = 5;
         o.report = &report;
         mesh_value(g, key[caps], bvx_build_sections(g->context, &golden_stack.s, &o, &mesh), &mesh);
         golden_u64(g, "shifted", report.shifted_parts);

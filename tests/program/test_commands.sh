@@ -75,6 +75,13 @@ reports 'info --json: pairs that cross' 'r["meshes"][0]["crossings"] == 1' info 
 reports 'info --json: no pair crosses' 'r["meshes"][0]["crossings"] == 0' info plain.obj --crossings
 reports 'info --json: crossings are not counted' '"crossings" not in r["meshes"][0]' info crossing.obj
 
+works 'info --measure' info plain.obj --measure
+holds 'info: the element of MuJoCo' says '^  MJCF +<inertial pos="[-0-9.e+ ]+" mass="[0-9.e+-]+" fullinertia="[-0-9.e+ ]+"/>'
+reports 'info --json: a mass of its density' 'abs(r["mass"]["mass"] - 4 * r["mass"]["volume"]) < 1e-9 and r["mass"]["volume_error"] >= 0 and r["mass"]["urdf"].startswith("<inertial><origin")' info plain.obj --measure --density 4
+reports 'info --json: no mass' '"mass" not in r' info plain.obj
+refuses 2 'density is used with --measure' info plain.obj --density 4
+refuses 2 'resolution is used with --measure' info plain.obj --resolution 4
+refuses 2 '--measure is used with meshes' info "$root/fixtures/waves.raw" --shape 2,2,2 --sample-type u8 --measure
 works 'voxelize' voxelize plain.obj -o box.npy --spacing 0.25 --padding 2
 holds 'voxelize writes a side-car' test -s box.npy.json
 refuses 2 'box.npy is not a mesh' info box.npy --crossings
@@ -442,7 +449,7 @@ holds 'the axis shows' differ slices.png slices2.png
 picture 'render --slices of a mesh' slices2.png "$knot" --slices z:4 --voxels 60
 for value in z z:0 z:1025 w:3 z:3.5 z:-1 :3; do refuses 2 'like z:16' render knot.npy -o x.png --slices "$value"; done
 refuses 2 'it needs --voxels' render "$knot" -o x.png --slices z:4
-for option in '--cut z=0' '--from 1,2,3' '--up 0,1,0' --smooth --wireframe --compare '--turntable 4'; do
+for option in '--cut z=0' '--from 1,2,3' '--up 0,1,0' --smooth --wireframe --compare; do
     # shellcheck disable=SC2086
     refuses 2 'exclude each other' render knot.npy -o x.png --slices z:4 $option
 done
@@ -466,32 +473,6 @@ refuses 2 'takes two inputs' render knot.npy -o x.png --compare
 refuses 2 'takes two inputs' render knot.npy knot.npy knot.npy -o x.png --compare
 refuses 2 'two grids or two meshes' render knot.npy "$knot" -o x.png --compare
 refuses 1 'origin along x' render knot.npy padded.npy -o x.png --compare
-
-works 'render --turntable' render "$knot" -o t_%d.png --turntable 12 --size 80x60
-holds 'a turntable has its frames' test "$(ls t_*.png | wc -l)" = 12
-holds 'their names are in order' test -s t_00.png -a -s t_11.png
-works 'the first frame' render "$knot" -o first.png --size 80x60
-holds 'frames differ' differ t_00.png t_03.png
-cp t_07.png kept.png
-works 'the frames on one thread' render "$knot" -o t_%d.png --turntable 12 --size 80x60 --threads 1
-holds 'frames: threads do not show' cmp t_07.png kept.png
-rm -f t_*
-works 'quarters of a turn' render plain.obj -o t_%d.png --turntable 4 --size 80x60 --from 1,0,0.5
-works 'a quarter further by --from' render plain.obj -o q_%d.png --turntable 4 --size 80x60 --from 0,1,0.5
-pixels 'the second of four frames is seen a quarter further' 'len(shown("t_1.png") ^ shown("q_0.png")) <= 4 < len(shown("t_0.png") ^ shown("q_0.png"))'
-works 'a turntable of two grids' render whole.npy end.npy -o g_%d.png --turntable 3 --compare --size 40x30
-holds 'three frames' test "$(ls g_*.png | wc -l)" = 3
-works 'a turntable at eye level' render plain.obj -o t_%d.png --turntable 4 --size 80x60 --from 1,0,0
-pixels 'frames have one scale' 'tall("t_0.png") == tall("t_1.png") == tall("t_2.png") > 20'
-refuses 2 'need %d' render "$knot" -o x.png --turntable 4
-refuses 2 'has two %d' render "$knot" -o x_%d_%d.png --turntable 4
-refuses 2 'takes one input' render "$knot" "$knot" -o x_%d.png --turntable 4
-refuses 2 'turns around' render "$knot" -o x_%d.png --turntable 4 --from 0,0,2
-refuses 2 'from 2 to 360' render "$knot" -o x_%d.png --turntable 1
-refuses 1 'cannot be written' render "$knot" -o missing/x_%d.png --turntable 4
-mkdir t9_2.png
-refuses 1 't9_2.png: cannot be written' render "$knot" -o t9_%d.png --turntable 4 --size 20x20
-rmdir t9_2.png
 
 picture 'meshes and grids on one sheet' sheet.png "$knot" knot.npy box.npy
 reports 'render --json' 'r["pictures"]["width"] == 60 and r["pictures"]["height"] == 20' render "$knot" knot.npy box.npy -o x.png --size 20x20

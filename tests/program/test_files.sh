@@ -111,8 +111,6 @@ if grep -q 'take' err; then not_ok 'no advice beyond the deepest' 'advice'; else
 
 works 'digits of levels' simplify knot.obj -o 'k_%03d.ply' --count 2 --samples 0
 holds 'as the name says' test -s k_000.ply -a -s k_001.ply
-works 'digits of frames' render knot.obj -o 'f_%04d.png' --turntable 2 --size 20x20
-holds 'as they say' test -s f_0000.png -a -s f_0001.png
 works 'digits of labels' voxelize "$root/fixtures/labels.npy" -o 'p_%02d.ply' --all-labels
 holds 'of two digits' test -s p_01.ply
 refuses 2 'has two %d' simplify knot.obj -o 'k_%03d_%d.ply' --count 2

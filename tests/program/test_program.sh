@@ -646,7 +646,6 @@ morph distance x.bvx -o x_s.npy
 compare x.bvx x_d.bvx
 compare KNOT x_r.ply --samples 1000
 render KNOT x.bvx -o x.png --size 64x64
-render KNOT -o x_%d.png --turntable 3 --size 64x64
 slice KNOT -o x.csl --spacing 0.1
 sections x.csl -o x_b.ply
 W

@@ -93,13 +93,13 @@ contents_of_the_header() {
 # in one wording.
 lists_stand_once() {
     awk '/^#define BVX_[A-Z]*_LIST\(X\)/ { list = $2; sub(/_LIST.*/, "", list); n = 0 }
-        list != "" && list !~ /STATUS|REASON|WARN/ && match($0, /X\(BVX_[A-Z0-9_]*, *[0-9]+, *"[^"]*"\)/) {
-            name = substr($0, RSTART + 2)
-            sub(/,.*/, "", name)
-            text = $0
-            sub(/^[^"]*"/, "", text)
-            sub(/".*/, "", text)
-            print ++n, name, text, list
+        list != "" && list !~ /STATUS|REASON|WARN/ {
+            for (line = $0; match(line, /X\(BVX_[A-Z0-9_]*, *[0-9]+, *"[^"]*"\)/); line = substr(line, RSTART + RLENGTH)) {
+                name = text = substr(line, RSTART + 2, RLENGTH - 4)
+                sub(/,.*/, "", name)
+                sub(/^[^"]*"/, "", text)
+                print ++n, name, text, list
+            }
         }
         /^enum/ { list = "" }' include/bitvox*.h >"$work/lists.txt"
     awk '{ own = tolower(substr($2, length($4) + 2)); gsub(/_/, "-", own); if ($4 == "BVX_SIDE" || $4 == "BVX_REAL") { own = tolower($2); sub(/bvx_(open_)?/, "", own); gsub(/_/, "-", own) }

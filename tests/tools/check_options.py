@@ -130,7 +130,7 @@ class Field:
 
 
 STRUCTS, SHARED = {}, {}  # SHARED: structs that options have by value; their fields are the options'
-for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placing)|(?<=parts)|(?<=targets)|(?<=collapse)) \{\n(.*?)\n\} ", HEADER, re.S):
+for found in re.finditer(r"typedef struct bvx_(\w+?)(_options|(?<=fit)|(?<=placing)|(?<=parts)|(?<=targets)|(?<=collapse)|(?<=allocator)|(?<=arena)|(?<=parallel)|(?<=progress)|(?<=sampling)|(?<=slabs)|(?<=camera)|(?<=bvx_cut)) \{\n(.*?)\n\} ", HEADER, re.S):
     fields = (STRUCTS if found.group(2) else SHARED)[found.group(1)] = {}
     kind = "bvx_" + found.group(1) + "_options"
     body = re.sub(r"/\*(?!\*<).*?\*/", "", found.group(3), flags=re.S)

@@ -147,9 +147,9 @@ static inline bvx_context_options fault_options(const bvx_context_options *base,
 {
     bvx_context_options o = {.struct_size = sizeof o};
     if (base != NULL) o = *base;
-    o.alloc = fault_alloc;
-    o.free = fault_free;
-    o.alloc_user = heap;
+    o.allocator.alloc = fault_alloc;
+    o.allocator.free = fault_free;
+    o.allocator.user = heap;
     return o;
 }
 
@@ -289,8 +289,8 @@ static inline const char *fault_every_cancel(fault_operation_fn *operation, void
         bvx_context *context = NULL;
         const char *wrong = NULL, *left;
         int cancelled, again = 0;
-        o.progress = fault_on_progress;
-        o.progress_user = &progress;
+        o.progress.call = fault_on_progress;
+        o.progress.user = &progress;
         progress.cancel_at = n;
         if (bvx_context_create(&o, &context) != BVX_OK) return fault_at(n, "progress call", 0, "no context");
         {
@@ -375,8 +375,8 @@ static inline const char *fault_every_arena(fault_operation_fn *operation, void 
         bvx_context_options o = {.struct_size = sizeof o};
         bvx_context *context = NULL;
         if (base != NULL) o = *base;
-        o.arena = memory;
-        o.arena_size = 4096 + (most - 4096) * n * n / steps / steps;
+        o.arena.memory = memory;
+        o.arena.size = 4096 + (most - 4096) * n * n / steps / steps;
         if (bvx_context_create(&o, &context) != BVX_OK) {
             wrong = "no context";
         } else {
@@ -387,7 +387,7 @@ static inline const char *fault_every_arena(fault_operation_fn *operation, void 
             if (wrong == NULL) wrong = fault_after(context, operation(user, context), first);
         }
         bvx_context_destroy(context);
-        if (wrong != NULL) wrong = fault_at(o.arena_size, "arena", 0, wrong);
+        if (wrong != NULL) wrong = fault_at(o.arena.size, "arena", 0, wrong);
     }
     free(memory);
     return wrong;

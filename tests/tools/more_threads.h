@@ -47,13 +47,13 @@ static inline bvx_status create_with_more_threads(const bvx_context_options *opt
     bvx_context_options o = {.struct_size = sizeof o};
 
     if (options != NULL) {
-        if (options->struct_size != sizeof o || options->parallel != NULL || options->progress != NULL ||
-            options->threads < 0 || options->threads > 1)
+        if (options->struct_size != sizeof o || options->parallel.call != NULL ||
+            options->progress.call != NULL || options->threads < 0 || options->threads > 1)
             return bvx_context_create(options, context);
         o = *options;
     }
     o.threads = TURNS;
-    o.parallel = run_by_turns;
+    o.parallel.call = run_by_turns;
     return bvx_context_create(&o, context);
 }
 #define bvx_context_create create_with_more_threads

@@ -119,7 +119,7 @@ int main(void)
     bvx_context_options o = {.struct_size = sizeof o};
 
     o.memory_limit = (uint64_t)256 << 20;
-    o.progress = stop_soon;
+    o.progress.call = stop_soon;
     contract_until = clock() + 60 * CLOCKS_PER_SEC;
     if (bvx_context_create(&o, &contract_context) != BVX_OK) return 1;
     make_world(contract_context);

@@ -88,14 +88,6 @@ static bvx_status lattice_fit_with(const world *w)
     SPOIL(o);
     return bvx_lattice_fit_with(w->ctx, w->mesh, &o, (bvx_lattice *)w->out);
 }
-static bvx_status lattice_fit_box(const world *w)
-{
-    TAKE_OPTIONS(lattice, o);
-    o.resolution = 8;
-    TAKE_RESERVED(o.reserved);
-    SPOIL(o);
-    return bvx_lattice_fit_box(w->ctx, unit_origin, unit_spacing, &o, (bvx_lattice *)w->out);
-}
 static bvx_status lattice_make(const world *w)
 {
     return bvx_lattice_make(w->ctx, unit_origin, unit_spacing, eight, (bvx_lattice *)w->out);
@@ -127,6 +119,13 @@ static bvx_status mesh_normals(const world *w)
 static bvx_status mesh_distance(const world *w)
 {
     return bvx_mesh_distance(w->ctx, w->mesh, w->mesh, 10, 1, (bvx_distance_report *)w->out);
+}
+static bvx_status measure(const world *w)
+{
+    TAKE_OPTIONS(measure, o);
+    TAKE_RESERVED(o.reserved);
+    SPOIL(o);
+    return bvx_measure(w->ctx, w->mesh, &o, (bvx_measure_report *)w->out);
 }
 static bvx_status mesh_crossings(const world *w)
 {
@@ -177,21 +176,9 @@ static bvx_status grid_fill(const world *w)
 {
     return bvx_grid_fill(w->ctx, w->grid, zeros, 1, 6, (bvx_grid *)w->out);
 }
-static bvx_status grid_union(const world *w)
+static bvx_status grid_combine(const world *w)
 {
-    return bvx_grid_union(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
-}
-static bvx_status grid_intersection(const world *w)
-{
-    return bvx_grid_intersection(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
-}
-static bvx_status grid_subtract(const world *w)
-{
-    return bvx_grid_subtract(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
-}
-static bvx_status grid_xor(const world *w)
-{
-    return bvx_grid_xor(w->ctx, w->grid, w->other, (bvx_grid *)w->out);
+    return bvx_grid_combine(w->ctx, w->grid, w->other, BVX_BOOLEAN_UNION, (bvx_grid *)w->out);
 }
 static bvx_status grid_complement(const world *w)
 {
@@ -479,10 +466,6 @@ static bvx_status write_mesh(const world *w)
     SPOIL(o);
     return bvx_write_mesh(w->ctx, w->body, 1, &o, BVX_FORMAT_OBJ, (bvx_buffer *)w->out);
 }
-static bvx_status check_written(const world *w)
-{
-    return bvx_check_written(w->ctx, w->body, 1, NULL, BVX_FORMAT_STL, (bvx_write_report *)w->out);
-}
 static bvx_status write_grid(const world *w)
 {
     return bvx_write_grid(w->ctx, w->grid, BVX_FORMAT_BVX, (bvx_buffer *)w->out);
@@ -583,7 +566,6 @@ typedef struct call {
 static const call calls[] = {
     CALL(lattice_fit, MESH, PLAIN),
     CALL(lattice_fit_with, MESH | OPTIONS | RESERVED, PLAIN),
-    CALL(lattice_fit_box, OPTIONS | RESERVED, PLAIN),
     CALL(lattice_make, 0, PLAIN),
     CALL(grid_create, LATTICE, TO_GRID),
     CALL(grid_count, GRID, PLAIN),
@@ -592,6 +574,7 @@ static const call calls[] = {
     CALL(mesh_check, MESH, PLAIN),
     CALL(mesh_normals, MESH, PLAIN),
     CALL(mesh_distance, MESH, PLAIN),
+    CALL(measure, MESH | OPTIONS | RESERVED, PLAIN),
     CALL(closest_create, MESH, TO_CLOSEST),
     CALL(mesh_crossings, MESH | SECOND | SLOT, PLAIN),
     CALL(mesh_drop_nonfinite, BODY, PLAIN),
@@ -602,10 +585,7 @@ static const call calls[] = {
     CALL(find_seed, GRID, PLAIN),
     CALL(find_pockets, GRID | SECOND | SLOT, PLAIN),
     CALL(grid_fill, GRID, TO_GRID),
-    CALL(grid_union, GRID | OTHER, TO_GRID),
-    CALL(grid_intersection, GRID | OTHER, TO_GRID),
-    CALL(grid_subtract, GRID | OTHER, TO_GRID),
-    CALL(grid_xor, GRID | OTHER, TO_GRID),
+    CALL(grid_combine, GRID | OTHER, TO_GRID),
     CALL(grid_complement, GRID, TO_GRID),
     CALL(grid_resample, GRID | LATTICE, TO_GRID),
     CALL(grid_downsample, GRID, TO_GRID),
@@ -656,7 +636,6 @@ static const call calls[] = {
     CALL(mesh_simplify, MESH | OPTIONS, TO_MESH),
     CALL(build_levels, MESH | OPTIONS | RESERVED, TO_MESH),
     CALL(write_mesh, BODY | OPTIONS, TO_BUFFER),
-    CALL(check_written, BODY, PLAIN),
     CALL(write_grid, GRID, TO_BUFFER),
     CALL(write_octree, TREE, TO_BUFFER),
     CALL(write_field, FIELD, TO_BUFFER),

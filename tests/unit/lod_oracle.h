@@ -110,9 +110,9 @@ static inline void oracle_open(oracle *o, const bvx_grid *grid, const bvx_lod_op
 
     memset(o, 0, sizeof *o);
     o->grid = grid;
-    o->method = options->method;
-    o->edge_samples = options->edge_samples;
-    o->threshold = (int32_t)floor(options->threshold * 65536.0 + 0.5);
+    o->method = options->sampling.method;
+    o->edge_samples = options->sampling.edge_samples;
+    o->threshold = (int32_t)floor(options->sampling.threshold * 65536.0 + 0.5);
     if (o->threshold < 1) o->threshold = 1;
     if (o->threshold > 65535) o->threshold = 65535;
     for (int a = 0; a < 3; a++) {

@@ -189,8 +189,8 @@ static inline void check_workers(const bvx_grid *g, int32_t format)
         bvx_context_options o = plain_options(threads);
         bvx_buffer b = {0};
         bvx_grid back;
-        o.parallel = run_backwards;
-        o.parallel_user = &pool;
+        o.parallel.call = run_backwards;
+        o.parallel.user = &pool;
         bvx_context *const plain = swap_context(&o);
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_write_grid(ctx, g, format, &b));
         TEST_ASSERT_EQUAL_UINT64(one.size, b.size);
@@ -213,8 +213,8 @@ static inline int check_cancelled_reading(const bvx_buffer *file, int32_t format
         bvx_context_options o = plain_options(1);
         int left = stop;
         bvx_grid g;
-        o.progress = cancel_at;
-        o.progress_user = &left;
+        o.progress.call = cancel_at;
+        o.progress.user = &left;
         bvx_context *const plain = swap_context(&o);
         bvx_status const status = read_packed(file->bytes, (size_t)file->size, format, NULL, &g);
         bvx_grid_free(ctx, &g);
@@ -231,8 +231,8 @@ static inline int check_cancelled_writing(const bvx_grid *grid, int32_t format)
         bvx_context_options o = plain_options(1);
         int left = stop;
         bvx_buffer b = {0};
-        o.progress = cancel_at;
-        o.progress_user = &left;
+        o.progress.call = cancel_at;
+        o.progress.user = &left;
         bvx_context *const plain = swap_context(&o);
         bvx_status const status = bvx_write_grid(ctx, grid, format, &b);
         if (status != BVX_OK) TEST_ASSERT_TRUE(b.bytes == NULL && b.size == 0);

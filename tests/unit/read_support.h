@@ -260,8 +260,8 @@ static inline int check_every_cancel(const void *bytes, size_t size, int32_t for
         bvx_context_options o = suite_options(1, BVX_CPU_BEST);
         bvx_mesh m;
         int left = stop;
-        o.progress = cancel_at;
-        o.progress_user = &left;
+        o.progress.call = cancel_at;
+        o.progress.user = &left;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
         bvx_status const status = read_file(bytes, size, format, &m);
         bvx_mesh_free(ctx, &m);

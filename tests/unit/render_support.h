@@ -124,14 +124,14 @@ static inline bvx_render_options options_of(int32_t width, int32_t height, doubl
 
     o.width = width;
     o.height = height;
-    o.direction[0] = x;
-    o.direction[1] = y;
-    o.direction[2] = z;
+    o.camera.direction[0] = x;
+    o.camera.direction[1] = y;
+    o.camera.direction[2] = z;
     /* Cuts are open until a test moves one. */
-    o.cut = 63;
+    o.cut.sides = 63;
     for (int a = 0; a < 3; a++) {
-        o.cut_low[a] = -(double)INFINITY;
-        o.cut_high[a] = (double)INFINITY;
+        o.cut.low[a] = -(double)INFINITY;
+        o.cut.high[a] = (double)INFINITY;
     }
     return o;
 }

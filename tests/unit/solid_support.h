@@ -41,8 +41,8 @@ static inline bvx_context *context_in_turns(int32_t *workers)
     bvx_context_options plain = suite_options(*workers, BVX_CPU_BEST), o;
     bvx_context *made = NULL;
 
-    plain.parallel = in_turns;
-    plain.parallel_user = workers;
+    plain.parallel.call = in_turns;
+    plain.parallel.user = workers;
     o = fault_options(&plain, &suite_heap);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &made));
     return made;

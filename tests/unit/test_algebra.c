@@ -1,10 +1,6 @@
 /* test_algebra.c - union, intersection, difference, xor and complement, against looking at each voxel. */
 #include "algebra_support.h"
 
-typedef bvx_status binary_fn(bvx_context *, const bvx_grid *, const bvx_grid *, bvx_grid *);
-
-static binary_fn *const operation[4] = {bvx_grid_union, bvx_grid_intersection, bvx_grid_subtract,
-                                        bvx_grid_xor};
 static bvx_grid a, b, made, slow;
 
 void setUp(void)
@@ -54,7 +50,7 @@ static void combine_slowly(int op)
 static bvx_status combine(bvx_context *context, int op, const bvx_grid *p, const bvx_grid *q,
                           bvx_grid *result)
 {
-    return op < 4 ? operation[op](context, p, q, result) : bvx_grid_complement(context, p, result);
+    return op < 4 ? bvx_grid_combine(context, p, q, op, result) : bvx_grid_complement(context, p, result);
 }
 
 static void test_algebra_equals_each_voxel(void)
@@ -82,7 +78,8 @@ static void test_algebra_in_place(void)
                 algebra_expect_equal(&slow, second ? &b : &a);
             }
     make_operands(65, 2, 2);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_xor(ctx, &a, &a, &a)); /* all three are one */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_grid_combine(ctx, &a, &a, BVX_BOOLEAN_XOR, &a)); /* all three are one */
     TEST_ASSERT_EACH_EQUAL_HEX64(0, a.words, 8);
 }
 
@@ -93,15 +90,17 @@ static void test_algebra_identities(void)
     make_operands(129, 4, 4);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &a, &not_a));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &b, &not_b));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_union(ctx, &a, &b, &left)); /* De Morgan */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_UNION, &left)); /* De Morgan */
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &left, &left));
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_intersection(ctx, &not_a, &not_b, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &not_a, &not_b, BVX_BOOLEAN_INTERSECTION, &made));
     algebra_expect_equal(&made, &left);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_subtract(ctx, &a, &b, &left)); /* a - b is a and not b */
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_intersection(ctx, &a, &not_b, &made));
+    TEST_ASSERT_EQUAL_INT32(
+        BVX_OK, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_DIFFERENCE, &left)); /* a - b is a and not b */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &a, &not_b, BVX_BOOLEAN_INTERSECTION, &made));
     algebra_expect_equal(&made, &left);
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_xor(ctx, &a, &b, &made)); /* a ^ b ^ b is a */
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_xor(ctx, &made, &b, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_OK,
+                            bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_XOR, &made)); /* a ^ b ^ b is a */
+    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &made, &b, BVX_BOOLEAN_XOR, &made));
     algebra_expect_equal(&a, &made);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_complement(ctx, &not_a, &not_a));
     algebra_expect_equal(&a, &not_a);
@@ -136,7 +135,8 @@ static void test_algebra_takes_words_of_the_callers(void)
     for (size_t capacity = 0; capacity <= 24; capacity++) {
         bvx_grid own = algebra_own(words, 24);
         own.word_capacity = capacity;
-        TEST_ASSERT_EQUAL_INT32(capacity < 24 ? BVX_ERR_CAPACITY : BVX_OK, bvx_grid_union(ctx, &a, &b, &own));
+        TEST_ASSERT_EQUAL_INT32(capacity < 24 ? BVX_ERR_CAPACITY : BVX_OK,
+                                bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_UNION, &own));
         if (capacity < 24) TEST_ASSERT_EACH_EQUAL_HEX64(UINT64_C(0xdbdbdbdbdbdbdbdb), words, 24);
         else algebra_expect_equal(&slow, &own);
     }
@@ -154,9 +154,11 @@ static void test_algebra_tells_a_small_result_from_one_that_overlaps(void)
     operand.words = words + 8;
     r.words = words;
     r.word_capacity = 8;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY, bvx_grid_union(ctx, &operand, &operand, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_CAPACITY,
+                            bvx_grid_combine(ctx, &operand, &operand, BVX_BOOLEAN_UNION, &r));
     r.word_capacity = 9;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_union(ctx, &operand, &operand, &r));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT,
+                            bvx_grid_combine(ctx, &operand, &operand, BVX_BOOLEAN_UNION, &r));
 
     operand.words = own;
     bvx_grid_free(ctx, &operand);
@@ -169,17 +171,17 @@ static void test_algebra_names_what_differs(void)
     make_operands(65, 4, 3);
     c = b;
     c.low[1]--;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_grid_union(ctx, &a, &c, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_grid_combine(ctx, &a, &c, BVX_BOOLEAN_UNION, &made));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "window's low along y"));
     c = b;
     c.lattice.spacing[2] = 2.5;
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_grid_subtract(ctx, &c, &b, &made));
-    TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx),
-                                "bvx_grid_subtract: the grids differ in the lattice's spacing along z"));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_LATTICE, bvx_grid_combine(ctx, &c, &b, BVX_BOOLEAN_DIFFERENCE, &made));
+    TEST_ASSERT_NOT_NULL(
+        strstr(bvx_last_message(ctx), "bvx_grid_combine: the grids differ in the lattice's spacing along z"));
     TEST_ASSERT_NULL(made.words);
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_xor(ctx, &a, NULL, &made));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_xor(ctx, NULL, &a, &made));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_intersection(ctx, &a, &b, NULL));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_combine(ctx, &a, NULL, BVX_BOOLEAN_XOR, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_combine(ctx, NULL, &a, BVX_BOOLEAN_XOR, &made));
+    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_combine(ctx, &a, &b, BVX_BOOLEAN_INTERSECTION, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_complement(ctx, NULL, &made));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_grid_complement(NULL, &a, &made));
 }

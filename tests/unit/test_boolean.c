@@ -206,10 +206,7 @@ static void test_solid_of_the_result_is_the_combined_solid(void)
             solid_of(&a, &report.lattice, &of_a);
             solid_of(&b, &report.lattice, &of_b);
             solid_of(&view, &report.lattice, &got);
-            TEST_ASSERT_EQUAL_INT32(BVX_OK, (op == 0   ? bvx_grid_union
-                                             : op == 1 ? bvx_grid_intersection
-                                             : op == 2 ? bvx_grid_subtract
-                                                       : bvx_grid_xor)(ctx, &of_a, &of_b, &want));
+            TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_combine(ctx, &of_a, &of_b, op, &want));
             if (!sharp)
                 TEST_ASSERT_EQUAL_HEX64_ARRAY(want.words, got.words,
                                               (size_t)want.words_per_row *

@@ -160,15 +160,15 @@ static void oracle_measures(bvx_certificate *c)
         for (int a = 0; a < 3; a++)
             for (int k = 0; k < 3; k++) {
                 double const x = mesh.p[3 * kept[t][k] + (uint32_t)a];
-                if ((t == 0 && k == 0) || x < c->low[a]) c->low[a] = x;
-                if ((t == 0 && k == 0) || x > c->high[a]) c->high[a] = x;
+                if ((t == 0 && k == 0) || x < c->box.low[a]) c->box.low[a] = x;
+                if ((t == 0 && k == 0) || x > c->box.high[a]) c->box.high[a] = x;
             }
     }
     for (size_t t = 0; t < kept_count; t++) { /* determinant about the centre */
         double p[3][3];
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 3; a++)
-                p[k][a] = mesh.p[3 * kept[t][k] + (uint32_t)a] - (c->low[a] + c->high[a]) / 2;
+                p[k][a] = mesh.p[3 * kept[t][k] + (uint32_t)a] - (c->box.low[a] + c->box.high[a]) / 2;
         c->volume += (p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) +
                       p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
                       p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0])) /
@@ -230,8 +230,8 @@ static void expect_oracle(int32_t weld)
     TEST_ASSERT_EQUAL_INT32(want.vertex_manifold, got.vertex_manifold);
     TEST_ASSERT_EQUAL_INT32(want.oriented, got.oriented);
     for (int a = 0; a < 3; a++) {
-        TEST_ASSERT_TRUE(want.low[a] == got.low[a]);
-        TEST_ASSERT_TRUE(want.high[a] == got.high[a]);
+        TEST_ASSERT_TRUE(want.box.low[a] == got.box.low[a]);
+        TEST_ASSERT_TRUE(want.box.high[a] == got.box.high[a]);
     }
     TEST_ASSERT_TRUE(fabs(want.area - got.area) <= 1e-12 * want.area);
     TEST_ASSERT_TRUE(fabs(want.volume - got.volume) <= 1e-12 * want.area * 10);
@@ -483,7 +483,7 @@ static void test_sizes_at_the_ends_of_doubles(void)
         TEST_ASSERT_EQUAL_UINT64(0, c.degenerate);
         TEST_ASSERT_TRUE(c.area == 6.0 * side * side);
         TEST_ASSERT_TRUE(c.volume == side * side * side);
-        TEST_ASSERT_TRUE(c.high[0] == side);
+        TEST_ASSERT_TRUE(c.box.high[0] == side);
     }
 }
 
@@ -498,7 +498,7 @@ static void test_bounds_and_volume_leave_out_what_is_collapsed(void)
     c = check(0);
     TEST_ASSERT_EQUAL_UINT64(1, c.collapsed);
     TEST_ASSERT_EQUAL_UINT64(1, c.unused_vertices);
-    TEST_ASSERT_TRUE(c.high[0] == 2.0 && c.low[1] == 1.0);
+    TEST_ASSERT_TRUE(c.box.high[0] == 2.0 && c.box.low[1] == 1.0);
     TEST_ASSERT_TRUE(c.volume == 1.0);
     expect_flags(&c, 1, 1, 1, 1);
 }
@@ -622,7 +622,7 @@ static void test_large_meshes_by_many_workers(void)
     bvx_context_options plain = suite_options(MANY_WORKERS, BVX_CPU_BEST), o;
     bvx_context *turns = NULL;
 
-    plain.parallel = in_turns;
+    plain.parallel.call = in_turns;
     o = fault_options(&plain, &suite_heap);
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &turns));
     for (int trial = 0; trial < 6; trial++) {
@@ -716,8 +716,8 @@ static void test_check_runs_in_an_arena(void)
     for (uint64_t size = 1024; size <= SIZE; size += 1 + size / 7) {
         bvx_status status;
         o = (bvx_context_options){.struct_size = sizeof o};
-        o.arena = memory;
-        o.arena_size = size;
+        o.arena.memory = memory;
+        o.arena.size = size;
         if (bvx_context_create(&o, &small) != BVX_OK) continue;
         status = bvx_mesh_check(small, &v, 1, &got);
         TEST_ASSERT_TRUE(status == BVX_OK || status == BVX_ERR_MEMORY);

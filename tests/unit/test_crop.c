@@ -338,7 +338,7 @@ static bvx_status keep_call(bvx_grid *result)
 }
 static bvx_status union_call(bvx_grid *result)
 {
-    return bvx_grid_union(ctx, &grid, &grid, result);
+    return bvx_grid_combine(ctx, &grid, &grid, BVX_BOOLEAN_UNION, result);
 }
 static bvx_status hollow_call(bvx_grid *result)
 {

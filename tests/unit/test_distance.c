@@ -425,7 +425,7 @@ static void test_threads_and_the_order_of_tasks_do_not_show(void)
         want = measure(3000, 4);
         for (int32_t threads = 2; threads <= 5; threads++) {
             o.threads = threads;
-            o.parallel = threads == 3 ? backwards : NULL;
+            o.parallel.call = threads == 3 ? backwards : NULL;
             TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &other));
             got = measure_in(other, 3000, 4);
             bvx_context_destroy(other);

@@ -191,9 +191,9 @@ static void test_memory_capacity_and_the_callback(void)
 
     o.memory_limit = 0;
     o.threads = 1;
-    o.alloc = no_alloc;
-    o.free = no_free;
-    o.alloc_user = &calls;
+    o.allocator.alloc = no_alloc;
+    o.allocator.free = no_free;
+    o.allocator.user = &calls;
     failed(BVX_ERR_MEMORY, make_again(&o, &grid), BVX_REASON_MEMORY, "bvx_grid_create");
 
     o = (bvx_context_options){.struct_size = sizeof o};
@@ -202,7 +202,7 @@ static void test_memory_capacity_and_the_callback(void)
     failed(BVX_ERR_CAPACITY, make_again(&o, &grid), BVX_REASON_CAPACITY, "bvx_grid_create");
 
     memset(&grid, 0, sizeof grid);
-    o.progress = stop;
+    o.progress.call = stop;
     failed(BVX_CANCELLED, make_again(&o, &grid), BVX_REASON_CANCELLED, "bvx_extract_surface");
     bvx_grid_free(ctx, &grid);
 }
@@ -303,7 +303,7 @@ static void test_counts_and_bytes(void)
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_make(ctx, low, spacing, dims, &lattice));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_grid_create(ctx, &lattice, NULL, &grid));
     bvx_grid_set(&grid, 0, 0, 0, 1);
-    r.cut = 64;
+    r.cut.sides = 64;
     failed(BVX_ERR_ARGUMENT, bvx_render_grid(ctx, &grid, &r, &image), BVX_REASON_RANGE, "bvx_render_grid");
     bvx_grid_free(ctx, &grid);
 }

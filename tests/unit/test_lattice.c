@@ -279,6 +279,8 @@ static void test_a_box_is_fitted_like_a_mesh(void)
 
     for (size_t i = 0; i < sizeof boxes / sizeof boxes[0]; i++)
         for (int how = 0; how < 6; how++) {
+            bvx_mesh_view const corners = {
+                .positions = boxes[i], .vertex_count = 2, .position_type = BVX_F64};
             bvx_lattice_options o = fit_options();
             bvx_status status;
 
@@ -289,45 +291,11 @@ static void test_a_box_is_fitted_like_a_mesh(void)
             o.padding = how / 3 * 5;
             triangle_over(boxes[i][0], boxes[i][1]);
             status = fit(&o, &by_mesh);
-            TEST_ASSERT_EQUAL_INT32_MESSAGE(status,
-                                            bvx_lattice_fit_box(ctx, boxes[i][0], boxes[i][1], &o, &by_box),
+            TEST_ASSERT_EQUAL_INT32_MESSAGE(status, bvx_lattice_fit_with(ctx, &corners, &o, &by_box),
                                             bvx_last_message(ctx));
             TEST_ASSERT_EQUAL_INT32(BVX_OK, status);
             TEST_ASSERT_EQUAL_MEMORY(&by_mesh, &by_box, sizeof by_box);
         }
-}
-
-static void test_boxes_that_are_none(void)
-{
-    static const double low[3] = {0, 0, 0}, high[3] = {4, 4, 4};
-    double bad[3] = {1, 2, 3};
-    bvx_lattice_options o = fit_options();
-
-    o.resolution = 10;
-    ASSERT_REFUSED(BVX_ERR_EMPTY, bvx_lattice_fit_box(ctx, high, high, &o, &lattice), "the box is a point");
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, NULL, high, &o, &lattice), "low is NULL");
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, NULL, &o, &lattice), "high is NULL");
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, high, NULL, &lattice), "exactly one");
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, high, &o, NULL));
-    TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(NULL, low, high, &o, &lattice));
-    bad[1] = -2;
-    ASSERT_REFUSED(BVX_ERR_ARGUMENT, bvx_lattice_fit_box(ctx, low, bad, &o, &lattice),
-                   "above its high one along y: 0 and -2");
-    bad[1] = nan("");
-    ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_fit_box(ctx, low, bad, &o, &lattice), "along y");
-    TEST_ASSERT_EQUAL_INT32(BVX_REASON_NOT_FINITE, bvx_last_error(ctx)->reason);
-    bad[1] = -HUGE_VAL;
-    ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_fit_box(ctx, bad, high, &o, &lattice), "not finite");
-    bad[1] = 1.7e308;
-    {
-        double const opposite[3] = {1, -1.7e308, 3};
-        ASSERT_REFUSED(BVX_ERR_RANGE, bvx_lattice_fit_box(ctx, opposite, bad, &o, &lattice), "too large");
-    }
-    o = fit_options();
-    o.spacing[0] = o.spacing[1] = o.spacing[2] = 0.5;
-    /* a spacing fits a point */
-    TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_lattice_fit_box(ctx, high, high, &o, &lattice));
-    TEST_ASSERT_EQUAL_INT32(1, lattice.dims[0]);
 }
 
 static void test_fit_refuses_what_has_no_bounds(void)
@@ -693,7 +661,6 @@ int main(void)
     RUN_TEST(test_fit_looks_at_used_vertices_only);
     RUN_TEST(test_fit_refuses_contradicting_options);
     RUN_TEST(test_a_box_is_fitted_like_a_mesh);
-    RUN_TEST(test_boxes_that_are_none);
     RUN_TEST(test_fit_refuses_what_has_no_bounds);
     RUN_TEST(test_make_gives_the_fraction_bits_that_fit);
     RUN_TEST(test_make_refuses_what_is_no_lattice);

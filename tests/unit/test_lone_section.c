@@ -39,8 +39,8 @@ static void test_a_slab_is_as_thick_as_asked(void)
     build_good();
     assert_points_kept();
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * area, 0.75 * area, certificate.volume);
-    TEST_ASSERT_EQUAL_DOUBLE(5.0 - 0.375, certificate.low[2]);
-    TEST_ASSERT_EQUAL_DOUBLE(5.0 + 0.375, certificate.high[2]);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0 - 0.375, certificate.box.low[2]);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0 + 0.375, certificate.box.high[2]);
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
     TEST_ASSERT_EQUAL_UINT64(1, report.sections);
     TEST_ASSERT_EQUAL_UINT64(3, report.loops);
@@ -57,13 +57,13 @@ static void test_a_lens_ends_at_half_its_thickness(void)
     stack_round(&stack, s, 0, 0, 2, 2, 96, 0, 0, 0);
     o.thickness = 1.0;
     o.caps = BVX_CAPS_TAPER;
-    o.grid[0] = o.grid[1] = 64;
-    o.layers = 16;
+    o.slabs.grid[0] = o.slabs.grid[1] = 64;
+    o.slabs.layers = 16;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
-    TEST_ASSERT_TRUE(certificate.low[2] >= -1.5 && certificate.low[2] < -1.45);
-    TEST_ASSERT_TRUE(certificate.high[2] <= -0.5 && certificate.high[2] > -0.55);
+    TEST_ASSERT_TRUE(certificate.box.low[2] >= -1.5 && certificate.box.low[2] < -1.45);
+    TEST_ASSERT_TRUE(certificate.box.high[2] <= -0.5 && certificate.box.high[2] > -0.55);
     TEST_ASSERT_DOUBLE_WITHIN(0.03 * loop_area(0), loop_area(0) / 3.0, certificate.volume);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, loop_area(0) / 3.0, report.prismoid_volume);
 

@@ -131,8 +131,8 @@ static bvx_status arena_context(arena_room *room, size_t shift, size_t size, bvx
     memset(room->bytes, 0xEE, sizeof room->bytes);
     room->start = room->bytes + 64 + shift;
     room->size = size;
-    o.arena = room->start;
-    o.arena_size = size;
+    o.arena.memory = room->start;
+    o.arena.size = size;
     return bvx_context_create(&o, ctx);
 }
 
@@ -363,8 +363,8 @@ static void test_arena_counts_against_the_limit(void)
     bvx_context *ctx;
     void *none = NULL;
 
-    o.arena = memory;
-    o.arena_size = sizeof memory;
+    o.arena.memory = memory;
+    o.arena.size = sizeof memory;
     o.memory_limit = 256;
     ctx = context_with(&o);
     bvxi_free(ctx, get(ctx, BVXI_SCRATCH, 256), 256);
@@ -382,8 +382,8 @@ static bvx_context *marked_context(int kind, fault_heap *heap)
 
     if (kind == 1) {
         o = default_options();
-        o.arena = memory;
-        o.arena_size = sizeof memory;
+        o.arena.memory = memory;
+        o.arena.size = sizeof memory;
     }
     return context_with(&o);
 }

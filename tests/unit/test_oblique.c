@@ -644,7 +644,7 @@ static void count_reports(void)
     bvx_context_options with = {.struct_size = sizeof with};
 
     suite_close();
-    with.progress = count_report;
+    with.progress.call = count_report;
     with.threads = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&with, &ctx));
     reports = field_reports = 0;

@@ -734,8 +734,8 @@ static bvx_status cut_with(uint64_t limit, int *stop, uint64_t *peak)
 
     o.threads = 1;
     o.memory_limit = limit;
-    o.progress = stop != NULL ? stop_at : NULL;
-    o.progress_user = stop;
+    o.progress.call = stop != NULL ? stop_at : NULL;
+    o.progress.user = stop;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &own.ctx));
     status = bvxi_polygon_cut(&own, (const double(*)[3])space, shape.n, cut);
     bvxi_polygon_free(&own);

@@ -43,8 +43,8 @@ static bvx_context *watched_context(record *r, int32_t threads)
     bvx_context *ctx = NULL;
 
     o.threads = threads;
-    o.progress = note_progress;
-    o.progress_user = r;
+    o.progress.call = note_progress;
+    o.progress.user = r;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     return ctx;
 }
@@ -289,7 +289,7 @@ static void test_works_share_the_fraction(void)
     bvx_context_options o = {.struct_size = sizeof o};
     bvx_context *ctx = NULL;
 
-    o.progress = note_fraction;
+    o.progress.call = note_fraction;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     for (int again = 0; again < 2; again++) {
         seen_count = 0;

@@ -1034,8 +1034,8 @@ static void check_read_in_pieces(void)
     int tasks = 0;
     bvx_mesh m;
 
-    o.parallel = count_tasks;
-    o.parallel_user = &tasks;
+    o.parallel.call = count_tasks;
+    o.parallel.user = &tasks;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     TEST_ASSERT_EQUAL_INT32(BVX_OK, read_file(long_text, long_size, PLY, &m));
     bvx_mesh_free(ctx, &m);

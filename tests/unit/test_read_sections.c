@@ -530,7 +530,7 @@ static void test_mesh_to_contours_to_mesh(void)
         bvx_sections_options b = {.struct_size = sizeof b};
         bvx_mesh back = {0};
         bvx_mesh_view v;
-        o.spacing = (c.high[2] - c.low[2]) / n;
+        o.spacing = (c.box.high[2] - c.box.low[2]) / n;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, slice(&o));
         b.caps = BVX_CAPS_TAPER;
         if (bvx_build_sections(ctx, &t, &b, &back) != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));

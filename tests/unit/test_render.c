@@ -30,8 +30,8 @@ static void test_render_mesh_turns_by_whole_numbers(void)
     bvx_render_options o = options_of(140, 140, 3, 0, 4);
     bvx_image image;
 
-    o.up[1] = 1;
-    o.up[2] = 0;
+    o.camera.up[1] = 1;
+    o.camera.up[2] = 0;
     no_mesh();
     add_box(0, 0, 0);
     image = picture_of(&o);
@@ -230,7 +230,7 @@ static void test_render_grid_equals_the_mesh_of_its_faces(void)
             bvx_render_options o = options_of(152, 132, side & 1 ? 3 : -3, side & 2 ? 2 : -2,
                                               side & 4 ? 1.1 : -1.1);
             bvx_image of_grid = {0}, of_mesh;
-            if (side >= 8) o.direction[(side - 8) % 3] = 0;
+            if (side >= 8) o.camera.direction[(side - 8) % 3] = 0;
             o.samples = 1 + side % 2;
             scatter(&g, s == 2 ? 100 : 60);
             if (s == 0) bvx_grid_set(&g, 0, 0, 0, 1);
@@ -431,8 +431,8 @@ static void test_odd_directions_are_drawn(void)
     TEST_ASSERT_FALSE(is_background(&image, 20, 20));
     bvx_image_free(ctx, &image);
     o = options_of(40, 40, 0, 1e300, 0);
-    o.up[1] = 5;
-    o.up[2] = 0;
+    o.camera.up[1] = 5;
+    o.camera.up[2] = 0;
     image = picture_of(&o);
     bvx_image_free(ctx, &image);
 }
@@ -491,19 +491,19 @@ static void test_render_mesh_refuses_bad_options(void)
     REFUSE(o.samples = -1, "samples");
     REFUSE(o.samples = 5, "samples");
     REFUSE(o.smooth = 2, "smooth");
-    REFUSE(o.direction[2] = (double)NAN, "direction");
-    REFUSE(o.up[0] = (double)INFINITY, "up");
+    REFUSE(o.camera.direction[2] = (double)NAN, "direction");
+    REFUSE(o.camera.up[0] = (double)INFINITY, "up");
     REFUSE(o.struct_size = 3, "size");
     REFUSE(o.wireframe = 2, "wireframe is 2");
     REFUSE(o.wireframe = -1, "wireframe is -1");
-    REFUSE(o.show[0] = -1, "show is -1");
-    REFUSE(o.show[1] = (double)INFINITY, "show is 0, inf");
-    REFUSE(o.show[0] = (double)NAN, "show is");
-    REFUSE(o.cut = 64, "cut is 64");
-    REFUSE(o.cut_low[0] = (double)NAN, "along x");
-    REFUSE(o.cut_high[1] = (double)NAN, "along y");
-    REFUSE((o.cut_low[2] = 0.5, o.cut_high[2] = 0.25), "from 0.5 to 0.25 along z");
-    REFUSE((o.cut_low[1] = 1, o.cut_high[1] = -(double)INFINITY), "along y");
+    REFUSE(o.camera.show[0] = -1, "show is -1");
+    REFUSE(o.camera.show[1] = (double)INFINITY, "show is 0, inf");
+    REFUSE(o.camera.show[0] = (double)NAN, "show is");
+    REFUSE(o.cut.sides = 64, "cut.sides is 64");
+    REFUSE(o.cut.low[0] = (double)NAN, "along x");
+    REFUSE(o.cut.high[1] = (double)NAN, "along y");
+    REFUSE((o.cut.low[2] = 0.5, o.cut.high[2] = 0.25), "from 0.5 to 0.25 along z");
+    REFUSE((o.cut.low[1] = 1, o.cut.high[1] = -(double)INFINITY), "along y");
 #undef REFUSE
     v = view_of_mesh();
     image.pixels = &byte;
@@ -555,8 +555,8 @@ static void test_show_makes_room(void)
             for (int32_t x = 0; x < 10; x++) bvx_grid_set(&g, x, y, z, 1);
     for (int i = 0; i < 3; i++) {
         bvx_render_options o = options_of(400, 400, 0, -1, 0);
-        o.show[0] = i == 1 ? 20 : 0;
-        o.show[1] = i == 2 ? 20 : 0;
+        o.camera.show[0] = i == 1 ? 20 : 0;
+        o.camera.show[1] = i == 2 ? 20 : 0;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_grid(ctx, &g, &o, &image));
         TEST_ASSERT_INT32_WITHIN(2, (int32_t)(400 * 0.94 * (i == 0 ? 1.0 : 0.25)), width_of_row(&image, 200));
         bvx_image_free(ctx, &image);

@@ -11,8 +11,8 @@ static void test_mesh_cut_fits_what_is_left(void)
         bvx_render_options o = options_of(100, 100, 0, 0, 1);
         bvx_image image;
         o.samples = 1;
-        if (side) o.cut_high[0] = 5.4;
-        else o.cut_low[0] = 5.6;
+        if (side) o.cut.high[0] = 5.4;
+        else o.cut.low[0] = 5.6;
         no_mesh();
         add_box(5, -7, 2);
         image = picture_of(&o);
@@ -142,8 +142,8 @@ static void test_mesh_cut_shows_what_the_box_leaves(void)
             high[a] = low[a] + 0.2 + draw_unit() * 0.4;
             if (round % 4 == 1 && a != round / 4 % 3) low[a] = -1; /* fewer planes, too */
             if (round % 4 == 2 && a == round / 4 % 3) high[a] = 2;
-            o.cut_low[a] = low[a];
-            o.cut_high[a] = high[a];
+            o.cut.low[a] = low[a];
+            o.cut.high[a] = high[a];
         }
         for (uint64_t i = 0; i < triangles; i++)
             stretch_by_cut_triangle(extent, (const double(*)[3])xyz[3 * i], low, high);
@@ -217,10 +217,10 @@ static void test_mesh_cut_leaves_no_gap_between_neighbours(void)
             add_triangle(a, a + N + 2, a + N + 1);
         }
     o.background[0] = o.background[1] = 255;
-    o.cut_low[0] = 7.3;
-    o.cut_high[0] = 17.3;
-    o.cut_low[1] = 20.1;
-    o.cut_high[1] = 30.1;
+    o.cut.low[0] = 7.3;
+    o.cut.high[0] = 17.3;
+    o.cut.low[1] = 20.1;
+    o.cut.high[1] = 30.1;
     image = picture_of(&o);
     for (int32_t y = 0; y < SIDE; y++)
         for (int32_t x = 0; x < SIDE; x++) {
@@ -250,13 +250,13 @@ static void test_mesh_cut_around_everything_does_not_show(void)
     add_box(6, 6, 6);
     whole = picture_of(&o);
     for (int a = 0; a < 3; a++) {
-        o.cut_low[a] = -1;
-        o.cut_high[a] = 7;
+        o.cut.low[a] = -1;
+        o.cut.high[a] = 7;
     }
     cut = picture_of(&o);
     same_pictures(&whole, &cut);
     bvx_image_free(ctx, &cut);
-    o.cut_high[1] = 6.999;
+    o.cut.high[1] = 6.999;
     cut = picture_of(&o);
     TEST_ASSERT_TRUE(memcmp(whole.pixels, cut.pixels, bytes_of(&whole)) != 0);
     bvx_image_free(ctx, &cut);
@@ -271,20 +271,20 @@ static void test_mesh_cut_at_the_surface_itself(void)
     bvx_image image = {0};
     no_mesh();
     add_box(0, 0, 0);
-    o.cut_low[0] = 1;
+    o.cut.low[0] = 1;
     image = picture_of(&o);
     TEST_ASSERT_FALSE(is_background(&image, 25, 25));
     bvx_image_free(ctx, &image);
-    o.cut_high[0] = 1; /* a box without thickness */
+    o.cut.high[0] = 1; /* a box without thickness */
     image = picture_of(&o);
     TEST_ASSERT_FALSE(is_background(&image, 25, 25));
     bvx_image_free(ctx, &image);
-    o.cut_low[0] = o.cut_high[0] = 0.5; /* crosses walls, holds none */
+    o.cut.low[0] = o.cut.high[0] = 0.5; /* crosses walls, holds none */
     v = view_of_mesh();
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_mesh(ctx, &v, &o, &image));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "the cut leaves nothing"));
-    o.cut_low[0] = 1.5;
-    o.cut_high[0] = 9;
+    o.cut.low[0] = 1.5;
+    o.cut.high[0] = 9;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_mesh(ctx, &v, &o, &image));
     TEST_ASSERT_NULL(image.pixels);
 
@@ -294,10 +294,10 @@ static void test_mesh_cut_at_the_surface_itself(void)
     add_vertex(1, 0.5, 0.5);
     add_triangle(0, 1, 2);
     v = view_of_mesh();
-    o.cut_low[0] = 1; /* the tip */
+    o.cut.low[0] = 1; /* the tip */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_mesh(ctx, &v, &o, &image));
-    o.cut_low[0] = -1;
-    o.cut_high[0] = 0; /* the edge */
+    o.cut.low[0] = -1;
+    o.cut.high[0] = 0; /* the edge */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_mesh(ctx, &v, &o, &image));
     TEST_ASSERT_EQUAL_UINT64(0, bvx_memory_used(ctx));
 }
@@ -328,8 +328,8 @@ static void test_mesh_cut_in_all_ways_is_the_same_for_all_threads(void)
             bvx_mesh_view const v = view_of_mesh();
             o.smooth = o.wireframe = 1;
             for (int a = 0; a < 3; a++) {
-                o.cut_low[a] = (1.1 + a * 0.1) * scale;
-                o.cut_high[a] = (4.9 - a * 0.3) * scale;
+                o.cut.low[a] = (1.1 + a * 0.1) * scale;
+                o.cut.high[a] = (4.9 - a * 0.3) * scale;
             }
             TEST_ASSERT_EQUAL_INT32(BVX_OK,
                                     bvx_render_mesh(c, &v, &o, first.pixels == NULL ? &first : &image));
@@ -353,8 +353,8 @@ static void test_mesh_cut_of_a_small_part_is_sharp(void)
     add_box(1.25, 0.5, 0.5);
     alone = picture_of(&o);
     add_quad(from, x, y);
-    for (int a = 0; a < 3; a++) o.cut_low[a] = a == 0 ? 0.4 : 0.0;
-    for (int a = 0; a < 3; a++) o.cut_high[a] = 9;
+    for (int a = 0; a < 3; a++) o.cut.low[a] = a == 0 ? 0.4 : 0.0;
+    for (int a = 0; a < 3; a++) o.cut.high[a] = 9;
     cut = picture_of(&o);
     for (size_t i = 0; i < bytes_of(&cut); i++) TEST_ASSERT_UINT8_WITHIN(3, alone.pixels[i], cut.pixels[i]);
     bvx_image_free(ctx, &cut);
@@ -399,7 +399,7 @@ static void test_grid_cut_is_a_grid_without_those_voxels(void)
         double low[3], high[3];
         bvx_image cut, want;
         o.samples = 1;
-        if (round & 4) o.direction[0] = -o.direction[0];
+        if (round & 4) o.camera.direction[0] = -o.camera.direction[0];
         scatter(&g, 60);
         bvx_grid_set(&g, n[0] / 2, n[1] / 2, n[2] / 2, 1);
         for (int a = 0; a < 3; a++) { /* around the middle; centres lie on the bounds every fourth time */
@@ -412,8 +412,8 @@ static void test_grid_cut_is_a_grid_without_those_voxels(void)
         cleared = cleared_copy(&g, low, high);
         want = picture_of_grid(&cleared, &o);
         for (int a = 0; a < 3; a++) {
-            o.cut_low[a] = low[a];
-            o.cut_high[a] = high[a];
+            o.cut.low[a] = low[a];
+            o.cut.high[a] = high[a];
         }
         cut = picture_of_grid(&g, &o);
         for (int32_t y = 0; y < o.height; y++)
@@ -451,14 +451,14 @@ static void test_grid_cut_darkens_the_section_alone(void)
         for (int32_t z = 0; z < n; z++)
             for (int32_t y = 0; y < n; y++)
                 for (int32_t x = 0; x < n / 2 || (z < n / 2 && x < n); x++) bvx_grid_set(&g, x, y, z, 1);
-        o.cut_high[2] = g.lattice.origin[2] + n / 2;
+        o.cut.high[2] = g.lattice.origin[2] + n / 2;
         image = picture_of_grid(&g, &o);
         section = pixel(&image, 15, 47)[0];
         wall = pixel(&image, 75, 47)[0];
         TEST_ASSERT_INT_WITHIN(2, (int)(wall * 0.84 + 0.5), section);
         bvx_image_free(ctx, &image);
-        o.cut_high[2] = 1000;
-        o.cut_low[2] = g.lattice.origin[2] + n / 2; /* what is cut away below shows nothing from above */
+        o.cut.high[2] = 1000;
+        o.cut.low[2] = g.lattice.origin[2] + n / 2; /* what is cut away below shows nothing from above */
         image = picture_of_grid(&g, &o);
         TEST_ASSERT_INT_WITHIN(2, wall, pixel(&image, 47, 47)[0]);
         bvx_image_free(ctx, &image);
@@ -481,7 +481,7 @@ static void test_grid_cut_is_flat_up_to_the_rim(void)
             }
     o.smooth = o.samples = 1;
     /* radius 30 at the middle, sqrt(30^2 - 10^2) = 28.3 here */
-    o.cut_high[2] = g.lattice.origin[2] + N / 2 + 10;
+    o.cut.high[2] = g.lattice.origin[2] + N / 2 + 10;
     image = picture_of_grid(&g, &o);
     for (int32_t y = 0; y < 200; y++)
         for (int32_t x = 0; x < 200; x++) {
@@ -504,8 +504,8 @@ static void test_grid_cut_far_along_an_axis(void)
     o.wireframe = 0;
     for (int32_t x = 0; x < n; x++) bvx_grid_set(&g, x, 0, 0, x != n - 4);
     /* 4 1/2 voxels before the last centre: n - 5 is the first */
-    o.cut_low[0] = g.lattice.origin[0] + n - 5;
-    o.cut_high[0] = g.lattice.origin[0] + n - 1;
+    o.cut.low[0] = g.lattice.origin[0] + n - 5;
+    o.cut.high[0] = g.lattice.origin[0] + n - 1;
     image = picture_of_grid(&g, &o);
     for (int32_t y = 0; y < 50; y++)
         for (int32_t x = 0; x < 100; x++) {
@@ -526,12 +526,12 @@ static void test_grid_cut_leaves_nothing(void)
     bvx_image image = {0};
 
     bvx_grid_set(&g, 5, 1, 1, 1);
-    o.cut_low[0] = g.lattice.origin[0] + 5.51; /* just beyond the centre */
+    o.cut.low[0] = g.lattice.origin[0] + 5.51; /* just beyond the centre */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_grid(ctx, &g, &o, &image));
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "cut"));
-    o.cut_low[0] = 1e6;
+    o.cut.low[0] = 1e6;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, bvx_render_grid(ctx, &g, &o, &image));
-    o.cut_low[0] = o.cut_high[0] = g.lattice.origin[0] + 5.5;
+    o.cut.low[0] = o.cut.high[0] = g.lattice.origin[0] + 5.5;
     image = picture_of_grid(&g, &o);
     TEST_ASSERT_FALSE(is_background(&image, 25, 25));
     bvx_image_free(ctx, &image);

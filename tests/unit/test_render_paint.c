@@ -321,7 +321,7 @@ static void test_difference_with_itself_and_with_nothing(void)
         uint64_t peak;
         o.smooth = kind & 1;
         o.wireframe = kind >> 1 & 1;
-        if (kind & 4) o.cut_high[1] = 120;
+        if (kind & 4) o.cut.high[1] = 120;
         bvx_memory_reset_peak(ctx);
         alone = picture_of_grid(&g, &o);
         peak = bvx_memory_peak(ctx);
@@ -360,8 +360,8 @@ static void test_difference_is_the_same_for_all_threads(void)
         bvx_context *const c = suite_context(counts[turn], BVX_CPU_BEST);
         bvx_render_options o = options_of(141, 99, 3, -4, 2);
         o.wireframe = 1;
-        o.cut_low[0] = 20.3;
-        o.cut_high[2] = 30;
+        o.cut.low[0] = 20.3;
+        o.cut.high[2] = 30;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_render_difference(c, &a, &b, &o, turn ? &image : &first));
         if (turn) same_pictures(&first, &image);
         bvx_image_free(c, &image);

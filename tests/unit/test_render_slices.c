@@ -248,8 +248,8 @@ static void test_slices_are_evenly_spread(void)
                         bvx_grid_set(&all, at[0], at[1], at[2], u < bars);
                     }
                 if (cut) {
-                    o.cut_low[axis] = g.lattice.origin[axis] + 10;
-                    o.cut_high[axis] = g.lattice.origin[axis] + 30.2;
+                    o.cut.low[axis] = g.lattice.origin[axis] + 10;
+                    o.cut.high[axis] = g.lattice.origin[axis] + 30.2;
                 }
                 image = sheet_of(&g, axis, count, &o);
                 full = sheet_of(&all, axis, count, &o);
@@ -380,15 +380,15 @@ static void test_slices_refuse_bad_arguments(void)
     o.samples = 5;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "samples");
     o = good;
-    o.cut = 64;
+    o.cut.sides = 64;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "cut is 64");
     o = good;
-    o.cut_high[1] = (double)NAN;
+    o.cut.high[1] = (double)NAN;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "along y");
     o = good;
-    o.cut_high[0] = g.lattice.origin[0] + 65.4; /* just before the only voxel's centre */
+    o.cut.high[0] = g.lattice.origin[0] + 65.4; /* just before the only voxel's centre */
     refused_sheet(BVX_ERR_EMPTY, &g, 0, 1, &o, "no voxel");
-    o.cut_high[0] = g.lattice.origin[0];
+    o.cut.high[0] = g.lattice.origin[0];
     refused_sheet(BVX_ERR_EMPTY, &g, 0, 1, &o, "cut");
     image.pixels = &byte;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_slices(ctx, &g, 0, 1, &good, &image));
@@ -397,8 +397,8 @@ static void test_slices_refuse_bad_arguments(void)
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_slices(ctx, &g, 0, 1, &good, NULL));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_render_slices(NULL, &g, 0, 1, &good, &image));
     o = good; /* what is not looked at may be anything in its range */
-    o.direction[2] = 0;
-    o.up[0] = (double)NAN;
+    o.camera.direction[2] = 0;
+    o.camera.up[0] = (double)NAN;
     o.smooth = o.wireframe = 1;
     image = sheet_of(&g, 0, 1, &o);
     bvx_image_free(ctx, &image);

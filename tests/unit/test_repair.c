@@ -626,8 +626,7 @@ static void test_measured_distances(void)
 
     make_ball(at, 2);
     view = maker_view(&mesh);
-    o.measure = 1;
-    o.measure_samples = 5000;
+    o.samples = 5000;
     for (o.placing.local_frame = 0; o.placing.local_frame < 2; o.placing.local_frame++) {
         o.placing.position_type = o.placing.local_frame ? BVX_F32 : BVX_F64;
         out = repaired_by(ctx, &view, &o);
@@ -663,8 +662,7 @@ static void test_bad_options(void)
     o.shell = NAN, assert_refused(&o, BVX_ERR_ARGUMENT, "shell"), o = defaults(16);
     o.placing.sharp = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "sharp"), o = defaults(16);
     o.fit.resolution = -1, assert_refused(&o, BVX_ERR_ARGUMENT, "resolution"), o = defaults(16);
-    o.measure = 1, o.measure_samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"),
-    o = defaults(16);
+    o.samples = UINT64_C(1) << 31, assert_refused(&o, BVX_ERR_ARGUMENT, "samples"), o = defaults(16);
     o.fit.reserved = 1, assert_refused(&o, BVX_ERR_ARGUMENT, "reserved"), o = defaults(16);
     o.thin = 3, assert_refused(&o, BVX_ERR_ARGUMENT, "thin"), o = defaults(16);
     o.fit.lattice = &l, o.target_triangles = 10, assert_refused(&o, BVX_ERR_ARGUMENT, "lattice"),

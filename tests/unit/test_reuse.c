@@ -52,10 +52,7 @@ static model models[2];
 ROW(create, bvx_grid_create(c, &m->lattice, NULL, &r->grid))
 ROW(solid, bvx_voxelize_solid(c, &m->view, &m->lattice, NULL, &r->grid))
 ROW(points, bvx_voxelize_points(c, &m->view, &m->lattice, NULL, &r->grid))
-ROW(combine, bvx_grid_union(c, &m->solid, &m->field.band, &r->grid))
-ROW(intersect, bvx_grid_intersection(c, &m->solid, &m->field.band, &r->grid))
-ROW(subtract, bvx_grid_subtract(c, &m->solid, &m->field.band, &r->grid))
-ROW(differ, bvx_grid_xor(c, &m->solid, &m->field.band, &r->grid))
+ROW(combine, bvx_grid_combine(c, &m->solid, &m->field.band, BVX_BOOLEAN_UNION, &r->grid))
 ROW(complement, bvx_grid_complement(c, &m->solid, &r->grid))
 ROW(resample, bvx_grid_resample(c, &m->solid, &m->lattice, NULL, &r->grid))
 ROW(dilate, bvx_grid_morph(c, &m->solid, BVX_MORPH_DILATE, NULL, &r->grid))
@@ -271,13 +268,10 @@ static const struct row {
     {"bvx_voxelize_solid", solid},
     {"bvx_voxelize_surface", touch},
     {"bvx_voxelize_points", points},
-    {"bvx_grid_union", combine},
+    {"bvx_grid_combine", combine},
     {"bvx_grid_complement", complement},
     {"bvx_grid_resample", resample},
     {"bvx_grid_downsample", downsample},
-    {"bvx_grid_intersection", intersect},
-    {"bvx_grid_subtract", subtract},
-    {"bvx_grid_xor", differ},
     {"bvx_grid_pad", pad},
     {"bvx_read_mesh, finite", read_finite},
     {"bvx_mesh_drop_nonfinite", drop_nonfinite},
@@ -447,9 +441,9 @@ static void test_failures_leave_results_that_can_be_used(void)
         results r = {0};
         bvx_status status = BVX_ERR_MEMORY;
 
-        o.alloc = fail_alloc;
-        o.free = fail_free;
-        o.alloc_user = &f;
+        o.allocator.alloc = fail_alloc;
+        o.allocator.free = fail_free;
+        o.allocator.user = &f;
         o.threads = 1;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &c));
         for (int64_t n = 0; status != BVX_OK; n += 1 + n / (long_run ? 8 : 2)) {

@@ -241,10 +241,10 @@ static void test_scalar_full_volume_is_its_box(void)
     make_volume(&t, BVX_SAMPLE_U8, size, 0, x_first, 0, 0);
     fill_noise(&t, 1, 9);
     c = check_scalar(&t, &o);
-    TEST_ASSERT_EQUAL_DOUBLE(-3.25, c.low[0]);
-    TEST_ASSERT_EQUAL_DOUBLE(-3.25 + 70 * 0.5, c.high[0]);
-    TEST_ASSERT_EQUAL_DOUBLE(10.5 + 3 * 0.75, c.high[1]);
-    TEST_ASSERT_EQUAL_DOUBLE(4 * 1.25, c.high[2]);
+    TEST_ASSERT_EQUAL_DOUBLE(-3.25, c.box.low[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(-3.25 + 70 * 0.5, c.box.high[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(10.5 + 3 * 0.75, c.box.high[1]);
+    TEST_ASSERT_EQUAL_DOUBLE(4 * 1.25, c.box.high[2]);
     free_volume(&t);
 }
 

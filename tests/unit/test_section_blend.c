@@ -120,7 +120,7 @@ static void test_zero_is_where_the_value_is(void)
 
 static void build_blend(int32_t blend)
 {
-    o.blend = blend;
+    o.slabs.blend = blend;
     build_good();
 }
 
@@ -176,7 +176,7 @@ static void test_ball_is_nearer(void)
             double linear;
             make_ball(9, 0.3 * uneven);
             o.spacing = 0.2;
-            o.layers = layers;
+            o.slabs.layers = layers;
             build_blend(BVX_BLEND_LINEAR);
             linear = ball_error();
             build_blend(BVX_BLEND_CUBIC);
@@ -198,9 +198,9 @@ static void test_straight_sides_stay_straight(void)
         stack_point(&stack, 20 + position[i], 20);
         stack_point(&stack, 0, 20);
     }
-    o.grid[0] = 83;
-    o.grid[1] = 40;
-    o.layers = 5;
+    o.slabs.grid[0] = 83;
+    o.slabs.grid[1] = 40;
+    o.slabs.layers = 5;
     build_blend(BVX_BLEND_CUBIC);
     assert_points_kept();
     for (uint64_t i = 0; i < mesh.vertex_count; i++) {
@@ -215,7 +215,7 @@ static void test_two_sections_are_as_ever(void)
     uint64_t linear;
 
     make_ball(2, 0.0);
-    o.layers = 3;
+    o.slabs.layers = 3;
     build_blend(BVX_BLEND_LINEAR);
     linear = body_hash();
     build_blend(BVX_BLEND_CUBIC);
@@ -230,8 +230,8 @@ static void test_auto_goes_by_the_number_of_sections(void)
 
         make_ball(sections, 0.0);
         o = (bvx_sections_options){.struct_size = sizeof o};
-        o.layers = 3;
-        TEST_ASSERT_EQUAL_INT32(BVX_BLEND_AUTO, o.blend);
+        o.slabs.layers = 3;
+        TEST_ASSERT_EQUAL_INT32(BVX_BLEND_AUTO, o.slabs.blend);
         for (int32_t blend = BVX_BLEND_AUTO; blend <= BVX_BLEND_CUBIC; blend++) {
             build_blend(blend);
             body[blend] = body_hash();
@@ -241,7 +241,7 @@ static void test_auto_goes_by_the_number_of_sections(void)
                                 body[BVX_BLEND_AUTO]);
 
         /* The paper's way is straight. */
-        o.crossings = BVX_CROSSINGS_PAPER;
+        o.slabs.crossings = BVX_CROSSINGS_PAPER;
         build_blend(BVX_BLEND_LINEAR);
         body[BVX_BLEND_LINEAR] = body_hash();
         build_blend(BVX_BLEND_AUTO);
@@ -254,7 +254,7 @@ static void test_turning_a_stack_over_turns_the_body(void)
     double first;
 
     make_ball(6, 0.25);
-    o.layers = 4;
+    o.slabs.layers = 4;
     build_blend(BVX_BLEND_CUBIC);
     first = certificate.volume;
     for (uint64_t i = 0; i < stack.s.section_count; i++) stack.position[i] = -stack.position[i];
@@ -273,7 +273,7 @@ static void test_walls_keep_no_windows(void)
             stack_round(&stack, s, 0.1 * k * k, 0, 4, 4, 64, 0, 0, 0);
             stack_round(&stack, s, 0.1 * k * k, 0, 3.7, 3.7, 64, 0, 0, 0);
         }
-        o.layers = layers;
+        o.slabs.layers = layers;
         build_blend(BVX_BLEND_CUBIC);
         TEST_ASSERT_EQUAL_INT64(0, certificate.euler);
         TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs + crossing_pairs());
@@ -290,8 +290,8 @@ static void test_thin_walls_do_not_cross(void)
         stack_round(&stack, s, 0.4 * k, 0.3 * (k & 1), 2, 2, 24, 0, 0, 0);
         stack_round(&stack, s, 0.4 * k, 0.3 * (k & 1), 1.98, 1.98, 24, 0, 0, 0);
     }
-    o.grid[0] = 7;
-    o.grid[1] = 5;
+    o.slabs.grid[0] = 7;
+    o.slabs.grid[1] = 5;
     build_blend(BVX_BLEND_CUBIC);
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(0, crossing_pairs());
@@ -304,14 +304,14 @@ static void test_random_stacks_are_sound(void)
     for (int round = 0; round < 300; round++) {
         uint64_t one;
         stack_random(&stack, &seed);
-        o.layers = 1 + round % 4;
+        o.slabs.layers = 1 + round % 4;
         o.caps = round % 2 == 0 ? BVX_CAPS_FLAT : BVX_CAPS_TAPER;
-        o.crossings = round % 5 == 4 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
-        o.blend = BVX_BLEND_CUBIC;
-        o.depth = round % 3 == 0 ? BVX_NONE : 5;
+        o.slabs.crossings = round % 5 == 4 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
+        o.slabs.blend = BVX_BLEND_CUBIC;
+        o.slabs.depth = round % 3 == 0 ? BVX_NONE : 5;
         if (build() == BVX_ERR_FORMAT || build() == BVX_ERR_EMPTY) continue;
         build_good();
-        if (o.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
+        if (o.slabs.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
         one = body_hash();
         build_good();
         TEST_ASSERT_EQUAL_HEX64(one, body_hash());
@@ -325,8 +325,8 @@ static void test_threads_change_nothing(void)
     uint64_t one;
 
     make_ball(40, 0.02);
-    o.layers = 2;
-    o.grid[0] = o.grid[1] = 300;
+    o.slabs.layers = 2;
+    o.slabs.grid[0] = o.slabs.grid[1] = 300;
     build_blend(BVX_BLEND_CUBIC);
     one = body_hash();
     bvx_mesh_free(ctx, &mesh);
@@ -342,10 +342,10 @@ static void test_threads_change_nothing(void)
 static void test_blend_is_one_of_three(void)
 {
     make_ball(3, 0.0);
-    o.blend = 3;
+    o.slabs.blend = 3;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
     TEST_ASSERT_NOT_NULL(strstr(bvx_last_message(ctx), "blend 3 is unknown"));
-    o.blend = BVX_BLEND_CUBIC;
+    o.slabs.blend = BVX_BLEND_CUBIC;
     o.cells = 1; /* a few are too few */
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
     o.cells = 0;

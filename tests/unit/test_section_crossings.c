@@ -29,11 +29,11 @@ static int random_body(uint64_t *seed, int32_t crossings, int32_t caps, int cell
     for (uint64_t i = 0; i < 3 * stack.s.point_count; i++) stack.point[i] += 4.0;
     for (uint64_t i = 0; i < stack.s.section_count; i++) stack.position[i] += 4.0;
     o.report = &report;
-    o.crossings = crossings;
+    o.slabs.crossings = crossings;
     o.caps = caps;
-    o.grid[0] = cells + maker_below(seed, cells);
-    o.grid[1] = cells + maker_below(seed, cells);
-    o.layers = 1 + maker_below(seed, 2);
+    o.slabs.grid[0] = cells + maker_below(seed, cells);
+    o.slabs.grid[1] = cells + maker_below(seed, cells);
+    o.slabs.layers = 1 + maker_below(seed, 2);
     if (bvx_build_sections(ctx, &stack.s, &o, mesh) != BVX_OK) return 0;
     if (mesh->triangle_count < 6000) return 1;
     bvx_mesh_free(ctx, mesh);

@@ -155,7 +155,7 @@ static void test_good_stacks_keep_their_bytes(void)
         uint64_t hash[2] = {0, 0};
         bvx_status status = BVX_OK;
         stack_random(&stack, &seed);
-        o.grid[0] = o.grid[1] = i % 2 == 0 ? 0 : 5 + maker_below(&seed, 30);
+        o.slabs.grid[0] = o.slabs.grid[1] = i % 2 == 0 ? 0 : 5 + maker_below(&seed, 30);
         for (o.mend = 0; o.mend < 2 && status == BVX_OK; o.mend++) {
             status = build();
             if (status == BVX_OK) TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash[o.mend]));
@@ -407,9 +407,9 @@ static void crowded_tangle(uint64_t seed)
             }
         }
     }
-    o.grid[0] = o.grid[1] = 2 + maker_below(&seed, 20);
-    o.depth = maker_below(&seed, 6);
-    if (o.depth == 0) o.depth = BVX_NONE;
+    o.slabs.grid[0] = o.slabs.grid[1] = 2 + maker_below(&seed, 20);
+    o.slabs.depth = maker_below(&seed, 6);
+    if (o.slabs.depth == 0) o.slabs.depth = BVX_NONE;
 }
 
 /* Tangles whose mended loops lie so close that the mesh would not be manifold: it is looked at, and not handed out. */

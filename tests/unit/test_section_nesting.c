@@ -76,8 +76,8 @@ static void test_a_box_with_a_thin_wall(void)
         add_box(s, 0.7 * k, 0.1 * k * k, 3.0);
         add_box(s, 0.7 * k, 0.1 * k * k, 2.8);
     }
-    o.grid[0] = 40;
-    o.grid[1] = 36;
+    o.slabs.grid[0] = 40;
+    o.slabs.grid[1] = 36;
     assert_sound(0, 1, 0.01);
 }
 
@@ -112,7 +112,7 @@ static void test_ends_and_layers(void)
     for (int32_t caps = BVX_CAPS_FLAT; caps <= BVX_CAPS_TAPER; caps++)
         for (int32_t layers = 1; layers < 4; layers += 2) {
             o.caps = caps;
-            o.layers = layers;
+            o.slabs.layers = layers;
             build_good();
             TEST_ASSERT_EQUAL_UINT64(0, crossings());
             TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -140,7 +140,7 @@ static void test_a_hole_that_opens(void)
     stack_point(&stack, 3, 2);
     stack_point(&stack, 3, 3);
     stack_point(&stack, -3, 3);
-    o.grid[0] = o.grid[1] = 24;
+    o.slabs.grid[0] = o.slabs.grid[1] = 24;
     build_good();
     TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs);
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
@@ -154,7 +154,7 @@ static void test_holes_that_do_not_overlap(void)
         add_box(s, 0, 0, 3);
         add_box(s, k == 0 ? -1.5 : 1.5, 0, 1);
     }
-    o.grid[0] = o.grid[1] = 24;
+    o.slabs.grid[0] = o.slabs.grid[1] = 24;
     build_good();
     TEST_ASSERT_EQUAL_UINT64(0, report.joined_slabs);
 }
@@ -172,7 +172,7 @@ static void test_holes_that_cross(void)
         stack_point(&stack, x, y);
         stack_point(&stack, -x, y);
     }
-    o.grid[0] = o.grid[1] = 24;
+    o.slabs.grid[0] = o.slabs.grid[1] = 24;
     assert_sound(0, 1, 0.1);
 }
 
@@ -204,7 +204,7 @@ static void test_an_island_in_one_section(void)
 static void test_walls_much_thinner_than_a_cell(void)
 {
     make_tube(4, 2, 0.01, 2.0);
-    o.grid[0] = o.grid[1] = 9;
+    o.slabs.grid[0] = o.slabs.grid[1] = 9;
     build_good();
     TEST_ASSERT_EQUAL_UINT64(3, report.joined_slabs);
     assert_points_kept();
@@ -218,7 +218,7 @@ static void test_only_slabs_whose_levels_cross_are_blended_whole(void)
     s = stack_section(&stack, 4);
     stack_round(&stack, s, 1, 0.3, 4, 4, 64, 0, 0, 0);
     stack_round(&stack, s, 1, 0.3, 3.99, 3.99, 64, 0, 0, 0);
-    o.grid[0] = o.grid[1] = 9;
+    o.slabs.grid[0] = o.slabs.grid[1] = 9;
     build_good();
     TEST_ASSERT_EQUAL_UINT64(1, report.joined_slabs);
     assert_points_kept();
@@ -253,10 +253,10 @@ static void test_random_walls(void)
 
     for (int i = 0; i < all; i++) {
         random_walls(&seed);
-        o.grid[0] = 3 + maker_below(&seed, 40);
-        o.grid[1] = 3 + maker_below(&seed, 40);
+        o.slabs.grid[0] = 3 + maker_below(&seed, 40);
+        o.slabs.grid[1] = 3 + maker_below(&seed, 40);
         o.caps = maker_below(&seed, 2);
-        o.layers = 1 + maker_below(&seed, 3) / 2;
+        o.slabs.layers = 1 + maker_below(&seed, 3) / 2;
         bvx_mesh_free(ctx, &mesh);
         if (bvx_build_sections(ctx, &stack.s, &o, &mesh) == BVX_ERR_FORMAT) continue; /* loops that cross */
         build_good();

@@ -15,8 +15,10 @@ void setUp(void)
 {
     suite_open(0);
     /* As the library takes them: rooms of it are called here. */
-    o = (bvx_sections_options){
-        .struct_size = sizeof o, .layers = 1, .depth = 5, .position_type = BVX_F64, .label = BVX_LABEL_ZERO};
+    o = (bvx_sections_options){.struct_size = sizeof o,
+                               .slabs = {.layers = 1, .depth = 5},
+                               .position_type = BVX_F64,
+                               .label = BVX_LABEL_ZERO};
     stack_clear(&made);
 }
 
@@ -58,9 +60,9 @@ static int open_random(uint64_t *seed, int round_to)
         for (uint64_t i = 0; i < made.s.point_count; i++)
             for (uint64_t k = 0; k < 2; k++)
                 made.point[3 * i + k] = floor(made.point[3 * i + k] * round_to + 0.5) / round_to;
-    o.grid[0] = 2 + maker_below(seed, 40);
-    o.grid[1] = 2 + maker_below(seed, 90);
-    o.depth = maker_below(seed, 9);
+    o.slabs.grid[0] = 2 + maker_below(seed, 40);
+    o.slabs.grid[1] = 2 + maker_below(seed, 90);
+    o.slabs.depth = maker_below(seed, 9);
     o.label = 1;
     if (bvxi_stack_open(ctx, "test", &made.s, &o, &stack) == BVX_OK) return 1;
     return 0;
@@ -109,7 +111,7 @@ static void test_segments_through_grid_points(void)
         }
         made.loop[k].point_count = 4;
     }
-    o.grid[0] = o.grid[1] = 8;
+    o.slabs.grid[0] = o.slabs.grid[1] = 8;
     o.label = 1;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvxi_stack_open(ctx, "test", &made.s, &o, &stack));
     for (int32_t scale = 0; scale < 3; scale++) {

@@ -31,7 +31,7 @@ static void test_four_squares_become_one_slanted_bar(void)
     TEST_ASSERT_EQUAL_UINT64(4, certificate.components);
     TEST_ASSERT_TRUE(certificate.volume < 5.0);
 
-    o.join = 10;
+    o.slabs.join = 10;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
@@ -51,7 +51,7 @@ static void test_the_bar_is_straight(void)
     double low = 1e9, high = -1e9, most = 0.0;
 
     four_squares(10);
-    o.join = 10;
+    o.slabs.join = 10;
     build_good();
     for (uint64_t i = 0; i < mesh.vertex_count; i++) {
         const double *const p = (const double *)mesh.positions + 3 * i;
@@ -73,7 +73,7 @@ static void test_a_slanted_pipe_stays_hollow(void)
         stack_round(&stack, s, 5.0 * k, 3.0 * k, 2, 2, 40, 0, 0, 0);
         stack_round(&stack, s, 5.0 * k, 3.0 * k, 1, 1, 30, 0, 0, 1);
     }
-    o.join = 6;
+    o.slabs.join = 6;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(1, certificate.components);
@@ -92,7 +92,7 @@ static void test_nearest_centroids_are_joined(void)
         add_square(s, k == 0 ? 0 : 20, 0);
         add_square(s, k == 0 ? 14 : 6, 0);
     }
-    o.join = 100;
+    o.slabs.join = 100;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -110,7 +110,7 @@ static void test_ties_go_to_the_lowest_index(void)
         uint32_t const s = stack_section(&stack, 2);
         add_square(s, turned ? 8 : -8, 0);
         add_square(s, turned ? -8 : 8, 0);
-        o.join = 8;
+        o.slabs.join = 8;
         build_good();
         assert_points_kept();
         TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -134,7 +134,7 @@ static void test_parts_beyond_reach_stay_as_they_are(void)
     four_squares(10);
     build_good();
     bits = mesh_bits();
-    o.join = 9.99;
+    o.slabs.join = 9.99;
     build_good();
     TEST_ASSERT_EQUAL_HEX64(bits, mesh_bits());
     TEST_ASSERT_EQUAL_UINT64(0, report.shifted_parts);
@@ -151,7 +151,7 @@ static void test_upright_bodies_stay_as_they_are(void)
     }
     build_good();
     bits = mesh_bits();
-    o.join = 1;
+    o.slabs.join = 1;
     build_good();
     TEST_ASSERT_EQUAL_HEX64(bits, mesh_bits());
     TEST_ASSERT_EQUAL_UINT64(0, report.shifted_parts);
@@ -169,7 +169,7 @@ static void test_a_branch_stays_a_branch(void)
         }
         stack_round(&stack, s, 6.0 * k, 10, 1, 1, 24, 0, 0, 0);
     }
-    o.join = 7;
+    o.slabs.join = 7;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -181,7 +181,7 @@ static void test_ends_reach_as_far_as_without(void)
     double low = 1e9, high = -1e9;
 
     four_squares(10);
-    o.join = 10;
+    o.slabs.join = 10;
     o.caps = BVX_CAPS_TAPER;
     build_good();
     for (uint64_t i = 0; i < mesh.vertex_count; i++) {
@@ -199,7 +199,7 @@ static void test_points_off_their_plane(void)
 {
     four_squares(10);
     for (uint64_t i = 0; i < stack.s.point_count; i += 3) stack.point[3 * i + 2] += 0.03;
-    o.join = 10;
+    o.slabs.join = 10;
     build_good();
     assert_points_kept();
     TEST_ASSERT_EQUAL_UINT64(3, report.shifted_parts);
@@ -215,7 +215,7 @@ static void test_mended_loops_are_joined_too(void)
         for (size_t i = 0; i < sizeof keyhole / sizeof *keyhole; i += 2)
             stack_point(&stack, 10.0 * k + keyhole[i], keyhole[i + 1]);
     }
-    o.join = 12;
+    o.slabs.join = 12;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_FORMAT, build());
     o.mend = 1;
     build_good();
@@ -232,13 +232,13 @@ static void test_random_stacks(void)
     for (int i = 0; i < 30; i++) {
         uint64_t bits;
         stack_random(&stack, &seed);
-        o.join = i % 4 == 0 ? 1.0 : 10.0;
+        o.slabs.join = i % 4 == 0 ? 1.0 : 10.0;
         o.caps = i % 3 == 0 ? BVX_CAPS_TAPER : BVX_CAPS_FLAT;
-        o.blend = i % 5 == 0 ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
-        o.layers = 1 + i % 2;
-        o.crossings = i % 7 == 0 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
+        o.slabs.blend = i % 5 == 0 ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
+        o.slabs.layers = 1 + i % 2;
+        o.slabs.crossings = i % 7 == 0 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
         build_good();
-        if (o.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
+        if (o.slabs.crossings == BVX_CROSSINGS_EXACT) assert_points_kept();
         joined += report.shifted_parts != 0;
         bits = mesh_bits();
         build_good();
@@ -250,9 +250,9 @@ static void test_random_stacks(void)
 static void test_reach_must_be_a_length(void)
 {
     four_squares(10);
-    o.join = -1;
+    o.slabs.join = -1;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
-    o.join = NAN;
+    o.slabs.join = NAN;
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, build());
 }
 

@@ -20,11 +20,11 @@ static void refuse(bvx_status status, const char *words)
 
 static void random_options(uint64_t *seed)
 {
-    o.grid[0] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
-    o.grid[1] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
-    o.depth = maker_below(seed, 7);
-    if (o.depth == 0) o.depth = BVX_NONE;
-    o.layers = maker_below(seed, 3) == 0 ? 1 + maker_below(seed, 5) : 1;
+    o.slabs.grid[0] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
+    o.slabs.grid[1] = 2 + maker_below(seed, 6) * maker_below(seed, 7);
+    o.slabs.depth = maker_below(seed, 7);
+    if (o.slabs.depth == 0) o.slabs.depth = BVX_NONE;
+    o.slabs.layers = maker_below(seed, 3) == 0 ? 1 + maker_below(seed, 5) : 1;
     o.caps = maker_below(seed, 2);
 }
 
@@ -70,7 +70,7 @@ static void test_random_stacks_in_the_fields_way_are_closed(void)
     for (int i = 0; i < all; i++) {
         stack_random(&stack, &seed);
         random_options(&seed);
-        o.crossings = 1 + i % 2;
+        o.slabs.crossings = 1 + i % 2;
         bvx_status const status = build();
         if (status == BVX_ERR_FORMAT || status == BVX_ERR_EMPTY) continue; /* no grid point inside */
         if (status != BVX_OK) TEST_FAIL_MESSAGE(bvx_last_message(ctx));
@@ -327,8 +327,8 @@ static void test_three_sections_behave(void)
     stack_round(&stack, stack_section(&stack, 6.0), 8, 1, 1, 2, 24, 0.1, 0, 0);
     build_good();
     TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
-    TEST_ASSERT_TRUE(certificate.low[2] == 0.0 && certificate.high[2] == 6.0);
-    TEST_ASSERT_TRUE(certificate.low[0] > -1.01 && certificate.high[0] < 10.3);
+    TEST_ASSERT_TRUE(certificate.box.low[2] == 0.0 && certificate.box.high[2] == 6.0);
+    TEST_ASSERT_TRUE(certificate.box.low[0] > -1.01 && certificate.box.high[0] < 10.3);
 }
 
 static double highest_in(double low_x, double high_x)
@@ -354,7 +354,7 @@ static void test_each_part_tapers_by_itself(void)
                 stack_round(&stack, k, far, 0, 2, 2, 64, 0, 0, 0);
             }
             o.caps = BVX_CAPS_TAPER;
-            o.layers = layers;
+            o.slabs.layers = layers;
             o.spacing = 0.1;
             build_good();
             TEST_ASSERT_EQUAL_UINT64(2, certificate.components);
@@ -364,7 +364,7 @@ static void test_each_part_tapers_by_itself(void)
             TEST_ASSERT_DOUBLE_WITHIN(0.02 * (small + large), small + large, certificate.volume);
         }
     o.caps = BVX_CAPS_FLAT; /* by the blend: all the sooner the farther off the other part is */
-    o.layers = 1;
+    o.slabs.layers = 1;
     build_good();
     TEST_ASSERT_TRUE(highest_in(-1.5, 1.5) < 1.1);
 }
@@ -436,14 +436,14 @@ static void test_exact_keeps_what_paper_nearly_keeps_and_classic_cuts(void)
 
     for (int i = 0; i < 8; i++)
         stack_round(&stack, stack_section(&stack, 0.3 * i), 0, 0, 2, 1.5, 60, 0.25, 0.05 * i, 0);
-    o.grid[0] = o.grid[1] = 12;
+    o.slabs.grid[0] = o.slabs.grid[1] = 12;
     build_good();
     exact = farthest_contour_point();
     TEST_ASSERT_EQUAL_UINT64(0, report.unkept_points);
-    o.crossings = BVX_CROSSINGS_PAPER;
+    o.slabs.crossings = BVX_CROSSINGS_PAPER;
     build_good();
     paper = farthest_contour_point();
-    o.crossings = BVX_CROSSINGS_CLASSIC;
+    o.slabs.crossings = BVX_CROSSINGS_CLASSIC;
     build_good();
     classic = farthest_contour_point();
     TEST_ASSERT_EQUAL_UINT64(stack.s.point_count, report.unkept_points);
@@ -505,7 +505,7 @@ static void test_direction_of_loops_and_order_of_sections_change_nothing(void)
     uint64_t triangles;
 
     stack_random(&stack, &seed);
-    o.grid[0] = o.grid[1] = 20;
+    o.slabs.grid[0] = o.slabs.grid[1] = 20;
     build_good();
     volume = certificate.volume;
     area = certificate.area;
@@ -576,7 +576,7 @@ static void test_layers_keep_the_contours(void)
     make_sphere(5, 40);
     build_good();
     triangles = certificate.triangles;
-    o.layers = 6;
+    o.slabs.layers = 6;
     build_good();
     assert_points_kept();
     TEST_ASSERT_TRUE(certificate.triangles > 2 * triangles);
@@ -747,14 +747,14 @@ static void test_bad_options_are_refused(void)
         int32_t value;
         const char *words;
     } bad[] = {
-        {offsetof(bvx_sections_options, layers), -1, "layers is -1"},
-        {offsetof(bvx_sections_options, layers), 65, "layers is 65"},
+        {offsetof(bvx_sections_options, slabs.layers), -1, "layers is -1"},
+        {offsetof(bvx_sections_options, slabs.layers), 65, "layers is 65"},
         {offsetof(bvx_sections_options, caps), 3, "caps 3"},
-        {offsetof(bvx_sections_options, crossings), -1, "crossings -1"},
-        {offsetof(bvx_sections_options, depth), 9, "depth is 9"},
+        {offsetof(bvx_sections_options, slabs.crossings), -1, "crossings -1"},
+        {offsetof(bvx_sections_options, slabs.depth), 9, "depth is 9"},
         {offsetof(bvx_sections_options, position_type), 3, "position_type 3"},
-        {offsetof(bvx_sections_options, grid), 1, "grid[0] is 1"},
-        {offsetof(bvx_sections_options, grid), 8193, "grid[0] is 8193"},
+        {offsetof(bvx_sections_options, slabs.grid), 1, "grid[0] is 1"},
+        {offsetof(bvx_sections_options, slabs.grid), 8193, "grid[0] is 8193"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         two_squares();
@@ -768,7 +768,7 @@ static void test_bad_options_are_refused(void)
     o.spacing = 1e-9;
     refuse(BVX_ERR_RANGE, "8192 is the limit");
     o.spacing = 1.0;
-    o.grid[0] = o.grid[1] = 8;
+    o.slabs.grid[0] = o.slabs.grid[1] = 8;
     refuse(BVX_ERR_ARGUMENT, "grid and spacing are both given");
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_sections(ctx, NULL, NULL, &mesh));
     TEST_ASSERT_EQUAL_INT32(BVX_ERR_ARGUMENT, bvx_build_sections(ctx, &stack.s, NULL, NULL));
@@ -783,8 +783,8 @@ static bvx_context *context_of(int32_t threads, void *arena, size_t arena_size, 
     bvx_context *made;
 
     c.threads = threads;
-    c.arena = arena;
-    c.arena_size = arena_size;
+    c.arena.memory = arena;
+    c.arena.size = arena_size;
     c.memory_limit = limit;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &made));
     return made;
@@ -817,10 +817,10 @@ static void test_threads_and_memory_change_nothing(void)
         bvx_sections_report first;
         uint64_t hash = 0, other, peak = 0;
         random_options(&seed);
-        o.grid[0] = o.grid[1] = 20 + 30 * (i % 3);
-        o.layers = i == 4 ? 3 : 1;
+        o.slabs.grid[0] = o.slabs.grid[1] = 20 + 30 * (i % 3);
+        o.slabs.layers = i == 4 ? 3 : 1;
         o.caps = i % 2;
-        o.crossings = i == 5 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
+        o.slabs.crossings = i == 5 ? BVX_CROSSINGS_PAPER : BVX_CROSSINGS_EXACT;
         for (int k = 0; k < 6; k++) {
             bvx_context *const c = context_of(threads[k], k == 5 ? arena : NULL, k == 5 ? sizeof arena : 0,
                                               k == 4 ? peak : 0);
@@ -883,10 +883,10 @@ static void test_sections_golden(void)
         do stack_random(&stack, &seed);
         while (build() == BVX_ERR_FORMAT);
         random_options(&seed);
-        o.crossings = i % 3;
-        o.blend = BVX_BLEND_LINEAR;
-        o.grid[0] += 6;
-        o.grid[1] += 6;
+        o.slabs.crossings = i % 3;
+        o.slabs.blend = BVX_BLEND_LINEAR;
+        o.slabs.grid[0] += 6;
+        o.slabs.grid[1] += 6;
         build_good();
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_mesh_hash(ctx, &mesh, &hash));
         all = bvx_hash(&hash, 0, all ^ hash);
@@ -906,7 +906,7 @@ static void test_stacks_of_few_and_many_sections(void)
             uint32_t const section = stack_section(&stack, count[i] == 1 ? 0.0 : 4.0 * k / (count[i] - 1));
             stack_round(&stack, section, 0, 0, 1, 1, 12, 0, 0, 0);
         }
-        o.grid[0] = o.grid[1] = 6;
+        o.slabs.grid[0] = o.slabs.grid[1] = 6;
         if (count[i] == 1) {
             TEST_ASSERT_EQUAL_INT32(BVX_ERR_EMPTY, build());
             continue;

@@ -157,8 +157,8 @@ static int64_t simplify_on(int32_t threads, int backward, uint64_t target, const
 
     c.threads = threads;
     if (backward) {
-        c.parallel = run_backwards;
-        c.parallel_user = &b;
+        c.parallel.call = run_backwards;
+        c.parallel.user = &b;
     }
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
     o.targets.triangles = &target;
@@ -205,8 +205,8 @@ static void test_levels_by_error_run_cells(void)
         bvx_simplify_options o = {.struct_size = sizeof o};
         c.threads = threads;
         if (threads > 1) {
-            c.parallel = run_backwards;
-            c.parallel_user = &b;
+            c.parallel.call = run_backwards;
+            c.parallel.user = &b;
         }
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&c, &other));
         o.targets.errors = errors;

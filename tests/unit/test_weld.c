@@ -117,8 +117,8 @@ static void test_many_vertices_can_be_cancelled(void)
     uint64_t different;
     int asked = 0;
 
-    o.progress = stop_at_once;
-    o.progress_user = &asked;
+    o.progress.call = stop_at_once;
+    o.progress.user = &asked;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &asking));
     memset(&v, 0, sizeof v);
     v.vertex_count = (1 << 20) + 5;

@@ -114,7 +114,7 @@ static void assert_block_is_its_centres(const bvx_lattice *l, int is_signed)
     memset(b, 0, sizeof *b);
     open_loose(l, is_signed, &s);
     b->sheet = &s.sheet;
-    b->pending = maker_grow(NULL, s.sheet.tree->leaves * BVXI_TURNS_LEVELS * 4);
+    b->pending = maker_grow(NULL, s.sheet.tree->pendings * BVXI_TURNS_LEVELS * 4);
     b->ties = maker_below(&seed, 2);
     b->want_clear = maker_below(&seed, 2);
     b->all_open = maker_below(&seed, 2);
@@ -185,6 +185,63 @@ static void test_cells_keep_their_bounds(void)
     for (int i = 1; i < 4; i++) TEST_ASSERT_TRUE(used[i] > 10);
 }
 
+/* A ball whose triangles shrink to their middles by a part. */
+static void make_cracked(const bvx_lattice *l, double part)
+{
+    double centre[3], radius[3];
+
+    maker_clear(&mesh);
+    for (int a = 0; a < 3; a++) {
+        centre[a] = 0.5 * l->dims[a];
+        radius[a] = 0.4 * l->dims[a];
+    }
+    maker_star(&mesh, &seed, centre, radius, 0.1, 16, 21, 65536);
+    for (size_t t = 0, n = mesh.triangles; t < n; t++) {
+        double p[3][3];
+        for (int i = 0; i < 9; i++)
+            p[i / 3][i % 3] = mesh.p[3 * (size_t)mesh.t[3 * t + (size_t)(i / 3)] + (size_t)(i % 3)];
+        for (size_t k = 0; k < 3; k++) {
+            double q[3];
+            for (int a = 0; a < 3; a++)
+                q[a] = maker_step(p[k][a] + part * ((p[0][a] + p[1][a] + p[2][a]) / 3 - p[k][a]), 65536);
+            mesh.t[3 * t + k] = maker_vertex(&mesh, q[0], q[1], q[2]);
+        }
+    }
+}
+
+/* How often each directed edge is there: its corners' numbers, times 1 or -1, in a sum that order does not
+ * change. */
+static uint64_t sum_of_edges(const bvxi_holes *h)
+{
+    uint64_t sum = 0, begin = 0;
+
+    for (uint64_t k = 0; k < h->loops; begin = h->loop_end[k++])
+        for (uint64_t i = begin; i < h->loop_end[k]; i++) {
+            uint64_t const a = h->vertex[i], b = h->vertex[i + 1 < h->loop_end[k] ? i + 1 : begin];
+            uint64_t x = (a < b ? a << 32 | b : b << 32 | a) * UINT64_C(0x9e3779b97f4a7c15);
+            x = (x ^ x >> 29) * UINT64_C(0xbf58476d1ce4e5b9);
+            sum += a < b ? x : 0 - x;
+        }
+    return sum;
+}
+
+/* Strips along cracks have the holes' border and little area, and turns are the same. */
+static void test_cracks_are_strips(void)
+{
+    for (int32_t trial = 0; trial < (quick ? 2 : 6); trial++) {
+        bvx_lattice l = lattice_of(60, 50, 55);
+        loose_sheet s;
+        make_cracked(&l, trial % 2 == 0 ? 0.03 : 0.1);
+        open_loose(&l, trial < 3, &s);
+        TEST_ASSERT_TRUE(s.sheet.strips.loops > 0 && s.sheet.holes == &s.sheet.strips);
+        TEST_ASSERT_TRUE(sum_of_edges(&s.holes) == sum_of_edges(s.sheet.holes));
+        TEST_ASSERT_TRUE(bvxi_sheet_group(&s.sheet, 0, s.sheet.holes->loops)->area < 9000 * 0.25);
+
+        close_loose(&s);
+        assert_block_is_its_centres(&l, trial % 2);
+    }
+}
+
 /* Windows hold what the whole has; so do other threads and code paths. */
 static void test_windows_threads_and_code_paths_change_nothing(void)
 {
@@ -224,6 +281,7 @@ int main(void)
     RUN_TEST(test_sums_of_all_angles);
     RUN_TEST(test_bricks_say_what_their_centres_say);
     RUN_TEST(test_cells_keep_their_bounds);
+    RUN_TEST(test_cracks_are_strips);
     RUN_TEST(test_windows_threads_and_code_paths_change_nothing);
     return UNITY_END();
 }

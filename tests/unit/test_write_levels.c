@@ -183,7 +183,7 @@ static void test_write_levels_workers(void)
     for (int way = 0; way < 2; way++) {
         bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
-        if (way == 1) o.parallel = run_backwards;
+        if (way == 1) o.parallel.call = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
         bvx_buffer other = write_levels(big, 2);
         TEST_ASSERT_EQUAL_UINT64(one.size, other.size);

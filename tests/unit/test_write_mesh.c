@@ -518,8 +518,8 @@ static void test_files_live_in_an_arena(void)
     size_t const size = 200000;
     void *const arena = malloc(size);
 
-    o.arena = arena;
-    o.arena_size = size;
+    o.arena.memory = arena;
+    o.arena.size = size;
     TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
     for (int i = 0; i < 60; i++) {
         bvx_mesh const m = random_mesh(i % 2 == 0 ? BVX_F32 : BVX_F64, 0, (uint64_t)i / 6 + 1);

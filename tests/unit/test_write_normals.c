@@ -165,7 +165,7 @@ static void test_write_normals_workers(void)
         bvx_buffer one = write_normals(&m, format);
         bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
-        o.parallel = run_backwards;
+        o.parallel.call = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
         bvx_buffer other = write_normals(&m, format);
         TEST_ASSERT_EQUAL_UINT64(one.size, other.size);

@@ -145,7 +145,7 @@ static inline void check_workers_change_nothing(const bvx_mesh *m, int32_t forma
     for (int way = 0; way < 2; way++) {
         bvx_context_options o = {.struct_size = sizeof o};
         o.threads = 3;
-        if (way == 1) o.parallel = run_backwards;
+        if (way == 1) o.parallel.call = run_backwards;
         TEST_ASSERT_EQUAL_INT32(BVX_OK, bvx_context_create(&o, &ctx));
         bvx_buffer other = write_file(m, format);
         TEST_ASSERT_EQUAL_UINT64(one.size, other.size);

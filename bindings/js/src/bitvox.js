@@ -168,15 +168,8 @@ class Bitvox {
     fitLattice(mesh, options = {}) {
         return this.#call('fitLattice', options, (call, machine) => {
             const lattice = call.struct('lattice');
-            if (mesh?.low && mesh.high)
-                call.do(
-                    'bvx_lattice_fit_box',
-                    call.list('low', 'f64', mesh.low),
-                    call.list('high', 'f64', mesh.high),
-                    call.latticeOptions(options),
-                    lattice,
-                );
-            else call.do('bvx_lattice_fit_with', call.view(mesh), call.latticeOptions(options), lattice);
+            const view = mesh?.low && mesh.high ? call.corners(mesh) : call.view(mesh);
+            call.do('bvx_lattice_fit_with', view, call.latticeOptions(options), lattice);
             return machine.read('lattice', lattice);
         });
     }
@@ -234,25 +227,25 @@ class Bitvox {
         });
     }
 
-    #combine(name, called, a, b, options) {
+    #combine(name, operation, a, b, options) {
         return this.#call(name, options, call => {
             const made = call.result('grid');
-            call.do(called, call.grid(a, 'the first grid'), call.grid(b, 'the second grid'), made);
+            call.do('bvx_grid_combine', call.grid(a, 'the first grid'), call.grid(b, 'the second grid'), operation, made);
             return call.gridOut(made);
         });
     }
 
     union(a, b, options = {}) {
-        return this.#combine('union', 'bvx_grid_union', a, b, options);
+        return this.#combine('union', 0, a, b, options);
     }
     intersection(a, b, options = {}) {
-        return this.#combine('intersection', 'bvx_grid_intersection', a, b, options);
+        return this.#combine('intersection', 1, a, b, options);
     }
     subtract(a, b, options = {}) {
-        return this.#combine('subtract', 'bvx_grid_subtract', a, b, options);
+        return this.#combine('subtract', 2, a, b, options);
     }
     xor(a, b, options = {}) {
-        return this.#combine('xor', 'bvx_grid_xor', a, b, options);
+        return this.#combine('xor', 3, a, b, options);
     }
 
     #make(name, options, called, grid, args = () => []) {

@@ -260,6 +260,17 @@ class Call {
         return at;
     }
 
+    /** The corners of a box, as a cloud of two points. */
+    corners({ low, high }) {
+        const at = this.struct('mesh_view');
+        const set = (name, value) => this.machine.setField('mesh_view', at, name, value);
+
+        set('positions', this.list('low and high', 'f64', [...low, ...high]));
+        set('vertexCount', 2);
+        set('positionType', 2);
+        return at;
+    }
+
     /** The struct that writers take. */
     mesh(mesh, at = this.struct('mesh')) {
         const { machine } = this;

@@ -276,6 +276,27 @@ def test_closest_against_brute_force():
     assert closest.find([0.0, 0.0, 0.0])["feature"][0] >= 4
 
 
+def test_measure(tetrahedron, knot):
+    v, f = np.asarray(tetrahedron[0], float), np.asarray(tetrahedron[1])
+    found = bitvox.Mesh(v, f).measure(density=3)
+    volume = abs(np.linalg.det(v[1:] - v[0])) / 6
+    about = np.einsum("ia,ib->ab", v - v.mean(0), v - v.mean(0)) * volume / 20 * 3
+    assert np.isclose(found.volume, volume) and np.isclose(found.mass, 3 * volume) and found.resolution == 0
+    assert np.allclose(found.center, v.mean(0)) and np.allclose(found.inertia[:3], [about.trace() - about[a, a] for a in range(3)])
+    assert np.allclose(found.inertia[3:], [-about[0, 1], -about[0, 2], -about[1, 2]])
+    moved = bitvox.Mesh(v, f, frame=(1000, 0, -2000)).measure()
+    assert np.allclose(moved.center, v.mean(0) + (1000, 0, -2000)) and np.isclose(moved.volume, volume)
+    turned = np.where((np.arange(knot.n_faces) % 5 == 0)[:, None], np.asarray(knot.faces)[:, ::-1], knot.faces)
+    assert np.isclose(bitvox.Mesh(knot.vertices, turned).measure().volume, knot.measure().volume)
+    torn = bitvox.Mesh(knot.vertices, np.asarray(knot.faces)[200:]).measure(resolution=64)
+    assert torn.resolution == 64 and torn.fill == "winding" and abs(torn.volume - knot.volume) < torn.volume_error
+    for wrong in ({"density": 0}, {"density": float("nan")}, {"resolution": 0}, {"resolution": 2049}):
+        with pytest.raises(bitvox.ArgumentError):
+            knot.measure(**wrong)
+    with pytest.raises(bitvox.EmptyError):
+        bitvox.Mesh(v, f[:0]).measure()
+
+
 def test_crossings(tetrahedron):
     v, f = np.asarray(tetrahedron[0], float), np.asarray(tetrahedron[1])
     assert bitvox.Mesh(v, f).crossings().shape == (0, 2)

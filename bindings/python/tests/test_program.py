@@ -45,10 +45,10 @@ NAMES = {
               {"origin": "corner", "value-type": "dtype", "no-sharp": "sharp", "neighbourhood": "connectivity", **OF_MESHES}),
     "boolean": ([bitvox.boolean], {"spacing": bitvox.Lattice, "resample": bitvox.Grid.resample, "no-sharp": "sharp", **OF_MESHES}),
     "convert": ([bitvox.read, bitvox.dumps, *VOLUME], {"expand": bitvox.Octree.expand, **OF_MESHES, **OF_VOLUMES}),
-    "info": ([bitvox.read, bitvox.read_volume], {"crossings": bitvox.Mesh.crossings, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
+    "info": ([bitvox.read, bitvox.read_volume, bitvox.Mesh.measure], {"crossings": bitvox.Mesh.crossings, "measure": bitvox.Mesh.measure, "sample-type": "dtype", "big-endian": "dtype", "skip": "offset",
                                                "voxel-size": "spacing"}),
     "render": ([bitvox.render, *VOLUME], {"from": "from_", "fill": bitvox.voxelize, "close-gaps": bitvox.voxelize, "voxels": bitvox.voxelize, "states": bitvox.Octree.expand,
-                                 "expand": bitvox.Octree.expand, "turntable": None, **OF_VOLUMES}),
+                                 "expand": bitvox.Octree.expand, **OF_VOLUMES}),
 }
 OF_THE_PROGRAM = {"format", "json", "quiet", "help", "help-all", "output-dir", "up", "input-up", "quantize"}  # files, how they are read and written, and reports
 

@@ -136,6 +136,7 @@ def _with_progress():
         "compare": lambda **p: bitvox.compare(mesh, mesh, samples=100, **p),
         "compare grids": lambda **p: bitvox.compare(grid, shell, **p),
         "crossings": lambda **p: mesh.crossings(**p),
+        "measure": lambda **p: mesh.measure(resolution=16, **p),
         "Closest": lambda **p: bitvox.Closest(mesh, **p),
         "Closest.find": lambda **p: finder.find(points, **p),
         "repair": lambda **p: bitvox.repair(mesh, resolution=16, **p),

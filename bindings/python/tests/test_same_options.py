@@ -30,8 +30,8 @@ ELSEWHERE = {
 REPORTS = {
     "repair": {"--measure"},
     "lod": {"--samples"}, "simplify": {"--samples"},
-    "refine": {"--leaves", "--cut"}, "render": {"--turntable"},  # a mesh of boxes and a row of pictures: of the program alone
-    "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings"},
+    "refine": {"--leaves", "--cut"},  # a mesh of boxes: of the program alone
+    "sections": {"--parts", "--genus", "--block-model", "--block"}, "components": {"--labels"}, "compare": {"--samples", "--seed"}, "info": {"--crossings", "--measure", "--density", "--resolution"},
 }
 
 

@@ -347,12 +347,12 @@ class Grid:
     def _same_place(self, other: Any) -> bool:
         return (self.low, self.shape, self.lattice) == (other.low, other.shape, other.lattice)
 
-    def _combined(self, other: Any, operation: Any) -> Grid:
+    def _combined(self, other: Any, operation: int) -> Grid:
         if hasattr(other, "__array_interface__"):
             raise TypeError("an array has no place of its own: Grid.from_numpy(array, lattice=grid.lattice, low=grid.low) gives it that of a grid")
         if not isinstance(other, Grid):
             return NotImplemented
-        return self._through(lambda run, made: operation(run.context, self._c, other._c, made))
+        return self._through(lambda run, made: lib.bvx_grid_combine(run.context, self._c, other._c, operation, made))
 
     def _through(self, make: Any) -> Grid:
         made = new_grid()
@@ -361,16 +361,16 @@ class Grid:
         return Grid._made(made)
 
     def __or__(self, other: Any) -> Grid:
-        return self._combined(other, lib.bvx_grid_union)
+        return self._combined(other, lib.BVX_BOOLEAN_UNION)
 
     def __and__(self, other: Any) -> Grid:
-        return self._combined(other, lib.bvx_grid_intersection)
+        return self._combined(other, lib.BVX_BOOLEAN_INTERSECTION)
 
     def __xor__(self, other: Any) -> Grid:
-        return self._combined(other, lib.bvx_grid_xor)
+        return self._combined(other, lib.BVX_BOOLEAN_XOR)
 
     def __sub__(self, other: Any) -> Grid:
-        return self._combined(other, lib.bvx_grid_subtract)
+        return self._combined(other, lib.BVX_BOOLEAN_DIFFERENCE)
 
     def __invert__(self) -> Grid:
         return self._through(lambda run, made: lib.bvx_grid_complement(run.context, self._c, made))

@@ -194,26 +194,26 @@ def render(
         for name, value in of_views.items():
             if value is not None:
                 raise ArgumentError(f"{name} is for views, not for slices")
-    options.direction = (3, -4, 2) if from_ is None else arrays.direction("from_", from_)
+    options.camera.direction = (3, -4, 2) if from_ is None else arrays.direction("from_", from_)
     if up is not None:
-        options.up = arrays.direction("up", up)
+        options.camera.up = arrays.direction("up", up)
     if show is not None:
-        options.show = tuple(float(x) for x in show)
+        options.camera.show = tuple(float(x) for x in show)
     options.smooth, options.wireframe, options.samples = int(bool(smooth)), int(bool(wireframe)), in_range("samples", advanced.get("samples", 2), 1, 4)
     options.colour, options.background = _color("color", color), _color("background", advanced.get("background", (255, 255, 255)))
-    options.cut = 63  # all sides; those that nothing is said of lie at infinity
-    options.cut_low = (-math.inf,) * 3 if cut_low is None else arrays.triple("cut_low", cut_low)
-    options.cut_high = (math.inf,) * 3 if cut_high is None else arrays.triple("cut_high", cut_high)
+    options.cut.sides = 63  # all sides; those that nothing is said of lie at infinity
+    options.cut.low = (-math.inf,) * 3 if cut_low is None else arrays.triple("cut_low", cut_low)
+    options.cut.high = (math.inf,) * 3 if cut_high is None else arrays.triple("cut_high", cut_high)
     if cut is not None and not hasattr(cut, "items"):
         raise TypeError(f'cut must be like {{"x": 0.5}}, not {cut!r}')
     for axis, at in (cut or {}).items():
         if axis not in ("x", "y", "z"):
             raise ArgumentError(f"cut: {axis!r} is not an axis; it must be x, y or z")
         i = "xyz".index(axis)
-        if options.direction[i] >= 0:
-            options.cut_high[i] = min(options.cut_high[i], float(at))
+        if options.camera.direction[i] >= 0:
+            options.cut.high[i] = min(options.cut.high[i], float(at))
         else:
-            options.cut_low[i] = max(options.cut_low[i], float(at))
+            options.cut.low[i] = max(options.cut.low[i], float(at))
     image = ffi.gc(ffi.new("bvx_image *"), lib.bvxpy_free_image)
     with Run(threads, memory_limit, progress) as run:
         if slices is not None or compare is not None:

@@ -9,7 +9,7 @@ from ._arrays import triple
 from ._calls import call
 from ._errors import ArgumentError, OptionRangeError, RangeError
 from ._html import shown
-from ._run import Run, ffi, function, in_range, lib, options_of
+from ._run import Run, ffi, in_range, lib, options_of
 
 
 class Window(NamedTuple):
@@ -110,7 +110,7 @@ class Lattice:
         """
         source = call("mesh_of", mesh)
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_with", (source._view(run),), resolution, spacing, padding, corner)
+            return cls._fitted(run, source._view(run), resolution, spacing, padding, corner)
 
     @classmethod
     def fit_points(cls, points: Any, *, resolution: Any = None, spacing: Any = None, padding: int = 0, corner: Any = None) -> Lattice:
@@ -129,7 +129,7 @@ class Lattice:
         (8, 4, 2)
         """
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_with", (call("points_view", points, run),), resolution, spacing, padding, corner)
+            return cls._fitted(run, call("points_view", points, run), resolution, spacing, padding, corner)
 
     @classmethod
     def fit_box(cls, low: Sequence[float], high: Sequence[float], *, resolution: Any = None, spacing: Any = None, padding: int = 0,
@@ -149,11 +149,14 @@ class Lattice:
         (8, 4, 2)
         """
         ends = triple("low", low), triple("high", high)
+        for axis, a, b in zip("xyz", *ends):
+            if a > b:
+                raise ArgumentError(f"low is above high along {axis}: {a} and {b}")
         with Run() as run:
-            return cls._fitted(run, "bvx_lattice_fit_box", ends, resolution, spacing, padding, corner)
+            return cls._fitted(run, call("points_view", ends, run), resolution, spacing, padding, corner)
 
     @classmethod
-    def _fitted(cls, run: Run, call: str, target: Any, resolution: Any, spacing: Any, padding: int, corner: Any) -> Lattice:
+    def _fitted(cls, run: Run, view: Any, resolution: Any, spacing: Any, padding: int, corner: Any) -> Lattice:
         if corner is not None and (spacing is None or padding):
             raise ArgumentError("corner is taken together with spacing, and without padding")
         if corner is not None and not all(map(math.isfinite, triple("corner", corner))):
@@ -174,7 +177,7 @@ class Lattice:
         options.padding = in_range("padding", padding, 0, 65536)
         self = cls.__new__(cls)
         self._c = ffi.new("bvx_lattice *")
-        run.check(function(call)(run.context, *target, options, self._c))
+        run.check(lib.bvx_lattice_fit_with(run.context, view, options, self._c))
         return self if corner is None else self._from_corner(triple("corner", corner))
 
     def _from_corner(self, corner: tuple[float, float, float]) -> Lattice:

@@ -466,11 +466,11 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
     if edge_samples is not None and method != "edge-ratio":
         raise ArgumentError("edge_samples is for method 'edge-ratio'")
     options = options_of("lod_options")
-    options.method = choice("method", method, "BVX_LOD_", METHODS[1:])
+    options.sampling.method = choice("method", method, "BVX_LOD_", METHODS[1:])
     if threshold == 0:
         raise OptionRangeError("threshold 0 is not between 0 and 1")
-    options.threshold = float(threshold)
-    options.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
+    options.sampling.threshold = float(threshold)
+    options.sampling.edge_samples = 0 if edge_samples is None else in_range("edge_samples", edge_samples, 1, 65536)
     options.face_rule = choice("face_rule", face_rule, "BVX_FACE_", FACE_RULES)
     options.local_frame = int(bool(local_frame))
     options.collapse = 0.0 if collapse is None else float(collapse)
@@ -485,7 +485,6 @@ def _from_voxels(source: Any, is_grid: bool, method: str, triangles: Any, resolu
             solid = grid_of(source)
         else:
             mesh = Mesh.of(source)
-            options.source_triangles = mesh.n_faces
             if resolution is None:
                 resolution = _plan(mesh, options, count, padding or 0, limits)
             solid = voxelize(mesh, resolution=resolution, fill=fill, close_gaps=close_gaps, padding=padding or 0, **limits)

@@ -18,7 +18,11 @@ def record(struct: Any) -> Any:
     """A struct's values; what is 0 or 1 becomes a bool, a rule's number its name."""
     kind = ffi.typeof(struct)
     made = call("report_class", _plain_name(kind.item if kind.kind == "pointer" else kind))
-    return made(*(_value(field, wanted, getattr(struct, field)) for field, wanted in made.__annotations__.items()))
+    return made(*(_value(field, wanted, _field(struct, field)) for field, wanted in made.__annotations__.items()))
+
+
+def _field(struct: Any, name: str) -> Any:
+    return getattr(struct if hasattr(struct, name) else struct.box, name)
 
 
 # Fields that hold the number of a rule: the prefix of its constants, and their names.

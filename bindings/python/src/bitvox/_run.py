@@ -237,8 +237,8 @@ class Run:
         limit = given.memory_limit if memory_limit is None else memory_limit
         self.memory_limit = options.memory_limit = in_range("memory_limit", limit, 0, 2**64 - 1)
         self.handle = ffi.new_handle(self)
-        options.progress = lib.bvxpy_progress
-        options.progress_user = self.handle
+        options.progress.call = lib.bvxpy_progress
+        options.progress.user = self.handle
         self.asked = progress is not None
         self.progress, self.bar = _callable_of(given.progress if progress is None else progress)
         self.calls, self.call, self.moved = calls, 0, False

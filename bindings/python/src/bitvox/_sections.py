@@ -506,20 +506,20 @@ def from_sections(
             raise ArgumentError("grid and spacing contradict each other; give one of them")
         if len(grid) != 2:
             raise ArgumentError("grid must be two numbers of cells")
-        options.grid = [in_range("grid", n, 2, 8192) for n in grid]
+        options.slabs.grid = [in_range("grid", n, 2, 8192) for n in grid]
     _set_cells(options, advanced.get("cells"), spacing, advanced.get("agree"))
-    options.layers = in_range("layers", layers, 1, 64)
+    options.slabs.layers = in_range("layers", layers, 1, 64)
     options.caps = choice("caps", caps, "BVX_CAPS_", CAPS)
     if thickness is not None:
         options.thickness = float(thickness)
     if join is not None:
-        options.join = float(join)
-    options.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
+        options.slabs.join = float(join)
+    options.slabs.blend = choice("blend", advanced.get("blend", "auto"), "BVX_BLEND_", BLENDS)
     mend = getattr(given, "_sliced", False) if mend is None else mend
     options.mend = int(bool(mend))
-    options.crossings = choice("crossings", advanced.get("crossings", "exact"), "BVX_CROSSINGS_", CROSSINGS)
+    options.slabs.crossings = choice("crossings", advanced.get("crossings", "exact"), "BVX_CROSSINGS_", CROSSINGS)
     if subdivide is not None:
-        options.depth = or_none(in_range("subdivide", subdivide, 0, 8))
+        options.slabs.depth = or_none(in_range("subdivide", subdivide, 0, 8))
     if label is None and len(given.labels) > 1:
         raise ArgumentError(f"there are several bodies; give label= one of {', '.join(map(repr, given.labels))}")
     if label is not None:

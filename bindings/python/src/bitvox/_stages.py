@@ -770,17 +770,16 @@ def repair(
     set_fit(options, resolution, lattice)
     options.sign = choice("sign", sign, "BVX_SIGN_", REPAIR_SIGNS)
     _set_placing(options.placing, {"interpolation": "tangent", **advanced})
-    options.measure = int(bool(measure))
     if shell is not None:
         options.shell = or_none(float(shell), "shell")
     options.thin = choice("thin", advanced.get("thin", "keep"), "BVX_THIN_", names_of("BVX_THIN_"))
     options.if_needed, options.parts.keep_crumbs = int(bool(if_needed)), int(advanced.get("least_part") is not None)
     set_parts(options.parts, keep_largest, advanced)
     targets = level_target(triangles, error, advanced.get("error_kind"))
-    if measure_samples is not None:
-        if not measure:
-            raise ArgumentError("measure_samples is taken together with measure")
-        options.measure_samples = in_range("measure_samples", measure_samples, 1, 2**31 - 1)
+    if measure_samples is not None and not measure:
+        raise ArgumentError("measure_samples is taken together with measure")
+    if measure:
+        options.samples = 100000 if measure_samples is None else in_range("measure_samples", measure_samples, 1, 2**31 - 1)
     report = ffi.new("bvx_repair_report *")
     options.report = report
     source = Mesh.of(mesh)
@@ -793,7 +792,7 @@ def repair(
         if small is not made:
             found = found._replace(after=small.report.certificate)
             if measure:
-                found = found._replace(distance=compare(source, small, samples=options.measure_samples, **limits))
+                found = found._replace(distance=compare(source, small, samples=options.samples, **limits))
             made = small
         if found.copied and not targets and dtype is None:
             made = source.astype()  # with its attributes
