@@ -182,7 +182,7 @@ static inline void bvxi_widen(double *low, double *high, const double *at, int n
 }
 
 /* Words of a bit a grid point. */
-static inline uint64_t bvxi_grid_words(const bvxi_stack *s)
+static inline uint64_t bvxi_stack_words(const bvxi_stack *s)
 {
     return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
 }
@@ -445,7 +445,7 @@ static inline void bvxi_report_place(bvx_sections_report *report, const double a
 }
 
 /* A vertex of a mesh that is made. */
-static inline void bvxi_put_position(const bvx_mesh *mesh, int32_t type, uint64_t number, const double at[3])
+static inline void bvxi_give_position(const bvx_mesh *mesh, int32_t type, uint64_t number, const double at[3])
 {
     for (uint64_t k = 3 * number; k < 3 * number + 3; k++, at++) {
         if (type == BVX_F64) ((double *)mesh->positions)[k] = *at;

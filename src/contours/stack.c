@@ -261,8 +261,9 @@ bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_se
 bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
     BVXI_TRY(
-        BVXI_ZEROS(s->ctx, s->plane_count * bvxi_grid_words(s), "the grid points inside", s->all.inside));
-    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * bvxi_grid_words(s);
+        BVXI_ZEROS(s->ctx, s->plane_count * bvxi_stack_words(s), "the grid points inside", s->all.inside));
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        s->plane[i].inside = s->all.inside + i * bvxi_stack_words(s);
     BVXI_TRY(bvxi_planes_open_trees(s->ctx, &s->all, s->plane, sizeof *s->plane, s->plane_count));
     return bvxi_planes_ready(s);
 }

@@ -38,7 +38,7 @@ typedef struct slabs_job {
 static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
 {
     slabs_job *const job = user;
-    uint64_t const words = bvxi_grid_words(job->s);
+    uint64_t const words = bvxi_stack_words(job->s);
 
     for (uint64_t i = begin; i < end; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -149,7 +149,7 @@ static bvx_status fill_side_by_side(slabs_job *job)
 
     BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
     BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job->count, "the slabs' scratch", job->room));
-    job->pieces = bvxi_section_pieces(job->count, job->count * bvxi_grid_words(s), SLAB_COUNT_GRAIN);
+    job->pieces = bvxi_section_pieces(job->count, job->count * bvxi_stack_words(s), SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
     /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));

@@ -28,7 +28,7 @@ static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, con
         size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
 
     bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
-    size->inside = bvxi_grid_words(s);
+    size->inside = bvxi_stack_words(s);
     size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
                   size->boxes * sizeof *whole->box + size->inside * sizeof *whole->inside +
                   size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell +
@@ -81,7 +81,7 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
 /* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
 static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
 {
-    memset(p->inside, 0, (size_t)bvxi_grid_words(s) * 8);
+    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
     for (uint32_t i = 0; i < p->arc_count; i++) {
         const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
         uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
@@ -91,7 +91,7 @@ static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
         p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
     }
     bvxi_plane_fill_rows(s, p->inside);
-    for (uint64_t i = 0; i < bvxi_grid_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
+    for (uint64_t i = 0; i < bvxi_stack_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
 }
 
 static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,

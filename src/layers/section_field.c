@@ -381,7 +381,7 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 {
     uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
-    uint64_t const words = bvxi_grid_words(s);
+    uint64_t const words = bvxi_stack_words(s);
 
     memset(f, 0, sizeof *f);
     f->s = s;

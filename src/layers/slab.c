@@ -201,7 +201,7 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
      * own for ends. */
     nothing->section = BVXI_NONE;
-    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "an empty plane", nothing->inside));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
     for (uint32_t i = 0; i < s->slab_count && s->options.slabs.blend == BVX_BLEND_CUBIC; i++) {
         bvxi_slab *const b = &(*slabs)[i];

@@ -241,6 +241,6 @@ bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines,
     w->trace.field = &w->field;
     BVXI_TRY(bvxi_field_open(s, &w->field, lines));
     BVXI_TRY(BVXI_ARRAY(s->ctx, s->words, "the cells of a row", w->row));
-    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "the subdivided cells", w->split_bit));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_stack_words(s), "the subdivided cells", w->split_bit));
     return bvxi_trace_open(&w->trace, loop);
 }

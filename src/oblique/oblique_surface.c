@@ -377,7 +377,7 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
     for (uint64_t i = 0; i < o->position_count; i++)
         if (joined[i] != BVXI_NONE)
-            bvxi_put_position(mesh, o->options.position_type, joined[i], o->position + 3 * i);
+            bvxi_give_position(mesh, o->options.position_type, joined[i], o->position + 3 * i);
     return BVX_OK;
 }
 

@@ -149,8 +149,9 @@ class Lattice:
         (8, 4, 2)
         """
         ends = triple("low", low), triple("high", high)
+        finite = all(map(math.isfinite, (*ends[0], *ends[1])))  # else the library names the vertex
         for axis, a, b in zip("xyz", *ends):
-            if a > b:
+            if finite and a > b:
                 raise ArgumentError(f"low is above high along {axis}: {a} and {b}")
         with Run() as run:
             return cls._fitted(run, call("points_view", ends, run), resolution, spacing, padding, corner)
