@@ -14,7 +14,8 @@
 /* From a place to the centres around it: the root of 3, rounded up [Units: largest spacings] */
 #define WALL_BESIDE 1.8
 
-enum { NEAR_BLOCK = 3, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
+/* Voxels along a block's edge at least; bits of a block's coordinates, of which an axis has as many as fit. */
+enum { NEAR_BLOCK = 3, NEAR_BITS = 10, NEAR_MANY_BLOCKS = 512, NEAR_TRIANGLES = 4096, NEAR_PIECES = 64 };
 
 /* What is done to vertices or triangles piece by piece. */
 typedef struct near_job {
@@ -23,9 +24,9 @@ typedef struct near_job {
     const bvx_grid *grid; /* of the places */
     int32_t with_area;    /* 1: triangles without area are left out */
     uint8_t *blocks;      /* what they hold */
-    int32_t block_size[3];
-    int32_t *block_of; /* three of each vertex, cut to the window [Size: vertices * 3] */
-    uint32_t *corner;  /* of the triangles taken [Size: triangles * 3] */
+    int32_t block, block_size[3];
+    uint32_t *block_of; /* of each vertex, cut to the window: x, y, z, what it holds [Size: vertices] */
+    uint32_t *corner;   /* of the triangles taken [Size: triangles * 3] */
     int32_t pieces;
 
     bvxi_walls *walls; /* from here on: their order */
@@ -68,7 +69,7 @@ static void block_range(const near_job *t, const double low[3], const double hig
 {
     for (int a = 0; a < 3; a++) {
         double const last = (double)t->block_size[a] - 1;
-        double const l = low[a] / NEAR_BLOCK, h = high[a] / NEAR_BLOCK;
+        double const l = low[a] / t->block, h = high[a] / t->block;
 
         from[a] = l > 0 ? (l < last ? (int32_t)l : (int32_t)last) : 0;
         to[a] = h > 0 ? (h < last ? (int32_t)h : (int32_t)last) : 0;
@@ -120,33 +121,46 @@ static void place_piece_in_blocks(void *user, uint64_t begin, uint64_t end)
 {
     const near_job *const t = user;
     const bvx_lattice *const l = &t->grid->lattice;
+    double low[3], scale[3];
 
+    for (int a = 0; a < 3; a++) {
+        low[a] = l->origin[a] + (double)t->grid->low[a] * l->spacing[a];
+        scale[a] = 1.0 / (l->spacing[a] * (double)t->block);
+    }
     for (uint64_t v = begin; v < end; v++) {
         double p[3];
-        int32_t to[3];
+        int32_t at[3];
 
         bvxi_view_position(t->mesh, v, p);
-        for (int a = 0; a < 3; a++) p[a] = (p[a] - l->origin[a]) / l->spacing[a] - t->grid->low[a];
-        /* from and to are one block for a point: only from is kept. */
-        block_range(t, p, p, t->block_of + 3 * v, to);
+        /* Rounded otherwise than a division would be: marks reach further than that. */
+        for (int a = 0; a < 3; a++) {
+            double const b = (p[a] - low[a]) * scale[a], last = (double)(t->block_size[a] - 1);
+            at[a] = b > 0 ? (int32_t)(b < last ? b : last) : 0;
+        }
+        t->block_of[v] = (uint32_t)at[0] | (uint32_t)at[1] << NEAR_BITS | (uint32_t)at[2] << 2 * NEAR_BITS |
+                         (uint32_t)block_row(t, at[1], at[2])[at[0]] << 3 * NEAR_BITS;
     }
+}
+
+static inline int32_t block_along(uint32_t block, int axis)
+{
+    return (int32_t)(block >> axis * NEAR_BITS & ((1u << NEAR_BITS) - 1));
 }
 
 static int is_in_marked_block(const near_job *t, const uint32_t c[3])
 {
-    const int32_t *const p = t->block_of + 3 * (size_t)c[0], *const q = t->block_of + 3 * (size_t)c[1];
-    const int32_t *const r = t->block_of + 3 * (size_t)c[2];
+    uint32_t const corner[3] = {t->block_of[c[0]], t->block_of[c[1]], t->block_of[c[2]]};
     int32_t from[3], to[3];
 
-    /* Most triangles lie in one block, where one look tells that there is no mark, and the rest in two along each
-     * axis. */
-    if (((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]) | (p[0] ^ r[0]) | (p[1] ^ r[1]) | (p[2] ^ r[2])) == 0)
-        return block_row(t, p[1], p[2])[p[0]] == MARK;
+    /* Most triangles lie in one block, or in two along each axis: one look tells that there is no mark. */
+    if (corner[0] == corner[1] && corner[0] == corner[2]) return corner[0] >> 3 * NEAR_BITS == MARK;
     for (int a = 0; a < 3; a++) {
-        int32_t const low = p[a] < q[a] ? p[a] : q[a], high = p[a] < q[a] ? q[a] : p[a];
+        int32_t const p = block_along(corner[0], a), q = block_along(corner[1], a);
+        int32_t const r = block_along(corner[2], a);
+        int32_t const low = p < q ? p : q, high = p < q ? q : p;
 
-        from[a] = r[a] < low ? r[a] : low;
-        to[a] = r[a] > high ? r[a] : high;
+        from[a] = r < low ? r : low;
+        to[a] = r > high ? r : high;
     }
     if (((to[0] - from[0]) | (to[1] - from[1]) | (to[2] - from[2])) <= 1 &&
         BVXI_LIKELY(block_row(t, from[1], from[2])[from[0]] == 0))
@@ -186,13 +200,16 @@ static bvx_status take_triangles_nearby(near_job *t, double reach)
 {
     uint64_t bytes = 1;
 
+    t->block = NEAR_BLOCK;
+    for (int a = 0; a < 3; a++)
+        while (t->grid->size[a] / t->block >= 1 << NEAR_BITS) t->block *= 2;
     for (int a = 0; a < 3; a++) {
-        t->block_size[a] = t->grid->size[a] / NEAR_BLOCK + 1;
+        t->block_size[a] = t->grid->size[a] / t->block + 1;
         bytes *= (uint64_t)t->block_size[a];
     }
     BVXI_TRY(bvxi_alloc_zero(t->ctx, BVXI_SCRATCH, bytes, "the blocks of thin places", &t->blocks));
     BVXI_TRY(
-        bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 12, "the vertices' blocks", &t->block_of));
+        bvxi_alloc(t->ctx, BVXI_SCRATCH, t->mesh->vertex_count * 4, "the vertices' blocks", &t->block_of));
     mark_blocks(t, reach, BESIDE_MARK);
     mark_blocks(t, reach, MARK);
     BVXI_TRY(run_near(t, t->mesh->vertex_count, place_piece_in_blocks));

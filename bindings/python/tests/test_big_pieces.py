@@ -185,6 +185,12 @@ def test_neuroglancer_reads_what_is_written(made, tmp_path, sharded):
     cut, pieces, _ = made
     pieces.to_neuroglancer(tmp_path / "mesh", segment=7, sharded=sharded, nanometers=2.0)
     assert sorted(os.listdir(tmp_path / "mesh")) == (["0.shard", "info"] if sharded else ["7", "7.index", "info"])
+    if not sharded:
+        draco, head = pytest.importorskip("DracoPy"), np.frombuffer((tmp_path / "mesh" / "7.index").read_bytes(), "<u4")
+        sizes = head[7 + 4 * LEVELS :][:LEVELS]  # fragments of each level; then their positions and bytes
+        first = int(head[7 + 5 * LEVELS + 3 * sizes[0]])
+        points = draco.decode((tmp_path / "mesh" / "7").read_bytes()[:first]).points
+        assert np.array_equal(points, np.rint(points)) and points.max() <= 65535
     cloudvolume = pytest.importorskip("cloudvolume")
     info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], cut.shape, mesh="mesh")
     (tmp_path / "info").write_text(json.dumps(info))

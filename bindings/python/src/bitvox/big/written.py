@@ -125,7 +125,9 @@ def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[In
     packed, number = np.unique(np.concatenate(every), return_inverse=True)
     points, corners = np.stack([packed >> np.uint64(32), packed >> np.uint64(16) & np.uint64(0xFFFF), packed & np.uint64(0xFFFF)], axis=1), number[np.concatenate(faces)]
     flat = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
-    data = draco.encode(points.astype(np.uint32), corners[~flat].astype(np.uint32), compression_level=7) if not flat.all() else b""
+    # Numbers as floats whose quantization by Draco is the identity: the viewer takes what is below it, and unsigned integers it refuses.
+    options = {"quantization_bits": bits, "quantization_range": most, "quantization_origin": (0, 0, 0), "compression_level": 7}
+    data = draco.encode(points.astype(np.float32), corners[~flat].astype(np.uint32), **options) if not flat.all() else b""
     put(place, name, data)
     return len(data)
 
