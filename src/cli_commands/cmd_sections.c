@@ -96,8 +96,6 @@ static const cli_argument sections_rows[] = {
 
 enum { BLOCK_PARTS = 8 }; /* fine voxels a block along each axis */
 
-enum { USUAL_DEPTH = 5 }; /* of --subdivide */
-
 #define LEAST_VOLUME \
     0.9 /* of the prismoids' volume: less means that parts of neighbouring sections do not join */
 
@@ -105,7 +103,7 @@ typedef struct sections_job {
     bvx_sections sections;
     bvx_sections_report report;
     bvx_mesh mesh;
-    double seconds, block_seconds, block_volume;
+    double seconds, block_volume;
     uint64_t blocks;
     /* Of the body as it is made. */
     double volume;
@@ -244,7 +242,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.slabs.grid[k] = (int32_t)own->grid.value[k];
-    /* One call a body: the library builds what one label has. */
     s.label = label != 0 || !cli_given(run, "--label") ? label : BVX_LABEL_ZERO;
     if (s.slabs.depth == 0) s.slabs.depth = BVX_NONE;
     s.report = &job->report;
@@ -349,7 +346,7 @@ static int make_blocks(cli_run *run, sections_job *job)
         if (status == BVX_OK) add_blocks(job, &grid, k, side, text);
         bvx_grid_free(run->context, &grid);
     }
-    job->block_seconds = cli_stage_end(run);
+    cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, own->block_model));
     return text->failed ? cli_fail(run, "no memory for the block model") : CLI_DONE;
 }
@@ -378,55 +375,43 @@ static const char *verdict(const bvx_certificate *c)
 }
 
 /* What there is to say of planes that are not parallel, from the end of the sections' line on. */
-static void tell_planes(const cli_run *run, const sections_job *job, cli_made *made)
-{
-    const bvx_sections_report *const r = &job->report;
-    const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
-
-    /* Planes that cross may contradict each other, which parallel ones cannot. */
-    cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
-    cli_tell(made,
-             "  agreement   %" PRIu64 " gaps left where planes cross, contours %g apart there at most\n",
-             r->gaps, r->largest_gap);
-    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
-             r->unkept_points);
-    for (uint64_t i = 0; i < r->located && i < 4; i++)
-        cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    cli_tell_reduction(&job->reduction, made);
-    cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
-             c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
-    cli_tell(made, "  volume      %g by the mesh\n  time        %.1f ms\n", c->volume, job->seconds * 1e3);
-}
-
 static void tell_body(const cli_run *run, const sections_job *job, cli_made *made)
 {
     const sections_options *const own = run->own;
     const bvx_sections_report *const r = &job->report;
     const bvx_certificate *const c = &run->report.mesh[job->n].certificate;
+    /* Planes of any direction have no grid and no levels between sections. */
+    int const flat = r->planes == 0;
 
     cli_tell(made, "  sections    %" PRIu64 " with %" PRIu64 " loops (%" PRIu64 " holes), %" PRIu64 " points",
              r->sections, r->loops, r->holes, r->points);
     if (r->mended_loops != 0) cli_tell(made, "; %" PRIu64 " loops mended", r->mended_loops);
-    /* Planes of any direction have no grid and no levels between sections. */
-    if (r->planes != 0) {
-        tell_planes(run, job, made);
-        return;
+    if (flat) {
+        /* What the grid cost the contours. */
+        cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
+                 r->cell[0], r->cell[1]);
+        cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
+                 r->unkept_edges, r->unkept_loops, r->unkept_points);
+    } else {
+        /* Planes that cross may contradict each other, which parallel ones cannot. */
+        cli_tell(made, "\n  planes      %" PRIu64 " of any direction; cells of %g\n", r->planes, r->cell[0]);
+        cli_tell(made,
+                 "  agreement   %" PRIu64 " gaps left where planes cross, contours %g apart there at most\n",
+                 r->gaps, r->largest_gap);
+        cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " points\n", r->unkept_edges,
+                 r->unkept_points);
     }
-    /* What the grid cost the contours, from the line that most matters to those that are usually empty. */
-    cli_tell(made, "\n  grid        %" PRId32 " x %" PRId32 " cells of %g x %g\n", r->grid[0], r->grid[1],
-             r->cell[0], r->cell[1]);
-    cli_tell(made, "  not kept    %" PRIu64 " edges, %" PRIu64 " loops, %" PRIu64 " points\n",
-             r->unkept_edges, r->unkept_loops, r->unkept_points);
     /* A few places are enough to find the others; --json has all that were located. */
     for (uint64_t i = 0; i < r->located && i < 4; i++)
         cli_tell(made, "              at %g, %g, %g\n", r->unkept[i][0], r->unkept[i][1], r->unkept[i][2]);
-    if (r->shifted_parts != 0)
+    if (flat && r->shifted_parts != 0)
         cli_tell(made, "  joined      %" PRIu64 " parts by shifting\n", r->shifted_parts);
     cli_tell_reduction(&job->reduction, made);
     cli_tell(made, "  surface     %" PRIu64 " triangles, %" PRIu64 " vertices, %" PRIu64 " shell%s: %s\n",
              c->triangles, c->vertices, c->components, c->components == 1 ? "" : "s", verdict(c));
-    cli_tell(made, "  volume      %g by the mesh, %g by prismoids", c->volume, r->prismoid_volume);
-    if (own->block_model != NULL)
+    cli_tell(made, "  volume      %g by the mesh", c->volume);
+    if (flat) cli_tell(made, ", %g by prismoids", r->prismoid_volume);
+    if (flat && own->block_model != NULL)
         cli_tell(made, ", %g by %" PRIu64 " blocks", job->block_volume, job->blocks);
     cli_tell(made, "\n  time        %.1f ms\n", job->seconds * 1e3);
 }
@@ -443,14 +428,12 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
     cli_text_add(t, ", ");
     cli_json_number(t, r->cell[1]);
     cli_text_add(t, "]");
-    /* What was read. */
     cli_json_count(t, "sections", r->sections);
     cli_json_count(t, "loops", r->loops);
     cli_json_count(t, "holes", r->holes);
     cli_json_count(t, "points", r->points);
     cli_json_count(t, "repeated_points", r->repeated_points);
     cli_json_count(t, "mended_loops", r->mended_loops);
-    /* What of the contours the cells could not keep. */
     cli_json_count(t, "unkept_edges", r->unkept_edges);
     cli_json_count(t, "unkept_loops", r->unkept_loops);
     cli_json_count(t, "unkept_points", r->unkept_points);
@@ -469,7 +452,6 @@ static void report_body(const cli_run *run, const sections_job *job, cli_made *m
         cli_text_add(t, "]");
     }
     cli_text_add(t, "]");
-    /* What it cost, and what came of it. */
     cli_json_value(t, "prismoid_volume", r->prismoid_volume);
     if (own->block_model != NULL) {
         cli_json_count(t, "blocks", job->blocks);

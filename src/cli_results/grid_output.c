@@ -5,15 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Refuse an ending that stands for no grid. */
-static int check_grid_name(cli_run *run, const char *path)
-{
-    if (cli_kind_of_format(bvx_format_of_name(path)) != CLI_GRID)
-        return cli_usage(
-            run, "%s: the name does not end in a grid format that can be written (" CLI_GRIDS ")", path);
-    return CLI_DONE;
-}
-
 int cli_open_grid_output(cli_run *run, const char *path)
 {
     char *name;

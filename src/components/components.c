@@ -34,7 +34,6 @@ bvx_status bvxi_components_open(bvx_context *ctx, const char *function, int32_t 
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: the voxels lie in %u runs along x; fewer than 2^32 - 1 are possible",
                              function, run_count);
-    c->run_count = run_count;
     c->connectivity = connectivity;
     c->row_words = bvxi_row_words(size[0]);
 

@@ -31,7 +31,7 @@ typedef struct bvxi_components {
     bvx_context *ctx;
     /* a run of the same component, no later one; in the end the component [Size: run_count] */
     uint32_t *label;
-    uint64_t run_count, added;
+    uint64_t added;
     uint64_t component_count; /* after bvxi_components_number */
     /* two slices with empty rows and words around them: slice z at (z & 1) * slice */
     uint64_t *words;

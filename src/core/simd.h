@@ -121,7 +121,6 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
 #define eight_equal      BVXI_SIMD(bvxi_eight_equal)
 #define eight_and        BVXI_SIMD(bvxi_eight_and)
 #define eight_or         BVXI_SIMD(bvxi_eight_or)
-#define eight_but        BVXI_SIMD(bvxi_eight_but)
 #define eight_choose     BVXI_SIMD(bvxi_eight_choose)
 #define eight_keep       BVXI_SIMD(bvxi_eight_keep)
 #define eight_drop       BVXI_SIMD(bvxi_eight_drop)
@@ -175,8 +174,5 @@ BVXI_SIMD_COLUMNS(bvxi_four_columns_f64_base, double)
 #define eight_without(a, s, b, n)                                                                        \
     ((n)[0] = eight_sub((a)[0], eight_mul(s, (b)[0])), (n)[1] = eight_sub((a)[1], eight_mul(s, (b)[1])), \
      (n)[2] = eight_sub((a)[2], eight_mul(s, (b)[2])))
-#define four_choose_three(m, yes, no, n)                                                     \
-    ((n)[0] = four_choose(m, (yes)[0], (no)[0]), (n)[1] = four_choose(m, (yes)[1], (no)[1]), \
-     (n)[2] = four_choose(m, (yes)[2], (no)[2]))
 
 #endif

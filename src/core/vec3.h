@@ -63,4 +63,20 @@ static inline double bvxi_angle(double x, double y)
     return x < 0 ? BVXI_PI - sum : sum;
 }
 
+/* ---- Bounds in floats ---- */
+
+/* Floats outside by one to three units in the last place, without a look back
+ * at what rounding did: some compilers (gcc 12) take a rounding to float away
+ * when its result is widened again. For x far from a float's ends. */
+static inline float bvxi_float_below(double x)
+{
+    float const f = (float)x;
+    return f - (f < 0.0f ? -f : f) * 0x1p-23f - 0x1p-120f;
+}
+
+static inline float bvxi_float_above(double x)
+{
+    return -bvxi_float_below(-x);
+}
+
 #endif

@@ -16,11 +16,6 @@ static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvx
                                    : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 
-static uint64_t grid_voxels(const bvx_grid *grid)
-{
-    return bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
-}
-
 static void set_every_voxel(bvx_grid *grid)
 {
     uint64_t const rows = bvxi_grid_rows(grid);
@@ -132,7 +127,8 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
 
-    if (band->count == grid_voxels(inside)) return sign_band(call, mesh, band, sign, inside);
+    if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
+        return sign_band(call, mesh, band, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);
     if (band->count == 0)
         return sign_by_first_centre(bvxi_call_part(call, call.from, call.from), nearest, mesh, sign, inside);

@@ -25,11 +25,6 @@ typedef struct gap_job {
     int32_t axis, m, both, pieces;
 } gap_job;
 
-static inline uint64_t join_gap_words(uint64_t a, uint64_t b, int both)
-{
-    return both ? a & b : a | b;
-}
-
 /* row[x] joined with row[x - by]; 0 where that lies below. */
 static void join_row_down(uint64_t *row, int32_t words, int32_t by)
 {
@@ -63,7 +58,7 @@ static void join_rows(uint64_t *first, size_t stride, int32_t n, int32_t words, 
         uint64_t *const row = first + (size_t)at * stride;
         if (from >= 0 && from < n) {
             const uint64_t *const other = first + (size_t)from * stride;
-            for (int32_t k = 0; k < words; k++) row[k] = join_gap_words(row[k], other[k], both);
+            for (int32_t k = 0; k < words; k++) row[k] = both ? row[k] & other[k] : row[k] | other[k];
         } else if (both) {
             memset(row, 0, (size_t)words * 8);
         }

@@ -19,9 +19,8 @@
 
 typedef struct vote_work {
     bvx_grid *solid;
-    uint64_t *sure;   /* grid of the centres whose three rows agree, and then balance too */
-    uint64_t *turned; /* words for another grid of any axis */
-    uint64_t turned_words;
+    uint64_t *sure;       /* grid of the centres whose three rows agree, and then balance too */
+    uint64_t *turned;     /* words for another grid of any axis */
     uint8_t *odd_rows[3]; /* by axis, as its turned grid has its rows */
     uint64_t odd_bytes[3];
     /* rows of bits along x: by z, those whose row along y balances; by y, along z */
@@ -48,7 +47,6 @@ static bvx_status open_vote(bvx_context *ctx, const char *function, vote_work *w
         return bvxi_fail(ctx, BVX_ERR_BUDGET,
                          "%s: a grid turned to another axis takes %u words, beyond this machine's addresses",
                          function, most);
-    w->turned_words = most;
     return bvxi_alloc(ctx, BVXI_SCRATCH, most * 8, "the grid along another axis", &w->turned);
 }
 

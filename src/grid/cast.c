@@ -76,11 +76,6 @@ static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static uint64_t brick_bytes(const voxel_bricks *b)
-{
-    return (uint64_t)b->size[1] * (uint64_t)b->size[2] * (uint64_t)b->words_per_row * 8;
-}
-
 static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
 {
     bvxi_drop(ctx, bricks->words);
@@ -98,7 +93,10 @@ static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, 
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
     bricks->words_per_row = bvxi_row_words(bricks->size[0]);
     /* A piece writes rows of its own, so its bits do not depend on the others. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, brick_bytes(bricks), "the grid's bricks", &bricks->words));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH,
+                        (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2] *
+                            (uint64_t)bricks->words_per_row * 8,
+                        "the grid's bricks", &bricks->words));
     status = BVXI_SHARE(ctx, from, to,
                         bvxi_for(ctx, stage, (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
                                  BRICK_GRAIN, make_brick_rows, bricks));
@@ -326,11 +324,6 @@ static void walk_cast_voxels(cast_ray *r, double from, double to)
     walk_cast_rows(r, 0, from, to);
 }
 
-static void walk_cast_bricks(cast_ray *r, double from, double to)
-{
-    walk_cast_rows(r, BRICK_SHIFT, from, to);
-}
-
 /* Set up an axis; 0 when the ray lies beside the box. */
 static int plan_cast_axis(const bvx_grid *g, int32_t axis, double origin, double direction, cast_axis *a)
 {
@@ -422,7 +415,7 @@ static void cast_piece(void *user, uint64_t begin, uint64_t end)
         r.bricks = w->bricks;
         if (!clip_cast_ray(ray, w->t_max, &r, &start)) continue;
         /* The same walk over bricks first, which skips empty space; the hits are the same. */
-        if (r.bricks->words != NULL) walk_cast_bricks(&r, start, r.end);
+        if (r.bricks->words != NULL) walk_cast_rows(&r, BRICK_SHIFT, start, r.end);
         else walk_cast_voxels(&r, start, r.end);
         if (r.voxel[0] >= 0) report_cast_hit(ray, &r, &w->hits[i]);
     }

@@ -36,11 +36,6 @@ static uint32_t weld_hash(const double p[3])
     return (uint32_t)(h >> 33);
 }
 
-static uint64_t weld_table_size(uint64_t vertices)
-{
-    return vertices + vertices / 2 + 1;
-}
-
 /* Where the searches of n vertices begin in the table. Both it and the vertices found there may lie anywhere
  * in memory, so that all of them are requested before the first is needed. */
 static void weld_slots(const bvx_mesh_view *v, const uint32_t *table, uint64_t size, uint64_t first,
@@ -124,7 +119,7 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
 bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *representative,
                      uint64_t *different)
 {
-    uint64_t const size = weld_table_size(view->vertex_count);
+    uint64_t const size = view->vertex_count + view->vertex_count / 2 + 1;
     uint32_t *table;
     bvx_status status;
 

@@ -7,6 +7,7 @@
  * Boxes are floats rounded outwards, in units in which the mesh lies within [-1, 1]. */
 #include "nearest/closest.h"
 #include "bits/sort.h"
+#include "core/vec3.h"
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
 #include "mesh/view.h"
@@ -78,20 +79,6 @@ static void make_curve_keys(void *user, uint64_t begin, uint64_t end)
         keys[i] = curve_key(low, high);
         order[i] = (uint32_t)i;
     }
-}
-
-/* Floats outside by one to three units in the last place, without a look back
- * at what rounding did: some compilers (gcc 12) take a rounding to float away
- * when its result is widened again. Box units are far from a float's ends. */
-static float float_below(double x)
-{
-    float const f = (float)x;
-    return f - (f < 0.0f ? -f : f) * 0x1p-23f - 0x1p-120f;
-}
-
-static float float_above(double x)
-{
-    return -float_below(-x);
 }
 
 /* Turn a triangle's corners: the lowest position first, of two such corners the one whose next is lower. */
@@ -247,8 +234,8 @@ static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
             bvxi_closest_corners(tree, first + (uint64_t)k, t);
             closest_triangle_box(tree, (const double(*)[3])t, low, high);
             for (int a = 0; a < 3; a++) {
-                tree->nodes[i].low[a][k] = float_below(low[a]);
-                tree->nodes[i].high[a][k] = float_above(high[a]);
+                tree->nodes[i].low[a][k] = bvxi_float_below(low[a]);
+                tree->nodes[i].high[a][k] = bvxi_float_above(high[a]);
             }
         }
     }

@@ -6,6 +6,7 @@
 #include "nearest/nearest_tree.h"
 #include "nearest/nearest_brick.h"
 #include "core/simd.h"
+#include "core/vec3.h"
 #include "mesh/view.h"
 
 #include <math.h>
@@ -69,20 +70,6 @@ typedef struct near_builder {
 
 /* ---- Boxes ---- */
 
-/* Floats outside by one to three units in the last place, without a look back
- * at what rounding did: some compilers (gcc 12) take a rounding to float away
- * when its result is widened again. Box units are far from a float's ends. */
-static inline float near_float_below(double x)
-{
-    float const f = (float)x;
-    return f - (f < 0.0f ? -f : f) * 0x1p-23f - 0x1p-120f;
-}
-
-static inline float near_float_above(double x)
-{
-    return -near_float_below(-x);
-}
-
 /* Corners of the leaf's triangles as the caller gave them, coordinate by coordinate. */
 static void gather_near_leaf(const bvxi_nearest *n, const uint32_t order[BVXI_NEAR_WIDTH],
                              double corner[9][BVXI_NEAR_WIDTH])
@@ -119,8 +106,8 @@ BVXI_VECTOR_INLINE void bound_near_leaf(const bvxi_nearest *n, double corner[9][
                 low[k] = low[k + half] < low[k] ? low[k + half] : low[k];
                 high[k] = high[k + half] > high[k] ? high[k + half] : high[k];
             }
-        box->low[a] = near_float_below(low[0]);
-        box->high[a] = near_float_above(high[0]);
+        box->low[a] = bvxi_float_below(low[0]);
+        box->high[a] = bvxi_float_above(high[0]);
 
         /* Corners relative to the leaf's box, whose rounded corner is exact: small numbers, small
          * roundings. */

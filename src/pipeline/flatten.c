@@ -21,7 +21,7 @@
 
 enum { FLATTEN_BLOCK = 4 /* voxels a side */, FLATTEN_REACHED = 1, FLATTEN_BESIDE = 2 };
 enum { FLATTEN_GRAIN = 256, FLATTEN_PIECES = 1024, FLATTEN_ROUNDS = 12, FLATTEN_SINGLE = 6 };
-enum { FLATTEN_ALL_THE_WAY = 0, FLATTEN_HALF = 1, FLATTEN_STAYS = 2 };
+enum { FLATTEN_ALL_THE_WAY = 0, FLATTEN_STAYS = 2 };
 
 typedef struct flatten_vertex {
     double from[3], to[3]; /* [Units: world, less the mesh's frame] */

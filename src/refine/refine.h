@@ -40,7 +40,6 @@ typedef struct bvxi_refine_job {
     double tolerance, step[3];
     bvxi_refine_grids grids;
     bvxi_refine_front front;
-    uint64_t up_count[BVXI_OCTREE_LEVELS];
     /* by level and octet: 8 * octet above + child, or the linear index of the base voxel */
     uint32_t *up[BVXI_OCTREE_LEVELS];
 } bvxi_refine_job;

@@ -231,7 +231,6 @@ static bvx_status open_next_front(bvx_context *ctx, level_job *job)
 
         next->offset[next->slots] = next->pairs;
     }
-    job->refine->up_count[job->level + 1] = next->count;
     return bvxi_alloc(ctx, BVXI_SCRATCH, next->count * 4, "a level's parents",
                       &job->refine->up[job->level + 1]);
 }

@@ -338,7 +338,6 @@ static bvx_status make_first_front(bvxi_refine_job *job)
 
     if (tree->levels == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 12, "the base's voxels", &job->front.ijk));
-    job->up_count[0] = job->front.count;
     BVXI_TRY(bvxi_alloc(job->ctx, BVXI_SCRATCH, job->front.count * 4, "the base's voxels", &job->up[0]));
     for (uint64_t row = 0; row < rows; row++)
         for (int32_t i = 0; i < tree->row_words; i++)

@@ -24,18 +24,12 @@ static bvx_status check_picture_view(bvx_context *ctx, const char *function, con
 {
     BVXI_TRY(check_picture_direction(ctx, function, "direction", o->camera.direction));
     BVXI_TRY(check_picture_direction(ctx, function, "up", o->camera.up));
-    if (o->smooth != 0 && o->smooth != 1)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: smooth is %d, not 0 or 1",
-                             function, (int64_t)o->smooth);
     /* What must at least be in the frame: 0 requires nothing. */
     for (int a = 0; a < 2; a++)
         if (!(o->camera.show[a] >= 0.0) || o->camera.show[a] - o->camera.show[a] != 0.0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
                                  "%s: show is %g, %g; both must be 0 or more, and finite", function,
                                  o->camera.show[0], o->camera.show[1]);
-    if (o->wireframe != 0 && o->wireframe != 1)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE, "%s: wireframe is %d, not 0 or 1",
-                             function, (int64_t)o->wireframe);
     return BVX_OK;
 }
 

@@ -11,7 +11,7 @@
 /* ---- One voxel set, or two drawn as one, set up for a picture ---- */
 
 /* Whose voxel a face belongs to. */
-enum { BVXI_FACE_BOTH = 0, BVXI_FACE_FIRST = 1, BVXI_FACE_SECOND = 2 };
+enum { BVXI_FACE_FIRST = 1, BVXI_FACE_SECOND = 2 };
 
 typedef struct bvxi_grid_scene {
     const bvx_grid *grid;
@@ -69,16 +69,13 @@ static inline uint64_t bvxi_kept_mask(const int32_t begin[3], const int32_t end[
 static inline int bvxi_row_span(const uint64_t *row, const uint64_t *also, const int32_t begin[3],
                                 const int32_t end[3], int32_t *first, int32_t *last)
 {
-    int32_t i = begin[0] / BVXI_WORD_BITS, n = (end[0] - 1) / BVXI_WORD_BITS, bit = 0;
-    uint64_t top;
+    int32_t i = begin[0] / BVXI_WORD_BITS, n = (end[0] - 1) / BVXI_WORD_BITS;
 
     while (i <= n && ((row[i] | also[i]) & bvxi_kept_mask(begin, end, i)) == 0) i++;
     if (i > n) return 0;
     while (((row[n] | also[n]) & bvxi_kept_mask(begin, end, n)) == 0) n--;
-    top = (row[n] | also[n]) & bvxi_kept_mask(begin, end, n);
-    while (top >>= 1) bit++;
     *first = i * BVXI_WORD_BITS + bvxi_lowest((row[i] | also[i]) & bvxi_kept_mask(begin, end, i));
-    *last = n * BVXI_WORD_BITS + bit;
+    *last = n * BVXI_WORD_BITS + bvxi_highest((row[n] | also[n]) & bvxi_kept_mask(begin, end, n));
     return 1;
 }
 

@@ -180,11 +180,6 @@ static bvx_status number_slots(bvx_context *ctx, bvxi_march *m)
     return BVX_OK;
 }
 
-static uint64_t across_bytes(const bvxi_march *m)
-{
-    return ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double);
-}
-
 bvx_status bvxi_march_open(bvx_context *ctx, bvxi_march *m, const bvx_grid *grid,
                            const bvx_extract_options *options)
 {
@@ -225,7 +220,8 @@ static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
 {
     int32_t const n = m->grid->size[0] + 2;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, across_bytes(m), "the columns' positions", &m->across[0]));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double),
+                        "the columns' positions", &m->across[0]));
     m->across[1] = m->across[0] + n;
 
     /* From the lattice index, not by adding up spacings, so that a window has the positions of the whole. */

@@ -58,29 +58,21 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 enum { RANGE_LANES = 8 };
 
-/* 1 where some of 64 floats has all bits of its exponent set. */
-BVXI_VECTOR_INLINE int any_odd_f32(const uint8_t *p)
-{
-    /* Whole numbers joined, not a test that leaves: that is what makes it a vector. */
-    uint32_t odd = 0;
-    for (size_t i = 0; i < 64; i++) {
-        uint32_t bits;
-        memcpy(&bits, p + 4 * i, sizeof bits);
-        odd |= (uint32_t)((bits & UINT32_C(0x7f800000)) == UINT32_C(0x7f800000));
+/* 1 where some of 64 floats has all bits of its exponent set. Whole numbers joined, not a test that leaves: that
+ * is what makes it a vector. */
+#define ANY_ODD(name, word, exponent)                         \
+    BVXI_VECTOR_INLINE int name(const uint8_t *p)             \
+    {                                                         \
+        word odd = 0;                                         \
+        for (size_t i = 0; i < 64; i++) {                     \
+            word bits;                                        \
+            memcpy(&bits, p + sizeof bits * i, sizeof bits);  \
+            odd |= (word)((bits & (exponent)) == (exponent)); \
+        }                                                     \
+        return odd != 0;                                      \
     }
-    return odd != 0;
-}
-
-BVXI_VECTOR_INLINE int any_odd_f64(const uint8_t *p)
-{
-    uint64_t odd = 0;
-    for (size_t i = 0; i < 64; i++) {
-        uint64_t bits;
-        memcpy(&bits, p + 8 * i, sizeof bits);
-        odd |= (uint64_t)((bits & UINT64_C(0x7ff0000000000000)) == UINT64_C(0x7ff0000000000000));
-    }
-    return odd != 0;
-}
+ANY_ODD(any_odd_f32, uint32_t, UINT32_C(0x7f800000))
+ANY_ODD(any_odd_f64, uint64_t, UINT64_C(0x7ff0000000000000))
 
 /* Sample by sample: any type, n of them. */
 static void count_each(const uint8_t *p, int32_t type, int32_t n, bvxi_range_tally *tally)

@@ -381,7 +381,7 @@ static void test_slices_refuse_bad_arguments(void)
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "samples");
     o = good;
     o.cut.sides = 64;
-    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "cut is 64");
+    refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "sides is 64");
     o = good;
     o.cut.high[1] = (double)NAN;
     refused_sheet(BVX_ERR_ARGUMENT, &g, 0, 1, &o, "along y");
