@@ -631,7 +631,8 @@ static void warn_of_operand(boolean_job *job, int32_t i)
 
 /* What is compared with the operands: the volume about the middle, and how many parts there are. All vertices of
  * the result are of triangles, and those of a part hang together through edges. */
-static bvx_status measure_result(boolean_job *job, const bvx_mesh_view *result, double *volume, uint64_t *parts)
+static bvx_status measure_result(boolean_job *job, const bvx_mesh_view *result, double *volume,
+                                 uint64_t *parts)
 {
     double low[3], high[3], centre[3];
     uint32_t *part;
