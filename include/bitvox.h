@@ -229,9 +229,8 @@ static inline bvx_status bvx_context_create(const bvx_context_options *options, 
  *  memory. Call it with BVX_VERSION after bvx_context_create has failed. Nothing is allocated or changed. */
 BVX_API const char *bvx_context_fault(int32_t header_version, const bvx_context_options *options);
 
-/** Free a context; NULL is allowed. Results that it allocated stay valid until they are freed through another context
- *  with the same allocator. A context in an arena must be destroyed too, before that memory is used for anything else:
- *  its threads end here. */
+/** Free a context; NULL is allowed. Results that it allocated may be freed through another context with the same
+ *  allocator. A context in an arena must be destroyed too, before that memory is used again: its threads end here. */
 BVX_API void bvx_context_destroy(bvx_context *context);
 
 /** One line for people that says what went wrong in the last call that failed; "" when none did. Read it right after
@@ -362,10 +361,9 @@ BVX_API int32_t bvx_context_threads(const bvx_context *context);
 
 /* ---- Meshes -------------------------------------------------------------------------------------------- */
 
-/** Types of positions and values. BVX_POSITION_AUTO is for the position_type of options: BVX_F32 where it
- *  distinguishes neighbouring positions (its steps at the largest coordinate are at most 1/256 of a voxel), else
- *  BVX_F64; the result's position_type says which. Without voxels: simplifying, and levels of the mesh itself, keep
- *  the mesh's type, sections give f64. Arrays that the caller provides must be of the type that comes out. */
+/** Types of positions and values. BVX_POSITION_AUTO, for options, is BVX_F32 where its steps at the largest coordinate
+ *  are at most 1/256 of a voxel, else BVX_F64; the result's position_type says which. Without voxels the mesh's type
+ *  stays, and sections give f64. Arrays that the caller provides must be of the type that comes out. */
 #define BVX_REAL_LIST(X) X(BVX_F32, 1, "f32") X(BVX_F64, 2, "f64")
 enum { BVX_POSITION_AUTO = 0, BVX_REAL_LIST(BVX_LIST_ENUM) };
 enum { BVX_U16 = 1, BVX_U32 = 2, BVX_U64 = 3 };
@@ -387,6 +385,9 @@ typedef struct bvx_mesh_view {
     uint64_t uv_count; /**< of uvs, with uv_indices */
     const float *uvs2; /**< second texture coordinates of each vertex [Default: NULL] */
     const uint32_t *materials; /**< index of each triangle's material [Default: NULL] */
+    const double *transform; /**< three rows of four, applied to positions, which are doubles then, as ((m0 x + m1 y)
+                                  + m2 z) + m3; normals stay as they are, and a mirror turns triangles inside out
+                                  [Size: 12] [Default: NULL] */
     uint64_t reserved;
 } bvx_mesh_view;
 
@@ -408,10 +409,12 @@ static inline bvx_mesh_view bvx_mesh_view_packed(const float *positions, uint64_
     view.colours = nullptr;
     view.normals = view.uvs = view.uvs2 = nullptr;
     view.uv_indices = view.materials = nullptr;
+    view.transform = nullptr;
 #else
     view.colours = NULL;
     view.normals = view.uvs = view.uvs2 = NULL;
     view.uv_indices = view.materials = NULL;
+    view.transform = NULL;
 #endif
     view.uv_count = 0;
     view.reserved = 0;
@@ -495,10 +498,8 @@ typedef struct bvx_certificate {
     uint64_t reserved[4];
 } bvx_certificate;
 
-/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). All vertices must be finite, used or
- *  not. A mesh without triangles is no error: its certificate is zero, but for unused_vertices.
- *  [Limit: (2^32 - 1) / 3 triangles]
- *  Returns BVX_ERR_RANGE (the first triangle with an index out of range, or vertex that is not finite). */
+/** Check a mesh. weld 1 identifies vertices with equal positions (-0 equals 0). A mesh without triangles is no error:
+ *  its certificate is zero, but for unused_vertices. [Limit: (2^32 - 1) / 3 triangles] */
 BVX_API bvx_status bvx_mesh_check(bvx_context *context, const bvx_mesh_view *mesh, int32_t weld,
                                   bvx_certificate *certificate);
 
@@ -835,8 +836,7 @@ typedef struct bvx_extract_options {
     int32_t reserved;
 } bvx_extract_options;
 
-/** The exact size of what bvx_extract_surface, or with samples bvx_extract_scalar, would make of the same: for arrays
- *  of one's own. */
+/** The exact size of what bvx_extract_surface or bvx_extract_scalar would make: for arrays of one's own. */
 BVX_API bvx_status bvx_extract_count(bvx_context *context, const bvx_grid *grid, const bvx_extract_options *options,
                                      uint64_t *vertex_count, uint64_t *triangle_count);
 
@@ -1251,8 +1251,7 @@ typedef struct bvx_mesh_hit {
     double position[3]; /**< [Units: world] */
     double weight[3]; /**< barycentric coordinates: not negative, with sum 1 but for rounding */
     uint32_t triangle;
-    int32_t side; /**< 1: the side of the normal by the right hand; -1: the other one; 0: none is met, all else is
-                       zero */
+    int32_t side; /**< 1: that of the normal by the right hand; -1: the other; 0: none is met, all else is zero */
 } bvx_mesh_hit;
 
 /** Cast count rays, six doubles each: origin, direction (any length but 0) [Units: world], at the mesh. Hits have 0 <=
@@ -1293,9 +1292,7 @@ BVX_API bvx_status bvx_mesh_carry(bvx_context *context, const bvx_mesh *source, 
  *  bvx_field_dense gives them distances too. */
 typedef struct bvx_field {
     bvx_grid band; /**< set: centres that have a value */
-    bvx_grid inside; /**< set: centres inside, in all of the window; without words for BVX_SIGN_NONE. NORMAL,
-                          PSEUDONORMAL: beyond the band the side spreads from it, voxel by voxel through faces; where
-                          both sides arrive at once it is outside */
+    bvx_grid inside; /**< set: centres inside, in all of the window (docs/rules.md); without words for BVX_SIGN_NONE */
     uint64_t *row_values; /**< index of the first value of row z * size[1] + y [Size: rows + 1] */
     uint64_t value_count; /**< row_values[rows] */
     void *vectors; /**< to the closest point; float or double [Size: value_count * 3] [Units: world] */
@@ -1341,11 +1338,9 @@ enum {
 };
 
 /** A field as one value for every centre of the window, x fastest, then y, then z.
- *  far_rule  BVX_FAR_...: PROPAGATED needs the mesh, and features in the field; its distances are never below the true
- *            ones, and 0.01 to 0.07 % above on average with bands of three voxels (docs/rules.md)
+ *  far_rule  BVX_FAR_...: PROPAGATED needs the mesh, and features in the field; its distances are never too small
  *  vectors   0: signed distances; 1: vectors, three floats each
- *  values    [Size: size[0] * size[1] * size[2], times 3 for vectors] infinite beyond the largest float
- *  Returns BVX_ERR_EMPTY (PROPAGATED: no value), BVX_ERR_LATTICE. */
+ *  values    [Size: size[0] * size[1] * size[2], times 3 for vectors] infinite beyond the largest float */
 BVX_API bvx_status bvx_field_dense(bvx_context *context, const bvx_field *field, const bvx_mesh_view *mesh,
                                    int32_t far_rule, int32_t vectors, float *values);
 
@@ -1406,10 +1401,8 @@ enum { BVX_REDUCE_LIST(BVX_LIST_ENUM) };
 BVX_API bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                        int32_t rule, bvx_grid *result);
 
-/** The number of set voxels in each of these blocks, x fastest, then y, then z.
- *  counts  [Size: capacity]
- *  count   out: the product of the sizes of bvx_grid_downsample's result
- *  Returns BVX_ERR_CAPACITY, and as bvx_grid_downsample. */
+/** The number of set voxels in each of these blocks, x fastest, then y, then z. count is the product of the sizes of
+ *  bvx_grid_downsample's result. Returns as bvx_grid_downsample. */
 BVX_API bvx_status bvx_grid_coverage(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                      uint32_t *counts, uint64_t capacity, uint64_t *count);
 
@@ -1419,9 +1412,7 @@ BVX_API bvx_status bvx_grid_crop(bvx_context *context, const bvx_grid *grid, con
                                  bvx_grid *result);
 
 /** Extend the lattice by low empty voxels before its first ones along each axis, and high after its last ones. The
- *  window grows in the same way. Nothing moves in the world: the new origin is origin - low * spacing.
- *  low, high  [Limit: 0 and more, dims up to 2^25]
- *  Returns as bvx_grid_crop. */
+ *  window grows in the same way. Nothing moves in the world. [Limit: 0 and more, dims up to 2^25] */
 BVX_API bvx_status bvx_grid_pad(bvx_context *context, const bvx_grid *grid, const int32_t low[3], const int32_t high[3],
                                 bvx_grid *result);
 
@@ -1490,8 +1481,8 @@ typedef struct bvx_hollow_options {
 /** Make a body hollow: voxels deeper than thickness become empty, and the outer surface stays but for the drain hole.
  *  The hole takes set voxels whose centre lies within drain_radius of its axis, from its side to where the axis first
  *  meets the hollow. Where nothing is deep enough the result is the grid itself, without a hole.
- *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness
- *  below a voxel). */
+ *  Returns BVX_ERR_ARGUMENT (also a drain_at whose axis misses the hollow), BVX_ERR_RANGE (a thickness below a voxel).
+ */
 BVX_API bvx_status bvx_grid_hollow(bvx_context *context, const bvx_grid *grid, const bvx_hollow_options *options,
                                    bvx_grid *result);
 
@@ -1568,15 +1559,15 @@ typedef struct bvx_keep_options {
     int32_t connectivity; /**< 6, 18 or 26 [Limit: 6, or 18, or 26] [Default: 6] */
     int32_t reserved;
     uint64_t at_least; /**< components of fewer voxels are dropped [Limit: any] [Default: 0, none is] */
-    const int32_t *seeds; /**< voxels of the window, x y z each: components that hold none of them are dropped (those
-                               on empty voxels are ignored) [Size: seed_count * 3] [Default: NULL] */
+    const int32_t *seeds; /**< x y z each: components that hold none of them are dropped [Size: seed_count * 3]
+                               [Default: NULL] */
     uint64_t seed_count; /**< [Limit: any] [Default: 0, seeds are ignored] */
     uint64_t largest; /**< of what remains so many of the largest are kept [Limit: any] [Default: 0, all] */
     bvx_keep_report *report; /**< receives counts when not NULL [Default: NULL] */
 } bvx_keep_options;
 
-/** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid.
- *  Returns BVX_ERR_ARGUMENT (also a seed outside the window, with its index). */
+/** Keep some of a grid's components; of an empty grid none. In place: the result may be the grid. A seed outside the
+ *  window is BVX_ERR_ARGUMENT. */
 BVX_API bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
                                  bvx_grid *result);
 
@@ -1685,43 +1676,37 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density;     /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
-    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048]
-                             [Default: 128] */
+    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048] [Default: 128] */
     int32_t reserved;
 } bvx_measure_options;
 
 /** The body that a mesh encloses. Errors are bounds: the body's own values are at most this far off. */
 typedef struct bvx_measure_report {
-    double volume;        /**< [Units: world^3] */
-    double area;          /**< of the triangles as they are [Units: world^2] */
-    double mass;          /**< density times volume */
-    double center[3];     /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
-    double inertia[6];    /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
-    double volume_error;  /**< of volume; density times this is that of mass [Units: world^3] */
-    double center_error;  /**< distance from center [Units: world] */
+    double volume; /**< [Units: world^3] */
+    double area; /**< of the triangles as they are [Units: world^2] */
+    double mass; /**< density times volume */
+    double center[3]; /**< of mass; that of the bounds where nothing is enclosed [Units: world] */
+    double inertia[6]; /**< tensor about center: xx, yy, zz, xy, xz, yz [Units: mass * world^2] */
+    double volume_error; /**< of volume; density times this is that of mass [Units: world^3] */
+    double center_error; /**< distance from center [Units: world] */
     double inertia_error; /**< of each element [Units: mass * world^2] */
-    int32_t resolution;   /**< voxels along each axis that were counted; 0: triangles were summed up */
-    int32_t fill;         /**< BVX_FILL_...: the rule that says what is inside */
-    int32_t fill_reason;  /**< BVX_FILL_REASON_... */
+    int32_t resolution; /**< voxels along each axis that were counted; 0: triangles were summed up */
+    int32_t fill; /**< BVX_FILL_...: the rule that says what is inside */
+    int32_t fill_reason; /**< BVX_FILL_REASON_... */
     int32_t reserved;
     uint64_t turned; /**< triangles that were turned first */
 } bvx_measure_report;
 
-/** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors.
- *  What is inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND), flipped triangles
- *  turned, the moments of triangles are summed up: the errors are those of rounding, and of moving corners by
- *  2^-16 of a voxel where triangles meet no nearer. Of meshes with holes, overlaps or cavities that face
- *  outwards, voxels of 1/resolution of the bounds along each axis are counted: the bounds are what all voxels
- *  at the surface can make; over a hole the body ends where its winding number passes a half.
- *  Vertices have no frame here: add a mesh's own to center.
- *  Returns BVX_ERR_EMPTY (no triangle; one position only), BVX_ERR_RANGE (index or coordinate).
- *  [Memory: two grids; as bvx_voxelize_solid, bvx_mesh_check]
- *  [Cost: as bvx_voxelize_solid and bvx_mesh_check]
- *  [Exact: which voxels count. Sums are doubles, compensated, the same everywhere]
- *  Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 */
-BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh,
-                               const bvx_measure_options *options, bvx_measure_report *report);
+/** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors. What is
+ *  inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND) without crossing triangles,
+ *  flipped ones turned, the moments of triangles are summed up: the errors are those of rounding. Several shells need a
+ *  resolution of 128 for it. Of meshes with holes, crossings or cavities that face outwards, voxels of 1/resolution of
+ *  the bounds along each axis are counted: the bounds are what all voxels at the surface can make; over a hole the body
+ *  ends where its winding number passes a half. Vertices have no frame here: add a mesh's own to center.
+ *  Returns BVX_ERR_EMPTY also where there is one position only. */
+BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
+                               bvx_measure_report *report);
 
 /* ---- Points -------------------------------------------------------------------------------------------- */
 
@@ -1797,9 +1782,7 @@ typedef struct bvx_volume_report {
 BVX_API bvx_status bvx_threshold(bvx_context *context, const bvx_volume_view *volume, double low, double high,
                                  bvx_volume_report *report, bvx_grid *grid);
 
-/** bvx_threshold of integers between integers, for 64-bit samples beyond 2^53 too, which doubles do not distinguish.
- *  Labels are such.
- *  low, high  u64: their bits
+/** bvx_threshold of integers between integers (u64: their bits), for 64-bit samples beyond 2^53 too. Labels are such.
  *  Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
 BVX_API bvx_status bvx_threshold_whole(bvx_context *context, const bvx_volume_view *volume, int64_t low, int64_t high,
                                        bvx_volume_report *report, bvx_grid *grid);
@@ -1835,8 +1818,7 @@ typedef struct bvx_label {
 } bvx_label;
 
 /** The values other than 0 of a volume of integers, ascending, each with its voxels and their box. bvx_threshold_whole
- *  from a value to itself gives a label's voxels.
- *  Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
+ *  from a value to itself gives its voxels. Returns BVX_ERR_UNSUPPORTED (samples that are floats). */
 BVX_API bvx_status bvx_list_labels(bvx_context *context, const bvx_volume_view *volume, bvx_label *labels,
                                    uint64_t capacity, uint64_t *count);
 
@@ -1865,8 +1847,7 @@ typedef struct bvx_sections {
     double normal[3]; /**< of all planes, any length but 0 */
     int32_t owned; /**< 1 when bvx_sections_free frees the arrays */
     int32_t reserved;
-    double *normals; /**< of each plane, in place of normal, any length but 0; NULL: the planes are parallel
-                          [Size: section_count * 3] */
+    double *normals; /**< of each plane, in place of normal; NULL: planes are parallel [Size: section_count * 3] */
     uint64_t reserved2[3];
 } bvx_sections;
 
@@ -1953,8 +1934,7 @@ typedef struct bvx_sections_options {
                            [Limit: >= 0] [Default: 0] */
     int32_t caps; /**< BVX_CAPS_... [Default: BVX_CAPS_FLAT] */
     int32_t label; /**< the body; BVX_LABEL_ZERO: 0 [Limit: any] [Default: 0, the only one there is] */
-    int32_t position_type; /**< BVX_F32 (rounded, whatever that joins) or BVX_F64, which AUTO is too: contours'
-                                points are doubles and are kept [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
+    int32_t position_type; /**< AUTO is BVX_F64: contours stay as they are [Limit: 0..2] [Default: BVX_POSITION_AUTO] */
     int32_t reserved;
     bvx_sections_report *report; /**< filled when not NULL [Default: NULL] */
 } bvx_sections_options;
@@ -2084,8 +2064,7 @@ BVX_API bvx_status bvx_octree_lattice(bvx_context *context, const bvx_octree *tr
 BVX_API bvx_status bvx_octree_count(bvx_context *context, const bvx_octree *tree, bvx_octree_level *counts,
                                     int32_t capacity);
 
-/** The leaves that hold voxels of the last level, three indices each.
- *  Returns BVX_ERR_RANGE (a voxel beyond the lattice, with its index). */
+/** The leaves that hold voxels of the last level, three indices each. */
 BVX_API bvx_status bvx_octree_at(bvx_context *context, const bvx_octree *tree, const int32_t *voxels, uint64_t count,
                                  bvx_octree_leaf *leaves);
 
@@ -2094,8 +2073,7 @@ BVX_API bvx_status bvx_octree_find(bvx_context *context, const bvx_octree *tree,
                                    bvx_octree_leaf *leaves);
 
 /** The leaves that share a face with a leaf, beyond it in a direction: 0 to 5 for -x, -y, -z, +x, +y, +z. One of the
- *  same size or larger, or all smaller ones on that face; none beyond the lattice.
- *  Returns BVX_ERR_RANGE (no voxel of the tree). */
+ *  same size or larger, or all smaller ones; none beyond the lattice. */
 BVX_API bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, const bvx_octree_leaf *leaf,
                                          int32_t direction, bvx_octree_leaf *leaves, uint64_t capacity,
                                          uint64_t *count);
@@ -2109,9 +2087,7 @@ typedef struct bvx_octree_hit {
     int32_t hit; /**< 0: the ray meets none, and the other fields are zero */
 } bvx_octree_hit;
 
-/** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). The lowest (t, z, y, x) is
- *  that of the leaves' low corners.
- *  Returns what bvx_grid_cast returns. */
+/** Cast rays as bvx_grid_cast, at the leaves in a set of states (0: surface and inside). */
 BVX_API bvx_status bvx_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states, const double *rays,
                                    uint64_t count, double t_max, bvx_octree_hit *hits);
 
@@ -2127,10 +2103,9 @@ BVX_API bvx_status bvx_octree_leaves(bvx_context *context, const bvx_octree *tre
 BVX_API bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,
                                      const bvx_window *window, bvx_grid *grid);
 
-/** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block: the level
- *  is never expanded as a whole. The bytes are those of bvx_extract_surface on all of it, with all sides closed. mesh
- *  brings no arrays of the caller's.
- *  Returns what bvx_octree_expand, bvx_extract_surface and bvx_mesh_merge return; dims are below 2^20, as for keys. */
+/** The closed surface of the last level's voxels in a set of states (0: surface and inside), block by block, with the
+ *  bytes of bvx_extract_surface on all of it. mesh brings no arrays of the caller's; dims are below 2^20, as for keys.
+ */
 BVX_API bvx_status bvx_extract_octree(bvx_context *context, const bvx_octree *tree, int32_t states,
                                       const bvx_extract_options *options, bvx_mesh *mesh);
 

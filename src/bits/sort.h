@@ -48,8 +48,6 @@ static inline void bvxi_sort_i32(int32_t *v, uint32_t n)
 
 /* ---- Places on a curve through space ---- */
 
-/* Source: Morton. A computer oriented geodetic data base. 1966. */
-
 /* Bit i of the low 21 goes to bit 3 i; those of three axes side by side are a place on the curve. */
 static inline uint64_t bvxi_curve_spread(uint64_t x)
 {

@@ -32,35 +32,10 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
     return BVX_OK;
 }
 
-static bvx_status check_bodies_options(bvx_context *ctx, bvx_sections_options *o)
-{
-    BVXI_TRY(bvxi_section_options_check(ctx, bodies_name, o));
-    if (o->caps == BVX_CAPS_OPEN)
-        return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
-                             "%s: bodies with the same faces are closed: caps are flat or tapered",
-                             bodies_name);
-    return BVX_OK;
-}
-
-/* Parallel planes get a normal each. */
-static bvx_status give_normals(bvx_context *ctx, const bvx_sections *given, bvx_sections *sections)
-{
-    double *normals;
-
-    *sections = *given;
-    if (given->normals != NULL) return BVX_OK;
-    BVXI_TRY(
-        bvxi_alloc(ctx, BVXI_SCRATCH, (given->section_count + 1) * 24, "the sections' normals", &normals));
-    for (uint64_t i = 0; i < given->section_count; i++) memcpy(normals + 3 * i, given->normal, 24);
-    sections->normals = normals;
-    return BVX_OK;
-}
-
 static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t count, bvx_mesh *meshes)
 {
-    bvxi_joint_cut cut;
+    bvxi_joint_cut cut = {0};
 
-    memset(&cut, 0, sizeof cut);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));
@@ -71,7 +46,6 @@ static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t co
     return BVXI_SHARE(o->ctx, 0.85, 1.0, bvxi_joint_surfaces(o, &cut, meshes));
 }
 
-/* All bodies or none. */
 static void drop_bodies(bvx_context *ctx, bvx_mesh *meshes, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -96,12 +70,22 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     o.ctx = context;
     o.function = bodies_name;
     BVXI_TRY(bvxi_take_options(context, bodies_name, options, &o.options, sizeof o.options));
-    BVXI_TRY(check_bodies_options(context, &o.options));
+    BVXI_TRY(bvxi_section_options_check(context, bodies_name, &o.options));
+    if (o.options.caps == BVX_CAPS_OPEN)
+        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
+                             "%s: bodies with the same faces are closed: caps are flat or tapered",
+                             bodies_name);
     BVXI_TRY(bvxi_sections_check(context, bodies_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, bodies_name, sections));
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));
 
-    BVXI_TRY(give_normals(context, sections, &with_normals));
+    /* Parallel planes get a normal each. */
+    with_normals = *sections;
+    if (sections->normals == NULL)
+        BVXI_TRY(BVXI_ARRAY(context, 3 * (sections->section_count + 1), "the sections' normals",
+                            with_normals.normals));
+    for (uint64_t i = 0; i < sections->section_count && sections->normals == NULL; i++)
+        memcpy(with_normals.normals + 3 * i, sections->normal, 24);
     o.given = &with_normals;
     status = make_joint(&o, labels, count, meshes);
     if (status != BVX_OK) drop_bodies(context, meshes, count);

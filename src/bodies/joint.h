@@ -9,7 +9,6 @@
 
 #include "oblique/joint_fields.h"
 
-/* What is made of a joint bvxi_oblique. */
 typedef struct bvxi_joint_cut {
     uint64_t *among; /* [vertices] a bit for each kind that a vertex lies between */
     uint8_t *kind;   /* [tetrahedra] */

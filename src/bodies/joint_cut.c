@@ -15,30 +15,11 @@
 
 /* ---- vertices ---- */
 
-/* Some plane that all of them lie on. */
-static int are_on_a_plane(const bvxi_oblique *o, const uint32_t *v, int n)
-{
-    for (uint32_t w = 0; w < o->plane_words; w++) {
-        uint64_t on = UINT64_MAX;
-        for (int i = 0; i < n; i++) on &= bvxi_tetra_on(o, v[i])[w];
-        if (on != 0) return 1;
-    }
-    return 0;
-}
-
 /* An edge on a plane between two vertices of contours that is no contour's. */
 static int is_chord(const bvxi_oblique *o, const uint32_t v[2])
 {
-    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && are_on_a_plane(o, v, 2) &&
+    return o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign == 0 && bvxi_share_plane(o, v, 2) &&
            bvxi_edge_find(&o->contour_edge, v[0], v[1]) == BVXI_NONE;
-}
-
-static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
-{
-    int n = 0;
-
-    for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
-    return n;
 }
 
 /* Edges and faces on planes between vertices of contours get a vertex, which has what the plane says there.
@@ -46,7 +27,7 @@ static int corners_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
 static bvx_status open_plane_faces(bvxi_oblique *o)
 {
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (corners_on_contours(o, &o->tetra[t]) < 2) continue;
+        if (bvxi_on_contours(o, &o->tetra[t]) < 2) continue;
         for (int a = 0; a < 4; a++)
             for (int b = a + 1; b < 4; b++) {
                 /* Splitting an edge moves the new half behind the others, so that the loop comes to it
@@ -66,7 +47,7 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
             /* Three corners on contours of one plane: nothing of the face says on which side it is. */
             for (int j = 0; j < 4; j++)
                 if (j != k && o->vertex[o->tetra[t].v[j]].sign == 0) v[n++] = o->tetra[t].v[j];
-            if (n < 3 || !are_on_a_plane(o, v, 3)) continue;
+            if (n < 3 || !bvxi_share_plane(o, v, 3)) continue;
             bvxi_oblique_middle(o, v, 3, at);
             BVXI_TRY(bvxi_tetra_split_face(o, (uint32_t)t, k, at, &m));
         }
@@ -82,9 +63,7 @@ static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
         bvxi_tetra_vertex *const x = &o->vertex[i];
         uint32_t plane;
 
-        /* Vertices of the lattice have their kind from it, those of contours none. */
         if (x->sign == 0) continue;
-        /* What the cells put between the lattice's vertices gets its kind now, each on its own plane. */
         plane = bvxi_first_plane(o, (uint32_t)i);
         if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
         x->sign = 1;
@@ -102,7 +81,7 @@ static bvx_status give_kinds(bvxi_oblique *o)
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     /* What is torn there is told by the check of each mesh; the list is of no use here. */
     return BVXI_SHARE(o->ctx, 0.6, 1.0, bvxi_oblique_regions(o, &torn, &count));
 }
@@ -111,19 +90,18 @@ static bvx_status give_kinds(bvxi_oblique *o)
 
 static bvx_status open_among(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* One bit a kind. Contours' vertices begin without any. */
     for (uint64_t i = 0; i < o->vertex_count; i++)
         cut->among[i] = o->vertex[i].sign == 0 ? 0 : UINT64_C(1) << (int)o->vertex[i].value;
 
     /* A contour's vertex lies between what the planes say around it. */
     for (uint64_t t = 0; t < o->tetra_count; t++) {
-        if (corners_on_contours(o, &o->tetra[t]) == 0) continue;
+        if (bvxi_on_contours(o, &o->tetra[t]) == 0) continue;
         for (int a = 0; a < 4; a++)
             for (int b = 0; b < 4; b++) {
                 uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
-                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && are_on_a_plane(o, v, 2))
+                if (o->vertex[v[0]].sign == 0 && o->vertex[v[1]].sign != 0 && bvxi_share_plane(o, v, 2))
                     cut->among[v[0]] |= cut->among[v[1]];
             }
     }
@@ -148,8 +126,7 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
     lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
 
-    /* Between planes distances bend along the edge. */
-    if (!are_on_a_plane(o, v, 2))
+    if (!bvxi_share_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
 }
@@ -160,8 +137,7 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
     uint32_t m;
 
     BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->among, o->vertex_room, &cut->among_room, 8, "the kinds of vertices"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* From here on the vertex counts as one of a contour: it has several kinds and no number. */
     o->vertex[m].sign = 0;
     o->vertex[m].value = 0.0F;
@@ -260,7 +236,6 @@ static bvx_status cut_edges(bvxi_oblique *o, bvxi_joint_cut *cut, cut_fn one)
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         int again = has_edges_to_cut(cut, &o->tetra[t]);
         if (t % 65536 == 0) BVXI_TRY(bvxi_progress(o->ctx, "surface", (double)t / (double)o->tetra_count));
-        /* A cut replaces a corner of this tetrahedron, so its edges are looked at once more. */
         while (again) {
             again = 0;
             for (int a = 0; a < 4; a++)
@@ -285,11 +260,6 @@ typedef struct surface_work {
     uint8_t *beside;  /* [vertex] at roots: which */
 } surface_work;
 
-static int is_on_surface(const bvxi_joint_cut *cut, uint32_t v)
-{
-    return (cut->among[v] & JOINT_OUTSIDE) != 0 && cut->among[v] != JOINT_OUTSIDE;
-}
-
 /* Both ends of an edge on the surface, from the crossing's side. */
 static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uint64_t first, uint32_t v,
                                  uint32_t other)
@@ -297,7 +267,7 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
     uint32_t root;
 
-    if (v < first || !is_on_surface(cut, other)) return;
+    if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
     root = bvxi_root(w->joined, v);
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;
@@ -343,10 +313,10 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     uint64_t const n = o->vertex_count;
     surface_work w;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.count));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.count));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
     for (uint64_t v = 0; v < n; v++) w.joined[v] = (uint32_t)v;
     find_surface_specks(o, cut, &w, first);
     for (uint64_t v = first; v < n; v++) {
@@ -356,8 +326,6 @@ static bvx_status drop_surface_specks(bvxi_oblique *o, bvxi_joint_cut *cut, uint
     }
     return BVX_OK;
 }
-
-/* ---- tetrahedra ---- */
 
 typedef struct tetra_job {
     bvxi_oblique *o;
@@ -401,25 +369,12 @@ int bvxi_joint_border_kind(const bvxi_oblique *o, const bvxi_tetra *t, int corne
     return 0;
 }
 
-/* ---- specks ---- */
-
 typedef struct speck_work {
     uint32_t *joined; /* [tetrahedra] */
     uint8_t *kept;    /* [tetrahedra] at roots: a plane says so, or a border touches it */
     uint8_t *beside;  /* [tetrahedra] at roots: the kind that leads among those around it */
     uint32_t *lead;   /* [tetrahedra] by how many faces */
 } speck_work;
-
-static void join_specks(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
-{
-    for (uint64_t t = 0; t < o->tetra_count; t++)
-        for (int k = 0; k < 4; k++) {
-            uint32_t const n = o->tetra[t].n[k];
-            /* Each face once, from the tetrahedron with the higher number. */
-            if (n == BVXI_NONE || n > t || cut->kind[n] != cut->kind[t]) continue;
-            bvxi_join(w->joined, (uint32_t)t, n);
-        }
-}
 
 /* What no plane has anything of is of the kind that is around it. */
 static void find_speck_kinds(const bvxi_oblique *o, const bvxi_joint_cut *cut, speck_work *w)
@@ -444,12 +399,18 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
     uint64_t const n = o->tetra_count;
     speck_work w;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, what, &w.joined));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.kept));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, what, &w.beside));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, what, &w.lead));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, what, w.joined));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.kept));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.beside));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w.lead));
     for (uint64_t t = 0; t < n; t++) w.joined[t] = (uint32_t)t;
-    join_specks(o, cut, &w);
+    for (uint64_t t = 0; t < n; t++)
+        for (int k = 0; k < 4; k++) {
+            uint32_t const beside = o->tetra[t].n[k];
+            /* Each face once, from the tetrahedron with the higher number. */
+            if (beside != BVXI_NONE && beside <= t && cut->kind[beside] == cut->kind[t])
+                bvxi_join(w.joined, (uint32_t)t, beside);
+        }
     find_speck_kinds(o, cut, &w);
     /* A piece whose neighbours are of several kinds may get one without a majority: any of them is as
      * right. */
@@ -462,7 +423,7 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
-    tetra_job job;
+    tetra_job job = {o, cut};
     uint64_t crossings;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
@@ -475,10 +436,7 @@ bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
     BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->kind, o->tetra_count, &cut->kind_room, 1, "the kinds of tetrahedra"));
-    job.o = o;
-    job.cut = cut;
+    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_count, cut->kind_room, "the kinds of tetrahedra"));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.8, 0.9,
                         bvxi_for(o->ctx, "surface", o->tetra_count, 4096, tetra_kinds_piece, &job)));
     return BVXI_SHARE(o->ctx, 0.9, 1.0, BVXI_SCOPE(o->ctx, drop_specks(o, cut)));

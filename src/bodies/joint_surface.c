@@ -45,15 +45,6 @@ typedef struct joint_faces {
 
 /* ---- faces ---- */
 
-static void fill_face(joint_faces *f, uint64_t number, uint32_t t, int k, int against)
-{
-    const bvxi_tetra *const x = &f->o->tetra[t];
-
-    /* Seen from outside of the body, which lies beyond the face where it is against. */
-    for (int i = 0; i < 3; i++) f->corner[number][i] = x->v[tetra_face[k][against ? 2 - i : i]];
-    f->from[number] = against ? BVXI_NONE : 4 * t + (uint32_t)k;
-}
-
 /* The bodies that a face is one of, as seen from one of its tetrahedra: that one's, and where nothing is
  * beyond it but cells of one kind, that kind. Every other face is seen from both sides. */
 static void kinds_of_face(const bvxi_oblique *o, const bvxi_joint_cut *cut, uint64_t t, int k, int kind[2])
@@ -85,29 +76,15 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
             }
         if (fill) break;
         for (uint32_t i = 0; i < o->body_count; i++) next[i + 1] += next[i];
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->body_count] + 1) * 4, "the faces of bodies",
-                            &list->face));
+        BVXI_TRY(BVXI_ARRAY(o->ctx, next[o->body_count] + 1, "the faces of bodies", list->face));
     }
-    BVXI_TRY(
-        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->degree));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the edges of bodies", &list->edge));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the edges of bodies", list->degree));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, "the edges of bodies", list->edge));
     memset(list->edge, 0xff, (size_t)(o->vertex_count * 4));
     return BVX_OK;
 }
 
-static bvx_status open_faces(joint_faces *f)
-{
-    static const char what[] = "the faces of a body";
-    bvx_context *const ctx = f->o->ctx;
-
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 4, what, &f->from));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->next));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->joined));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, (f->count + 1) * 12, what, &f->number);
-}
-
-/* Before the next body's: only one body's are needed at a time. */
+/* Only one body's are needed at a time. */
 static void close_faces(const joint_faces *f)
 {
     bvxi_drop(f->o->ctx, f->number);
@@ -175,22 +152,30 @@ static int is_first_side(const joint_faces *f, uint64_t side)
 
 static bvx_status take_faces(joint_faces *f, const joint_list *list, int kind)
 {
+    static const char what[] = "the faces of a body";
     const uint32_t *const face = list->face + list->first[kind - 1];
+    bvx_context *const ctx = f->o->ctx;
 
     f->kind = kind;
     f->count = list->first[kind] - list->first[kind - 1];
     if (f->count > UINT32_MAX / 3)
         return bvxi_fail_for(f->o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: a body has more than 2^30 triangles; take fewer cells", f->o->function);
-    BVXI_TRY(open_faces(f));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->corner));
+    BVXI_TRY(BVXI_ARRAY(ctx, f->count + 1, what, f->from));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->next));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->joined));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (f->count + 1), what, f->number));
     /* Where the tetrahedron is not the body's, the body lies beyond the face. */
-    for (uint64_t i = 0; i < f->count; i++)
-        fill_face(f, i, face[i] / 4, (int)(face[i] % 4), f->cut->kind[face[i] / 4] != kind);
+    for (uint64_t i = 0; i < f->count; i++) {
+        int const against = f->cut->kind[face[i] / 4] != kind;
+        for (int k = 0; k < 3; k++)
+            f->corner[i][k] = f->o->tetra[face[i] / 4].v[tetra_face[face[i] % 4][against ? 2 - k : k]];
+        f->from[i] = against ? BVXI_NONE : face[i];
+    }
     list_sides(f, list);
     return BVX_OK;
 }
-
-/* ---- edges at which a body touches itself ---- */
 
 static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t a, uint32_t b)
 {
@@ -200,12 +185,11 @@ static bvx_status cut_pinched_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     /* An edge that a cut before this one has halved is no longer there. */
     BVXI_TRY(bvxi_tetra_with_edge(o, a, b, &t));
     if (t == BVXI_NONE) return BVX_OK;
-    for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[a].at[k] + o->vertex[b].at[k]);
+    bvxi_oblique_middle(o, (uint32_t[]){a, b}, 2, at);
     BVXI_TRY(bvxi_tetra_split_edge(o, t, a, b, at, &m));
     o->vertex[m].sign = 0;
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &cut->kind, o->tetra_room[0], &cut->kind_room, 1, "the kinds of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, cut->kind, o->tetra_room[0], cut->kind_room, "the kinds of tetrahedra"));
     for (uint64_t i = 0; i < o->ring_count; i++) cut->kind[o->twin[o->ring[i]]] = cut->kind[o->ring[i]];
     return BVX_OK;
 }
@@ -222,25 +206,19 @@ static int is_pinched(const joint_faces *f, uint32_t first)
 static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint_list *list, int kind,
                                pinched_edges *pinched)
 {
-    joint_faces f;
-    bvx_status status;
+    joint_faces f = {.o = o, .cut = cut};
 
-    memset(&f, 0, sizeof f);
-    f.o = o;
-    f.cut = cut;
-    status = take_faces(&f, list, kind);
-    for (uint64_t i = 0; i < 3 * f.count && status == BVX_OK; i++) {
+    BVXI_TRY(take_faces(&f, list, kind));
+    for (uint64_t i = 0; i < 3 * f.count; i++) {
         const uint32_t *const v = f.corner[i / 3];
 
         if (!is_first_side(&f, i) || !is_pinched(&f, (uint32_t)i)) continue;
-        status = bvxi_oblique_grow(o, &pinched->edge, pinched->count, &pinched->room, sizeof *pinched->edge,
-                                   "the edges of a body");
-        if (status != BVX_OK) break;
+        BVXI_TRY(BVXI_GROW(o, pinched->edge, pinched->count, pinched->room, "the edges of a body"));
         pinched->edge[pinched->count][0] = v[i % 3];
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
     close_faces(&f);
-    return status;
+    return BVX_OK;
 }
 
 /* ---- vertices ---- */
@@ -330,7 +308,6 @@ static void join_pinched(const joint_faces *f, uint32_t first)
 
     for (uint32_t i = first; i != BVXI_NONE; i = f->next[i]) {
         uint32_t const face = through ? face_around_others(f, i) : face_through_body(f, i);
-        /* The face that was found is one of the edge's own; its side is joined to this one. */
         if (face == BVXI_NONE) continue;
         for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
             if (f->from[j / 3] == face) join_sides(f, i, j);
@@ -351,15 +328,13 @@ static void find_fans(const joint_faces *f)
     }
 }
 
-/* ---- points ---- */
-
 static bvx_status find_points(joint_faces *f)
 {
     const bvxi_oblique *const o = f->o;
     uint32_t first = 0;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the points of contours", &f->point));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, o->vertex_count, "the points of contours", &f->used));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->point));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, o->vertex_count, "the points of contours", f->used));
     for (uint32_t p = 0; p < o->plane_count; p++) {
         const bvxi_plane *const q = &o->plane[p].plane;
         for (uint32_t n = 0; n < q->point_count; n++) {
@@ -410,8 +385,7 @@ static void count_unkept_points(const joint_faces *f)
             const double *const given = o->given->points + 3 * (uint64_t)q->given[n];
             if (is_kept_point(f, o->point_vertex[first + n], given)) continue;
             o->report.unkept_points++;
-            if (o->report.located < BVX_SECTIONS_LOCATED)
-                memcpy(o->report.unkept[o->report.located++], given, 24);
+            bvxi_report_place(&o->report, given);
         }
         first += q->point_count;
     }
@@ -419,19 +393,6 @@ static void count_unkept_points(const joint_faces *f)
 
 /* ---- meshes ---- */
 
-static void write_joint_position(const joint_faces *f, const bvx_mesh *mesh, uint32_t number, uint32_t v)
-{
-    double at[3];
-
-    joint_place(f, v, at);
-    for (uint64_t k = 0; k < 3; k++) {
-        if (f->o->options.position_type == BVX_F64)
-            ((double *)mesh->positions)[3 * (uint64_t)number + k] = at[k];
-        else ((float *)mesh->positions)[3 * (uint64_t)number + k] = (float)at[k];
-    }
-}
-
-/* Vertices are numbered in the order in which faces come to them. */
 static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
 {
     const bvxi_oblique *const o = f->o;
@@ -450,9 +411,12 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     for (uint64_t i = 0; i < corners; i++) {
         uint32_t const v = f->corner[i / 3][i % 3];
         uint32_t *const number = &f->number[bvxi_root(f->joined, (uint32_t)i)];
+        double at[3];
+
         if (*number == BVXI_NONE) {
             *number = (uint32_t)vertices++;
-            write_joint_position(f, mesh, *number, v);
+            joint_place(f, v, at);
+            bvxi_put_position(mesh, o->options.position_type, *number, at);
             f->used[v] = (uint8_t)f->kind;
         }
         mesh->triangles[i] = *number;
@@ -460,25 +424,12 @@ static bvx_status write_joint_mesh(joint_faces *f, bvx_mesh *mesh)
     return BVX_OK;
 }
 
-/* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
-static bvx_status check_joint_mesh(const bvxi_oblique *o, const bvx_mesh *mesh, int32_t label)
-{
-    bvx_certificate c;
-    bvx_mesh_view view;
-
-    bvx_mesh_view_of(mesh, &view);
-    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
-    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
-    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
-                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
-                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
-                         o->function, (int64_t)label);
-}
-
 static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int kind, bvx_mesh *mesh)
 {
     bvxi_oblique *const o = f->o;
     int32_t const label = o->body[kind - 1].options.label;
+    bvx_certificate c;
+    bvx_mesh_view view;
 
     BVXI_TRY(take_faces(f, list, kind));
     if (f->count == 0)
@@ -488,16 +439,22 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
     find_fans(f);
     BVXI_TRY(write_joint_mesh(f, mesh));
     count_unkept_points(f);
-    return check_joint_mesh(o, mesh, label);
+    /* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */
+    bvx_mesh_view_of(mesh, &view);
+    BVXI_TRY(bvx_mesh_check(o->ctx, &view, 0, &c));
+    if (c.closed && c.edge_manifold && c.vertex_manifold && c.oriented) return BVX_OK;
+    return bvxi_fail_for(o->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+                         "%s: the contours of label %d contradict each other too much for a closed, manifold "
+                         "mesh; move those apart that cross where their planes meet, or take a smaller agree",
+                         o->function, (int64_t)label);
 }
 
 /* All cuts before all faces: a cut for one body changes faces that another shares. */
 static bvx_status cut_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, joint_list *list)
 {
     int const count = (int)o->body_count;
-    pinched_edges pinched;
+    pinched_edges pinched = {0};
 
-    memset(&pinched, 0, sizeof pinched);
     for (int kind = 1; kind <= count; kind++)
         BVXI_TRY(BVXI_SHARE(o->ctx, 1.0 * (kind - 1) / count, 1.0 * kind / count,
                             find_pinched(o, cut, list, kind, &pinched)));

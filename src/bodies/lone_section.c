@@ -8,8 +8,6 @@
  * given. */
 #include "bodies/lone_section.h"
 
-#include <string.h>
-
 enum { COPIES = 3 };
 
 typedef struct lone_count {
@@ -34,16 +32,6 @@ static int count_lone(const bvx_sections *given, uint32_t section, int32_t label
     return n->loops != 0;
 }
 
-/* The planes beside it are of no use to the body, and theirs may be other normals. */
-static void take_section(const bvx_sections *given, uint32_t section, bvx_sections *one)
-{
-    *one = *given;
-    if (given->normals != NULL)
-        memcpy(one->normal, given->normals + 3 * (uint64_t)section, sizeof one->normal);
-    one->normals = NULL;
-}
-
-/* The loops of the body once more, on a plane that is so far along the axis. */
 static void add_copy(const bvx_sections *given, const bvx_sections_options *o, const lone_count *n,
                      const double axis[3], double by, bvx_sections *to)
 {
@@ -80,39 +68,35 @@ static bvx_status copy_section(bvx_context *ctx, const char *function, const bvx
                              function, n->points);
     BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
     memcpy(to->normal, one->normal, sizeof to->normal);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * n->points * 24, "the points of a slab", &to->points));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * n->loops * sizeof *to->loops, "the loops of a slab",
-                        &to->loops));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, COPIES * 8, "the positions of a slab", &to->positions));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * (COPIES * n->points), "the points of a slab", to->points));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES * n->loops, "the loops of a slab", to->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, COPIES, "the positions of a slab", to->positions));
     for (int k = 0; k < COPIES; k++) add_copy(one, o, n, axis[2], 0.5 * (k - 1) * o->thickness, to);
     return BVX_OK;
-}
-
-/* A stack of one plane, made and dropped: it refuses what a slab of copies would. */
-static bvx_status check_loops(bvx_context *ctx, const char *function, const bvx_sections *one,
-                              const bvx_sections_options *o)
-{
-    bvxi_stack stack;
-
-    return o->mend ? BVX_OK : BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, one, o, &stack));
 }
 
 bvx_status bvxi_lone_open(bvx_context *ctx, const char *function, const bvx_sections *given, uint32_t section,
                           const bvx_sections_options *o, bvxi_lone *lone)
 {
     bvx_sections one;
+    bvxi_stack stack;
     lone_count n = {0};
 
     memset(lone, 0, sizeof *lone);
     if (o->thickness == 0.0 || !count_lone(given, section, o->label, &n)) return BVX_OK;
-    take_section(given, n.section, &one);
+    /* The planes beside it are of no use to the body, and theirs may be other normals. */
+    one = *given;
+    if (given->normals != NULL)
+        memcpy(one.normal, given->normals + 3 * (uint64_t)n.section, sizeof one.normal);
+    one.normals = NULL;
     lone->times = 1;
     lone->sections = one;
 
     /* A lens needs no copies: its ends reach half the thickness beyond the one plane. */
     if (o->caps == BVX_CAPS_TAPER) return BVX_OK;
 
-    BVXI_TRY(check_loops(ctx, function, &one, o));
+    /* A stack of one plane, made and dropped: it refuses what a slab of copies would. */
+    if (!o->mend) BVXI_TRY(BVXI_SCOPE(ctx, bvxi_stack_open(ctx, function, &one, o, &stack)));
     BVXI_TRY(copy_section(ctx, function, &one, o, &n, lone));
     lone->times = COPIES;
     lone->sections = lone->copies;

@@ -122,7 +122,6 @@ static bvx_status make_surface(bvxi_stack *s, bvxi_slab **slabs, uint32_t *cross
                       BVXI_SCOPE(s->ctx, bvxi_nesting_crossed(s, *slabs, s->slab_count, crossed)));
 }
 
-/* As if no surface had been made. */
 static void drop_surface(bvxi_stack *s, uint64_t mark)
 {
     (void)bvxi_scratch_end(s->ctx, mark, BVX_OK);
@@ -169,65 +168,77 @@ static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
     return BVXI_SHARE(s->ctx, 0.95, 1.0, bvxi_slabs_join(s, slabs, s->slab_count, mesh));
 }
 
-/* Mended loops, on the grid that the given ones have. */
-static bvx_status open_mended(bvx_context *ctx, const bvx_sections *sections,
-                              const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
+/* What is to be built, and where it goes. left: the only section that mending left with loops, or BVXI_NONE. */
+typedef struct body_job {
+    bvx_context *ctx;
+    const bvx_sections_options *o;
+    bvx_sections_report *report;
+    bvx_mesh *mesh;
+    int own; /* the mesh takes its arrays from the context */
+    uint32_t left;
+} body_job;
+
+/* A stack of loops that were made, on the grid that they were made for: on another one they would snap to other
+ * places. */
+static bvx_status open_made(bvx_context *ctx, const bvxi_mended *made, const bvx_sections_options *o,
+                            bvxi_stack *s)
 {
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.5, bvxi_mend(ctx, sections_name, sections, options, 0.0, mended)));
-    if (mended->sections.loop_count == 0)
-        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
-                         sections_name);
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.5, 0.6, bvxi_stack_begin(ctx, sections_name, &mended->sections, options, stack)));
-    bvxi_stack_take_grid(stack, &mended->grid);
-    /* The given stack's grid: the mended points were snapped
-     * to it, and would land elsewhere on another one. */
-    stack->nudge = (const int16_t(*)[2])mended->nudge;
-    stack->report.mended_loops = mended->loops;
-    return BVXI_SHARE(ctx, 0.6, 1.0, bvxi_stack_finish(stack));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, bvxi_stack_begin(ctx, sections_name, &made->sections, o, s)));
+    bvxi_stack_take_grid(s, &made->grid);
+    s->nudge = (const int16_t(*)[2])made->nudge;
+    return BVXI_SHARE(ctx, 0.2, 1.0, bvxi_stack_finish(s));
 }
 
-/* What cannot be mended is refused by its own loops' numbers, as without. */
-static bvx_status open_sections(bvx_context *ctx, const bvx_sections *sections,
-                                const bvx_sections_options *options, bvxi_mended *mended, bvxi_stack *stack)
+static bvx_status open_mended(const body_job *job, const bvx_sections *sections, bvxi_mended *mended,
+                              bvxi_stack *s)
 {
+    BVXI_TRY(
+        BVXI_SHARE(job->ctx, 0.0, 0.5, bvxi_mend(job->ctx, sections_name, sections, job->o, 0.0, mended)));
+    if (mended->sections.loop_count == 0)
+        return bvxi_fail(job->ctx, BVX_ERR_EMPTY, "%s: nothing remains of the loops once they are mended",
+                         sections_name);
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.5, 1.0, open_made(job->ctx, mended, job->o, s)));
+    s->report.mended_loops = mended->loops;
+    return BVX_OK;
+}
+
+/* What cannot be mended is refused by its own loops' numbers, as without: only what the loops themselves cause is
+ * looked at again with the given ones. */
+static bvx_status open_sections(const body_job *job, const bvx_sections *sections, bvxi_mended *mended,
+                                bvxi_stack *s)
+{
+    uint64_t const mark = bvxi_scratch_begin(job->ctx);
+    bvx_status status = BVX_ERR_FORMAT;
+
     memset(mended, 0, sizeof *mended);
-    memset(stack, 0, sizeof *stack);
-    stack->ctx = ctx;
-    if (options->mend) {
-        uint64_t const mark = bvxi_scratch_begin(ctx);
-        bvx_status const status = BVXI_SHARE(ctx, 0.0, 0.7,
-                                             open_mended(ctx, sections, options, mended, stack));
-        /* Only what the loops themselves cause is looked at again with the given ones. */
-        if (bvxi_scratch_keep(ctx, mark, status) != BVX_ERR_FORMAT) return status;
-        return BVXI_SHARE(ctx, 0.7, 1.0, bvxi_stack_open(ctx, sections_name, sections, options, stack));
-    }
-    return bvxi_stack_open(ctx, sections_name, sections, options, stack);
+    if (job->o->mend) status = BVXI_SHARE(job->ctx, 0.0, 0.7, open_mended(job, sections, mended, s));
+    if (bvxi_scratch_keep(job->ctx, mark, status) != BVX_ERR_FORMAT) return status;
+    return BVXI_SHARE(job->ctx, job->o->mend ? 0.7 : 0.0, 1.0,
+                      bvxi_stack_open(job->ctx, sections_name, sections, job->o, s));
 }
 
 /* Loops that were moved apart by a hair may leave a cap that is not cut into triangles as it should be:
  * such a mesh is refused, not handed out. */
-static bvx_status check_body(bvx_context *ctx, bvx_mesh *mesh, int own)
+static bvx_status check_body(const body_job *job)
 {
     bvx_certificate c;
     bvx_mesh_view view;
     bvx_status status;
 
-    bvx_mesh_view_of(mesh, &view);
-    status = bvx_mesh_check(ctx, &view, 0, &c);
+    bvx_mesh_view_of(job->mesh, &view);
+    status = bvx_mesh_check(job->ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
         status = bvxi_fail_for(
-            ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
+            job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
             "%s: the mended loops run too near to each other for a closed, manifold mesh; take fewer points, or "
             "mend the contours before",
             sections_name);
-    if (status != BVX_OK && own) bvx_mesh_free(ctx, mesh);
+    if (status != BVX_OK && job->own) bvx_mesh_free(job->ctx, job->mesh);
     return status;
 }
 
-/* The stack with sections put in where parts are shifted, in place of the one that is open; it is on the
- * same grid and its ends reach as far. What was counted of the given sections stands in the report as it
- * is. */
+/* The stack with sections put in where parts are shifted, in place of the one that is open; its ends reach as
+ * far. What was counted of the given sections stands in the report as it is. */
 static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
 {
     bvx_context *const ctx = s->ctx;
@@ -237,142 +248,108 @@ static bvx_status put_in_sections(bvxi_stack *s, bvxi_shifted *slanted)
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.8, bvxi_shift_stack(s, slanted)));
     if (slanted->sections == 0) return BVX_OK;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 0.85,
-                        bvxi_stack_begin(ctx, sections_name, &slanted->body.sections, &options, s)));
-    bvxi_stack_take_grid(s, &slanted->body.grid);
-    s->nudge = (const int16_t(*)[2])slanted->body.nudge;
-    BVXI_TRY(BVXI_SHARE(ctx, 0.85, 1.0, bvxi_stack_finish(s)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, open_made(ctx, &slanted->body, &options, s)));
     memcpy(s->reach, reach, sizeof reach);
     s->report = given;
     s->report.shifted_parts = slanted->parts;
     return BVX_OK;
 }
 
-/* Mended loops may be left in one section only: *left is its number and no body is made, since but for
- * tapered caps it takes two planes. Else *left is BVXI_NONE. */
-static bvx_status build_stack(bvx_context *context, const bvx_sections *sections,
-                              const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
-                              bvx_mesh *mesh)
+/* Mended loops may be left in one section only: job->left is its number and no body is made, since but for
+ * tapered caps it takes two planes. */
+static bvx_status build_stack(body_job *job, const bvx_sections *sections)
 {
-    double const opened = o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
+    double const opened = job->o->slabs.join > 0.0 ? 0.4 : 0.15; /* of the bar, with all sections in */
     bvxi_mended mended;
     bvxi_shifted slanted;
-    bvxi_stack stack;
-    int const own = mesh->positions == NULL;
-    bvx_status status = BVXI_SHARE(context, 0.0, 0.15, open_sections(context, sections, o, &mended, &stack));
+    bvxi_stack s;
 
-    *left = BVXI_NONE;
-    memset(&slanted, 0, sizeof slanted);
-    if (status == BVX_OK && stack.plane_count == 1 && o->caps != BVX_CAPS_TAPER) {
-        *left = stack.plane[0].section;
-    } else if (status == BVX_OK) {
-        measure_prismoids(&stack);
-        if (o->slabs.join > 0.0)
-            status = BVXI_SHARE(context, 0.15, opened, put_in_sections(&stack, &slanted));
-        if (status == BVX_OK)
-            status = BVXI_SHARE(context, opened, 0.95, BVXI_SCOPE(context, build_body(&stack, mesh)));
+    BVXI_TRY(BVXI_SHARE(job->ctx, 0.0, 0.15, open_sections(job, sections, &mended, &s)));
+    if (s.plane_count == 1 && job->o->caps != BVX_CAPS_TAPER) {
+        job->left = s.plane[0].section;
+    } else {
+        measure_prismoids(&s);
+        if (job->o->slabs.join > 0.0)
+            BVXI_TRY(BVXI_SHARE(job->ctx, 0.15, opened, put_in_sections(&s, &slanted)));
+        BVXI_TRY(BVXI_SHARE(job->ctx, opened, 0.95, BVXI_SCOPE(job->ctx, build_body(&s, job->mesh))));
+        if (mended.loops != 0) BVXI_TRY(BVXI_SHARE(job->ctx, 0.95, 1.0, check_body(job)));
     }
-    if (status == BVX_OK && *left == BVXI_NONE && mended.loops != 0)
-        status = BVXI_SHARE(context, 0.95, 1.0, check_body(context, mesh, own));
-    if (status == BVX_OK) *report = stack.report;
-    return status;
+    *job->report = s.report;
+    return BVX_OK;
 }
 
 /* ---- planes that each have a normal ---- */
 
 /* What cannot be mended is refused by its own loops' numbers, as of parallel planes. */
-static bvx_status build_planes(bvx_context *context, const bvx_sections *sections,
-                               const bvx_sections_options *o, bvx_sections_report *report, bvx_mesh *mesh)
+static bvx_status build_planes(const body_job *job, const bvx_sections *sections)
 {
-    int const own = mesh->positions == NULL;
-    bvxi_mended mended;
+    bvxi_mended mended = {0};
     bvx_status status = BVX_ERR_FORMAT;
 
-    memset(&mended, 0, sizeof mended);
-    if (o->mend)
-        status = BVXI_SHARE(context, 0.0, 0.1,
-                            bvxi_mend_planes(context, sections_name, sections, o, &mended));
+    if (job->o->mend)
+        status = BVXI_SHARE(job->ctx, 0.0, 0.1,
+                            bvxi_mend_planes(job->ctx, sections_name, sections, job->o, &mended));
     if (status == BVX_OK)
-        status = BVXI_SHARE(context, 0.1, 0.9,
-                            bvxi_oblique_body(context, sections_name, &mended.sections, o, report, mesh));
+        status = BVXI_SHARE(
+            job->ctx, 0.1, 0.9,
+            bvxi_oblique_body(job->ctx, sections_name, &mended.sections, job->o, job->report, job->mesh));
     if (status == BVX_ERR_FORMAT) {
         mended.loops = 0;
-        status = bvxi_oblique_body(context, sections_name, sections, o, report, mesh);
+        status = bvxi_oblique_body(job->ctx, sections_name, sections, job->o, job->report, job->mesh);
     }
-    if (status == BVX_OK && mended.loops != 0) {
-        report->mended_loops = mended.loops;
-        status = check_body(context, mesh, own);
-    }
-    return status;
+    if (status != BVX_OK || mended.loops == 0) return status;
+    job->report->mended_loops = mended.loops;
+    return check_body(job);
 }
 
-static bvx_status build_normals(bvx_context *context, const bvx_sections *sections,
-                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
-                                bvx_mesh *mesh)
+/* Planes that are parallel after all are a stack. */
+static bvx_status build_several(body_job *job, const bvx_sections *sections)
 {
-    uint64_t const bytes = sections->section_count * 8;
     bvx_sections stack = *sections;
-    double *positions = NULL;
     int parallel = 1;
 
-    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, bytes, "the sections' positions", &positions));
+    if (sections->normals == NULL) return build_stack(job, sections);
+    BVXI_TRY(BVXI_ARRAY(job->ctx, sections->section_count, "the sections' positions", stack.positions));
     for (uint64_t i = 0; i < sections->section_count && parallel; i++) {
         int against;
         /* Where the normal points the other way, so does the position along it. */
         parallel = bvxi_section_parallel(sections->normals, sections->normals + 3 * i, &against);
-        positions[i] = against ? -sections->positions[i] : sections->positions[i];
+        stack.positions[i] = against ? -sections->positions[i] : sections->positions[i];
     }
     memcpy(stack.normal, sections->normals, sizeof stack.normal);
-    stack.positions = positions;
     stack.normals = NULL;
-    return parallel ? build_stack(context, &stack, o, left, report, mesh)
-                    : build_planes(context, sections, o, report, mesh);
+    return parallel ? build_stack(job, &stack) : build_planes(job, sections);
 }
 
-/* The body of one section, as a slab or a lens. */
-static bvx_status build_lone(bvx_context *context, const bvxi_lone *lone, const bvx_sections_options *o,
-                             bvx_sections_report *report, bvx_mesh *mesh)
-{
-    uint32_t left;
-
-    BVXI_TRY(BVXI_SCOPE(context, build_stack(context, &lone->sections, o, &left, report, mesh)));
-    bvxi_lone_report(lone, report);
-    return BVX_OK;
-}
-
-static bvx_status build_several(bvx_context *context, const bvx_sections *sections,
-                                const bvx_sections_options *o, uint32_t *left, bvx_sections_report *report,
-                                bvx_mesh *mesh)
-{
-    *left = BVXI_NONE;
-    return sections->normals == NULL ? build_stack(context, sections, o, left, report, mesh)
-                                     : build_normals(context, sections, o, left, report, mesh);
-}
-
-static bvx_status build_any(bvx_context *context, const bvx_sections *sections, const bvx_sections_options *o,
-                            bvx_sections_report *report, bvx_mesh *mesh)
+/* A body of one section is a slab or a lens; mending may leave several sections one with loops. */
+static bvx_status build_any(body_job *job, const bvx_sections *sections)
 {
     bvxi_lone lone;
-    uint32_t left = BVXI_NONE;
-    bvx_status status = bvxi_lone_open(context, sections_name, sections, BVXI_NONE, o, &lone);
 
-    if (status == BVX_OK && lone.times == 0) {
-        status = BVXI_SCOPE(context, build_several(context, sections, o, &left, report, mesh));
-        /* Several sections, of which mending left one with loops: that was the first share of it. */
-        if (status == BVX_OK && left != BVXI_NONE)
-            status = bvxi_lone_open(context, sections_name, sections, left, o, &lone);
+    BVXI_TRY(bvxi_lone_open(job->ctx, sections_name, sections, BVXI_NONE, job->o, &lone));
+    if (lone.times == 0) {
+        BVXI_TRY(BVXI_SCOPE(job->ctx, build_several(job, sections)));
+        if (job->left == BVXI_NONE) return BVX_OK;
+        BVXI_TRY(bvxi_lone_open(job->ctx, sections_name, sections, job->left, job->o, &lone));
+        if (lone.times == 0) return BVX_OK;
     }
-    if (status == BVX_OK && lone.times != 0)
-        status = BVXI_SHARE(context, left == BVXI_NONE ? 0.0 : 0.15, 1.0,
-                            build_lone(context, &lone, o, report, mesh));
-    return status;
+    BVXI_TRY(BVXI_SHARE(job->ctx, job->left == BVXI_NONE ? 0.0 : 0.15, 1.0,
+                        BVXI_SCOPE(job->ctx, build_stack(job, &lone.sections))));
+    bvxi_lone_report(&lone, job->report);
+    return BVX_OK;
 }
 
 /* Volumes by prismoids are roots of two areas' product: that must not overflow. */
 #define SECTIONS_FARTHEST 1e75
 
-static bvx_status check_far_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
+/* At the other end, a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be much smaller
+ * than the widest one. */
+#define SECTIONS_NARROWEST 1e-70
+
+bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)
 {
+    double widest = 0.0;
+
     for (uint64_t i = 0; i < given->section_count; i++)
         if (bvxi_absolute(given->positions[i]) > SECTIONS_FARTHEST)
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
@@ -383,17 +360,6 @@ static bvx_status check_far_contours(bvx_context *ctx, const char *function, con
             return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_FAR,
                                  "%s: point %u has a coordinate of %g; the limit is %g", function, i / 3,
                                  given->points[i], SECTIONS_FARTHEST);
-    return BVX_OK;
-}
-
-/* The same at the other end: a product of areas of less than 1e-308 is 0, and so would volumes be. Loops may be
- * much smaller than the widest one. */
-#define SECTIONS_NARROWEST 1e-70
-
-static bvx_status check_tiny_contours(bvx_context *ctx, const char *function, const bvx_sections *given)
-{
-    double widest = 0.0;
-
     for (uint64_t i = 0; i < given->loop_count; i++) {
         const bvx_section_loop *const loop = &given->loops[i];
         const double *const first = given->points + 3 * loop->first_point;
@@ -409,12 +375,6 @@ static bvx_status check_tiny_contours(bvx_context *ctx, const char *function, co
         ctx, BVX_ERR_RANGE, BVX_REASON_RANGE,
         "%s: the widest loop spans %g; below %g areas and volumes round to 0: scale the contours", function,
         widest, SECTIONS_NARROWEST);
-}
-
-bvx_status bvxi_sections_check_extent(bvx_context *ctx, const char *function, const bvx_sections *given)
-{
-    BVXI_TRY(check_far_contours(ctx, function, given));
-    return check_tiny_contours(ctx, function, given);
 }
 
 void bvxi_sections_warn(bvx_context *ctx, bvx_sections_report *r, int32_t depth)
@@ -436,7 +396,8 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
     bvx_sections_options o;
-    bvx_sections_report report;
+    body_job job;
+    bvx_sections_report report = {0};
 
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
     BVXI_TRY(bvxi_take_options(context, sections_name, options, &o, sizeof o));
@@ -444,9 +405,8 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    /* Begun anew for each call; handed out only when all went well. */
-    memset(&report, 0, sizeof report);
-    BVXI_TRY(build_any(context, sections, &o, &report, mesh));
+    job = (body_job){context, &o, &report, mesh, mesh->positions == NULL, BVXI_NONE};
+    BVXI_TRY(build_any(&job, sections));
     if (o.report == NULL) return BVX_OK;
     bvxi_sections_warn(context, &report, o.slabs.depth);
     *o.report = report;

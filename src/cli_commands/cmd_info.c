@@ -261,20 +261,6 @@ typedef struct grid_facts {
     uint64_t hash;
 } grid_facts;
 
-static int lowest_bit(uint64_t w)
-{
-    int n = 0;
-    while ((w >> n & 1) == 0) n++;
-    return n;
-}
-
-static int highest_bit(uint64_t w)
-{
-    int n = 63;
-    while ((w >> n & 1) == 0) n--;
-    return n;
-}
-
 static void find_box(const bvx_grid *g, grid_facts *f)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
@@ -283,12 +269,12 @@ static void find_box(const bvx_grid *g, grid_facts *f)
     for (int32_t z = 0; z < g->size[2]; z++)
         for (int32_t y = 0; y < g->size[1]; y++, row += g->words_per_row) {
             int32_t first = 0, last = g->words_per_row - 1;
-            /* Word by word from either end: only two words of a row are looked at by their bits. */
             while (first <= last && row[first] == 0) first++;
             if (first > last) continue;
             while (row[last] == 0) last--;
-            int32_t const begin[3] = {first * 64 + lowest_bit(row[first]), y, z};
-            int32_t const end[3] = {last * 64 + highest_bit(row[last]), y, z};
+            int32_t begin[3] = {first * 64, y, z}, end[3] = {last * 64 + 63, y, z};
+            while (!bvx_grid_get(g, begin[0], y, z)) begin[0]++;
+            while (!bvx_grid_get(g, end[0], y, z)) end[0]--;
             for (int a = 0; a < 3; a++) {
                 low[a] = begin[a] < low[a] ? begin[a] : low[a];
                 high[a] = end[a] > high[a] ? end[a] : high[a];

@@ -15,8 +15,6 @@ int cli_kind_of_input(int32_t format);
 const char *cli_format_name(int32_t format);
 int cli_needs_sidecar(int32_t format);    /* it keeps no lattice */
 char *cli_sidecar_name(const char *path); /* to be freed; NULL without memory */
-/* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
-int32_t cli_up_of_format(int32_t format);
 /* The axis of all inputs, of the output: by options, else by formats. */
 int32_t cli_input_up(const cli_run *run);
 int32_t cli_output_up(const cli_run *run);

@@ -63,7 +63,8 @@ int32_t cli_input_format(const cli_run *run, const char *path)
 
 /* ---- the axis that is up ---- */
 
-int32_t cli_up_of_format(int32_t format)
+/* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
+static int32_t up_of_format(int32_t format)
 {
     return format == BVX_FORMAT_GLB || format == BVX_FORMAT_GLTF || format == BVX_FORMAT_OBJ ? CLI_UP_Y
            : format == BVX_FORMAT_STL                                                        ? CLI_UP_Z
@@ -76,7 +77,7 @@ int32_t cli_input_up(const cli_run *run)
     int32_t up = o->input_up;
 
     for (int i = 0; i < o->inputs && o->input_up == CLI_UP_NONE; i++) {
-        int32_t const one = cli_up_of_format(cli_input_format(run, o->input[i]));
+        int32_t const one = up_of_format(cli_input_format(run, o->input[i]));
         if (i > 0 && one != up) return CLI_UP_NONE;
         up = one;
     }
@@ -86,7 +87,7 @@ int32_t cli_input_up(const cli_run *run)
 int32_t cli_output_up(const cli_run *run)
 {
     const cli_options *const o = run->options;
-    return o->up != CLI_UP_NONE ? o->up : cli_up_of_format(bvx_format_of_name(o->output));
+    return o->up != CLI_UP_NONE ? o->up : up_of_format(bvx_format_of_name(o->output));
 }
 
 int32_t cli_turn_of(const cli_run *run)

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-int cli_check_grid_name(cli_run *run, const char *path)
+/* Refuse an ending that stands for no grid. */
+static int check_grid_name(cli_run *run, const char *path)
 {
     if (cli_kind_of_format(bvx_format_of_name(path)) != CLI_GRID)
         return cli_usage(
@@ -25,7 +26,7 @@ int cli_open_grid_output(cli_run *run, const char *path)
 }
 
 /* Formats of other programs know a box of voxels and nothing around it. */
-void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
+static void warn_of_window(cli_run *run, const char *path, const bvx_grid *grid)
 {
     int32_t const format = bvx_format_of_name(path);
     const int32_t *const d = grid->lattice.dims;
@@ -46,7 +47,9 @@ int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *fi
     return result;
 }
 
-int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid)
+/* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the
+ * caller began: written and kept, where a call of the library made it. Frees it. */
+static int finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid)
 {
     const char *const path = run->options->output;
     int result = cli_write_buffer(run, 0, status, file, path);
@@ -57,7 +60,7 @@ int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const b
     }
     if (result == CLI_DONE) result = cli_keep_outputs(run);
     cli_stage_end(run);
-    if (result == CLI_DONE) cli_warn_of_window(run, path, grid);
+    if (result == CLI_DONE) warn_of_window(run, path, grid);
     return result;
 }
 
@@ -67,9 +70,9 @@ int cli_write_grid(cli_run *run, const bvx_grid *grid)
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    return cli_finish_voxels(
-        run, bvx_write_grid(run->context, grid, bvx_format_of_name(run->options->output), &file), &file,
-        grid);
+    return finish_voxels(run,
+                         bvx_write_grid(run->context, grid, bvx_format_of_name(run->options->output), &file),
+                         &file, grid);
 }
 
 int cli_write_field(cli_run *run, const bvx_field *field)
@@ -79,8 +82,8 @@ int cli_write_field(cli_run *run, const bvx_field *field)
 
     cli_stage_begin(run, "write");
     cli_stage_calls(run, 2);
-    return cli_finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),
-                             &file, &field->band);
+    return finish_voxels(run, bvx_write_field(run->context, field, run->options->vectors, format, &file),
+                         &file, &field->band);
 }
 
 void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *g, uint64_t set, int placed)

@@ -72,16 +72,11 @@ void cli_free_leaf_mesh(bvx_mesh *mesh);
 
 /* ---- grid_output.c: a grid out, with its side-car where the format keeps no lattice ---- */
 
-/* Refuse an ending that stands for no grid. */
-int cli_check_grid_name(cli_run *run, const char *path);
 /* Open the outputs of a grid, write it as run->options.output and keep it. */
 int cli_open_grid_output(cli_run *run, const char *path);
 int cli_write_grid(cli_run *run, const bvx_grid *grid);
 /* The same of distances. */
 int cli_write_field(cli_run *run, const bvx_field *field);
-/* The file of voxels on this grid, and its side-car where its format needs one, within the stage that the
- * caller began: written and kept, where a call of the library made it. Frees it. */
-int cli_finish_voxels(cli_run *run, bvx_status status, bvx_buffer *file, const bvx_grid *grid);
 /* Write what a call of the library made as the output of this number, or say why it failed; frees it. */
 int cli_write_buffer(cli_run *run, int number, bvx_status status, bvx_buffer *file, const char *path);
 void cli_tell_grid(const cli_run *run, cli_text *text, const bvx_grid *grid, uint64_t set, int placed);
@@ -90,9 +85,6 @@ void cli_grid_corner(const bvx_grid *grid, double part, double corner[3]);
 
 /* 1 when a voxel at a side of the window is set. */
 int cli_touches_side(const bvx_grid *grid);
-
-/* Say what a format leaves out of a window's grid. */
-void cli_warn_of_window(cli_run *run, const char *path, const bvx_grid *grid);
 
 /* ---- mesh_output.c: meshes as files ---- */
 

@@ -35,12 +35,8 @@ static void fill_group(bvxi_plane *p, uint32_t leaf, double box[4])
         g->du[n] = b[0] - a[0];
         g->dv[n] = b[1] - a[1];
         g->square[n] = g->du[n] * g->du[n] + g->dv[n] * g->dv[n];
-        for (int k = 0; k < 2; k++) {
-            if (a[k] < box[k]) box[k] = a[k];
-            if (a[k] > box[k + 2]) box[k + 2] = a[k];
-            if (b[k] < box[k]) box[k] = b[k];
-            if (b[k] > box[k + 2]) box[k + 2] = b[k];
-        }
+        bvxi_widen(box, box + 2, a, 2);
+        bvxi_widen(box, box + 2, b, 2);
     }
 }
 
@@ -90,7 +86,6 @@ static inline double box_square(const double box[4], double u, double v)
     return x * x + y * y;
 }
 
-/* Squares of the distances to a group of segments. */
 static inline void squares_of_group(const bvxi_segment_group *g, double u, double v,
                                     double d[BVXI_SEGMENT_GROUP])
 {
@@ -119,7 +114,6 @@ static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double
     return least;
 }
 
-/* The same for all segments below a box. */
 static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double v, double best,
                             uint32_t *hint)
 {
@@ -144,7 +138,6 @@ static double nearest_below(const bvxi_plane *p, uint32_t node, double u, double
                 continue;
             }
         }
-        /* What waits and is too far by now goes without a look. */
         while (top > 0 && far[top - 1] >= limit) top--;
         if (top == 0) return best;
         node = stack[--top];
@@ -213,7 +206,6 @@ int bvxi_plane_inside(const bvxi_stack *stack, const bvxi_plane *p, double u, do
         uint32_t const i = segment_at(p, n);
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         int64_t s;
-        /* A segment that does not pass the place's height cannot lie to its right. */
         if ((a[1] < qy) == (b[1] < qy)) continue;
         s = (b[0] - (int64_t)a[0]) * (qy - a[1]) - (qx - a[0]) * (b[1] - (int64_t)a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);

@@ -8,59 +8,33 @@
  * through in that order find theirs one after the other. */
 #include "contours/section.h"
 
-/* ---- crossings ---- */
-
-/* A larger array of its own. */
-static bvx_status own_cuts(bvxi_stack *s, bvxi_plane *p, uint32_t room)
-{
-    bvxi_line_cut *larger = NULL;
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *larger, "the crossings of a section", &larger));
-    if (p->cut_count != 0) memcpy(larger, p->cut, p->cut_count * sizeof *larger);
-    if (p->cut != p->shared_cut) bvxi_drop(s->ctx, p->cut);
-    p->cut = larger;
-    p->cut_room = room;
-    return BVX_OK;
-}
-
-static bvx_status add_own_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
-                              uint32_t *number)
-{
-    bvxi_line_cut *c;
-
-    /* Half as much again, in an array of the plane's own: the shared one is cut to what was counted. */
-    if (p->cut_count == p->cut_room) {
-        uint64_t const room = p->cut_room < 256 ? 256 : (uint64_t)p->cut_room + p->cut_room / 2;
-        if (room > INT32_MAX)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
-                                 (uint64_t)p->section);
-        BVXI_TRY(own_cuts(s, p, (uint32_t)room));
-    }
-    *number = p->cut_count++;
-    c = &p->cut[*number];
-    c->segment = segment;
-    c->axis = axis;
-    c->line = line;
-    c->ring = BVXI_NONE;
-    return BVX_OK;
-}
-
 /* Crossings of a nesting level are its section's: one ring holds them all. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *s, bvxi_plane *p, uint32_t segment, int32_t axis, int32_t line,
                               uint32_t *number)
 {
-    bvxi_plane *const whole = p->whole;
+    bvxi_plane *const of = p->whole == NULL ? p : p->whole;
 
-    if (whole == NULL) return add_own_cut(s, p, segment, axis, line, number);
+    /* Half as much again, in an array of the plane's own: the shared one is cut to what was counted. */
+    if (of->cut_count == of->cut_room) {
+        uint64_t const room = of->cut_room < 256 ? 256 : (uint64_t)of->cut_room + of->cut_room / 2;
+        bvxi_line_cut *larger;
 
-    BVXI_TRY(add_own_cut(s, whole, segment, axis, line, number));
-    p->cut = whole->cut;
-    p->cut_count = whole->cut_count;
+        if (room > INT32_MAX)
+            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
+                                 "%s: section %i crosses the grid more than 2^31 times", s->function,
+                                 (uint64_t)p->section);
+        BVXI_TRY(BVXI_ARRAY(s->ctx, room, "the crossings of a section", larger));
+        if (of->cut_count != 0) memcpy(larger, of->cut, of->cut_count * sizeof *larger);
+        if (of->cut != of->shared_cut) bvxi_drop(s->ctx, of->cut);
+        of->cut = larger;
+        of->cut_room = (uint32_t)room;
+    }
+    *number = of->cut_count++;
+    of->cut[*number] = (bvxi_line_cut){segment, line, axis, BVXI_NONE};
+    p->cut = of->cut;
+    p->cut_count = of->cut_count;
     return BVX_OK;
 }
-
-/* ---- arcs ---- */
 
 static int32_t cells_between(const bvxi_stack *s, int32_t a, int32_t b)
 {
@@ -105,12 +79,6 @@ static void add_arc(arc_walk *w, uint32_t from, uint32_t to, uint32_t point, uin
     w->out->cell[n] = bvxi_cell_key(w->cell[0], w->cell[1]);
 }
 
-static void turn_beyond(arc_walk *w, int32_t row)
-{
-    int32_t const bit = w->cell[0] + 1;
-    w->p->inside[(size_t)row * (size_t)w->s->words + (size_t)(bit >> 6)] ^= UINT64_C(1) << (bit & 63);
-}
-
 /* Over one line; cell is still the one before it. */
 static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
 {
@@ -123,7 +91,10 @@ static void cross_grid_line(arc_walk *w, uint32_t segment, int axis, int up)
     c->line = (int32_t)((uint32_t)index << w->s->fine);
     c->ring = BVXI_NONE;
     /* A crossing of a row's line turns all grid points beyond it in that row. */
-    if (axis == 1) turn_beyond(w, index);
+    if (axis == 1) {
+        int32_t const bit = w->cell[0] + 1;
+        w->p->inside[(size_t)index * (size_t)w->s->words + (size_t)(bit >> 6)] ^= UINT64_C(1) << (bit & 63);
+    }
     /* The first arc of a loop is closed at the end, when its beginning is known. */
     if (w->last == BVXI_NONE) {
         w->head.to = cut;
@@ -177,8 +148,6 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }
 
-/* ---- arcs by cell ---- */
-
 /* A stable sort of numbers by sixteen bits of their cell; from NULL stands for 0, 1, 2... */
 static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, int32_t size,
                      const uint32_t *from, uint32_t *to)
@@ -209,7 +178,6 @@ static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t ke
     return c->line == low ? 0 : 2;
 }
 
-/* Sides of arcs, and the cells that require subdivision. */
 void bvxi_plane_look_at_cells(const bvxi_stack *s, bvxi_plane *p)
 {
     uint32_t sides = 0;
@@ -256,7 +224,6 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
         uint64_t *const row = inside + (size_t)j * (size_t)s->words;
         uint64_t carry = 0;
         for (int32_t i = 0; i < s->words; i++) {
-            /* The parity within a word, bit by bit, and of all words before it. */
             uint64_t x = row[i];
             for (int k = 1; k < 64; k *= 2) x ^= x << k;
             row[i] = x ^ carry;
@@ -267,12 +234,8 @@ void bvxi_plane_fill_rows(const bvxi_stack *s, uint64_t *inside)
 
 void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratch)
 {
-    arc_walk w;
+    arc_walk w = {.s = s, .p = p, .out = scratch};
 
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.p = p;
-    w.out = scratch;
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
     sort_arcs(s, p, scratch);

@@ -11,8 +11,6 @@ enum { MEND_COARSEST = 4 }; /* bits of a cell in fixed point */
 
 #define MEND_LEAST_STEP (1.0 / 4194304.0) /* of the contours' extent, on planes of any direction */
 
-/* ---- loops that are lines or points ---- */
-
 static int mend_has_three_points(const bvx_sections *given, const bvx_section_loop *l)
 {
     const double *const p = given->points + 3 * l->first_point;
@@ -32,8 +30,7 @@ static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const 
     *kept = *given;
     kept->loop_count = 0;
     kept->loops = NULL;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *kept->loops, "the loops to mend",
-                        &kept->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", kept->loops));
     for (uint64_t i = 0; i < given->loop_count; i++)
         if (mend_has_three_points(given, &given->loops[i])) kept->loops[kept->loop_count++] = given->loops[i];
     *dropped = given->loop_count - kept->loop_count;
@@ -42,15 +39,13 @@ static bvx_status mend_drop_lines(bvx_context *ctx, const char *function, const 
                : bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has three different points", function);
 }
 
-/* ---- planes ---- */
-
-static bvx_status mend_copy_loop(bvx_context *ctx, const bvx_sections *given, uint64_t number, bvxi_mended *m)
+static bvx_status mend_copy_loop(const bvx_sections *given, uint64_t number, bvxi_mended *m)
 {
     const bvx_section_loop *const l = &given->loops[number];
 
-    BVXI_TRY(bvxi_mended_add_loop(ctx, m, l->section, l->label));
+    BVXI_TRY(bvxi_mended_add_loop(m, l->section, l->label));
     for (uint64_t i = 0; i < l->point_count; i++)
-        BVXI_TRY(bvxi_mended_add_point(ctx, m, given->points + 3 * (l->first_point + i), 0, 0));
+        BVXI_TRY(bvxi_mended_add_point(m, given->points + 3 * (l->first_point + i), 0, 0));
     return BVX_OK;
 }
 
@@ -63,53 +58,40 @@ static bvx_status mend_plane(bvxi_mend_work *w, bvxi_mended *m)
     BVXI_TRY(bvxi_mend_split_plane(w, &done));
     for (uint32_t i = 0; i < w->plane->contour_count; i++) {
         if (w->changed[i] && done) changed++;
-        else BVXI_TRY(mend_copy_loop(w->s->ctx, w->s->given, w->plane->contour[i].given, m));
+        else BVXI_TRY(mend_copy_loop(w->s->given, w->plane->contour[i].given, m));
     }
     m->loops += changed;
     return changed == 0 ? BVX_OK : bvxi_mend_trace(w, m);
 }
 
-static bvx_status mend_planes(bvxi_mend_work *w, bvxi_mended *m)
+static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
 {
-    bvxi_stack *const s = w->s;
+    bvxi_map map = {0};
+    bvxi_mend_work w = {.s = s, .map = &map};
+    uint64_t most = 1;
 
+    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the loops to mend", w.changed));
     for (uint32_t i = 0; i < s->plane_count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "mend", (double)i / s->plane_count));
         bvxi_plane_snap(s, &s->plane[i]);
-        w->plane = &s->plane[i];
-        BVXI_TRY(mend_plane(w, m));
+        w.plane = &s->plane[i];
+        BVXI_TRY(mend_plane(&w, m));
     }
     return BVX_OK;
 }
 
-static bvx_status mend_stack(bvxi_stack *s, bvxi_mended *m)
+static void begin_mended(bvx_context *ctx, const char *function, const bvx_sections *given, bvxi_mended *m)
 {
-    bvxi_vertex_map map = {NULL, NULL, 0, 0};
-    bvxi_mend_work w;
-    uint64_t most = 1;
-
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.map = &map;
-    /* One mark a loop, for the plane with the most; other arrays grow as needed. */
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the loops to mend", &w.changed));
-    return mend_planes(&w, m);
-}
-
-/* The planes of the given stack, for loops of its own. */
-static void begin_mended(const bvx_sections *given, bvxi_mended *m)
-{
-    memset(m, 0, sizeof *m);
-    m->sections = *given;
+    *m = (bvxi_mended){.ctx = ctx, .function = function, .sections = *given};
     m->sections.points = NULL;
     m->sections.loops = NULL;
     m->sections.point_count = m->sections.loop_count = m->sections.point_capacity =
         m->sections.loop_capacity = 0;
 }
 
-/* The length of one step of fixed point, whose points are odd. */
 static double step_length(double cell, int32_t fine)
 {
     return cell / (double)(1 << (fine - 1));
@@ -121,9 +103,7 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     bvx_sections kept;
     bvxi_stack s;
 
-    begin_mended(given, m);
-    memset(&s, 0, sizeof s);
-    memset(&kept, 0, sizeof kept);
+    begin_mended(ctx, function, given, m);
     BVXI_TRY(mend_drop_lines(ctx, function, given, &kept, &m->loops));
     BVXI_TRY(bvxi_stack_begin(ctx, function, &kept, options, &s));
     while (s.fine > MEND_COARSEST && step_length(s.step[0], s.fine) < least) s.fine--;
@@ -149,7 +129,7 @@ static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx
     if (status != BVX_OK) return status == BVX_ERR_EMPTY ? BVX_OK : status;
     BVXI_TRY(bvxi_section_frame(ctx, function, one->normal, axis));
     for (; l < mended.sections.loops + mended.sections.loop_count; l++) {
-        BVXI_TRY(bvxi_mended_add_loop(ctx, m, section, l->label));
+        BVXI_TRY(bvxi_mended_add_loop(m, section, l->label));
         for (uint64_t p = l->first_point; p < l->first_point + l->point_count; p++) {
             double at[3];
 
@@ -158,7 +138,7 @@ static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx
                 for (int k = 0; k < 3 && mended.nudge[p][a] != 0; k++)
                     at[k] += axis[a][k] *
                              (mended.nudge[p][a] * step_length(mended.grid.step[a], mended.grid.fine));
-            BVXI_TRY(bvxi_mended_add_point(ctx, m, at, 0, 0));
+            BVXI_TRY(bvxi_mended_add_point(m, at, 0, 0));
         }
     }
     return BVX_OK;
@@ -171,7 +151,7 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     bvx_sections one = *given;
     double widest = 0.0;
 
-    begin_mended(given, m);
+    begin_mended(ctx, function, given, m);
     /* A stack of one plane has no other to take its height from. */
     o.thickness = 1.0;
     if (o.label == BVXI_LABEL_ONLY) o.label = given->loops[0].label;
@@ -181,8 +161,7 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
     }
     one.normals = NULL;
     one.section_count = 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, given->loop_count * sizeof *one.loops, "the loops to mend",
-                        &one.loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, given->loop_count, "the loops to mend", one.loops));
     for (uint32_t k = 0; k < given->section_count; k++) {
         one.loop_count = 0;
         one.positions = given->positions + k;
@@ -192,7 +171,7 @@ bvx_status bvxi_mend_planes(bvx_context *ctx, const char *function, const bvx_se
             one.loops[one.loop_count] = given->loops[i];
             one.loops[one.loop_count].section = 0;
             if (given->loops[i].label == o.label) one.loop_count++;
-            else BVXI_TRY(mend_copy_loop(ctx, given, i, m));
+            else BVXI_TRY(mend_copy_loop(given, i, m));
         }
         if (one.loop_count != 0)
             BVXI_TRY(mend_section(ctx, function, &one, k, &o, MEND_LEAST_STEP * widest, m));

@@ -10,6 +10,8 @@
 /* A stack whose loops neither cross nor touch, once its points are moved
  * apart in fixed point by their nudges. */
 typedef struct bvxi_mended {
+    bvx_context *ctx;
+    const char *function;
     bvx_sections sections; /* arrays of its own, but for the positions */
     int16_t (*nudge)[2];   /* of each point, in steps of its fixed point */
     uint64_t nudge_room;
@@ -48,14 +50,15 @@ typedef struct bvxi_mend_work {
     bvxi_mend_node *node;
     bvxi_mend_edge *edge, *split_edge;
     bvxi_mend_split *split;
-    uint32_t node_count, node_room, edge_count, edge_room, split_edge_count, split_edge_room, split_count,
-        split_room;
+    uint32_t node_count, edge_count, split_edge_count, split_count;
+    uint64_t node_room, edge_room, split_edge_room, split_room;
     uint32_t crossings; /* pairs that cross, in the last look */
     int cross;          /* 1: they are split there, 0: only counted */
     uint64_t *key;
-    uint32_t *order, *active;
-    uint32_t key_room, order_room, active_room;
-    struct bvxi_vertex_map *map; /* nodes by their places */
+    uint32_t *order;
+    bvxi_segment_box *box;
+    uint64_t key_room, order_room, box_room;
+    bvxi_map *map; /* nodes by their places */
 } bvxi_mend_work;
 
 /* Fill in nodes, edges and the loops that change. *done is 0 where splitting does not end. */
@@ -66,18 +69,14 @@ bvx_status bvxi_mend_split_plane(bvxi_mend_work *work, int *done);
 /* Edges of changed loops that lie on each other an even number of times go;
  * what remains becomes loops of the stack. */
 bvx_status bvxi_mend_trace(bvxi_mend_work *work, bvxi_mended *mended);
-bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *mended, uint32_t section, int32_t label);
-bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *mended, const double at[3], int32_t u,
-                                 int32_t v);
-
-/* ---- Paths along the edges of loops that touched or crossed, and their stops ---- */
+bvx_status bvxi_mended_add_loop(bvxi_mended *mended, uint32_t section, int32_t label);
+bvx_status bvxi_mended_add_point(bvxi_mended *mended, const double at[3], int32_t u, int32_t v);
 
 /* A stop of a path: the node, and the ends of edges by which it came and went. */
 typedef struct bvxi_mend_stop {
     uint32_t node, in, out;
 } bvxi_mend_stop;
 
-/* All paths of a plane: loops that come to no node twice. */
 typedef struct bvxi_mend_paths {
     const bvxi_mend_work *w;
     const uint32_t *edge; /* kept ones; ends are numbered 2 * edge, 2 * edge + 1 */
@@ -87,7 +86,6 @@ typedef struct bvxi_mend_paths {
     uint32_t stop_count, loop_count;
 } bvxi_mend_paths;
 
-/* From an end of a kept edge to its other one. */
 void bvxi_mend_direction(const bvxi_mend_work *work, const uint32_t *edge, uint32_t end, int64_t d[2]);
 /* The middle of the angle from one end counter-clockwise to another, of length 1 or 0; returns
  * the cosine of half of it. */

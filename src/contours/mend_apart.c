@@ -7,8 +7,6 @@
  * Guarantee: exact; what cannot be moved apart is found by the checks of every stack. */
 #include "contours/mend.h"
 
-#include "mesh/mesh.h"
-
 #include <math.h>
 
 enum {
@@ -26,7 +24,6 @@ typedef struct apart_segment {
     uint32_t stop[2]; /* or BVXI_NONE */
 } apart_segment;
 
-/* What is known of a stop at a node of several. */
 typedef struct apart_stop {
     double way[2];  /* along which it moves; 0: it stays */
     uint32_t level; /* stops that lie in its angle, one in the other */
@@ -40,12 +37,9 @@ typedef struct apart_work {
     double *steps;             /* of each node: how far what lies innermost moves */
     uint8_t *mark;             /* of each node: APART_... */
     apart_segment *segment;
-    uint64_t *key;
-    uint32_t *order, *active;
-    uint32_t segments, room;
+    bvxi_segment_box *box;
+    uint32_t segments;
 } apart_work;
-
-/* ---- ends of edges ---- */
 
 void bvxi_mend_direction(const bvxi_mend_work *w, const uint32_t *edge, uint32_t end, int64_t d[2])
 {
@@ -76,7 +70,6 @@ double bvxi_mend_middle(const bvxi_mend_paths *p, uint32_t from, uint32_t to, do
 
 /* ---- brackets at a node ---- */
 
-/* Does an end stand between two others, counter-clockwise? */
 static int stands_between(const bvxi_mend_paths *p, uint32_t from, uint32_t end, uint32_t to)
 {
     uint32_t const r = p->rank[end], a = p->rank[from], b = p->rank[to];
@@ -168,8 +161,6 @@ static void aim_nodes(apart_work *w, const uint32_t *stays)
     }
 }
 
-/* ---- where all lie ---- */
-
 static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t stop, int32_t nudge[2])
 {
     const apart_stop *const s = &w->stop[stop];
@@ -177,15 +168,6 @@ static void stop_nudge(const bvxi_mend_paths *p, const apart_work *w, uint32_t s
 
     for (uint32_t k = 0; k < s->level; k++) steps *= 0.25;
     for (int k = 0; k < 2; k++) nudge[k] = (int32_t)floor(steps * s->way[k] + 0.5);
-}
-
-static void put_stop(const apart_work *w, uint32_t stop, int32_t q[2])
-{
-    const int32_t *const at = w->paths->w->node[w->paths->stop[stop].node].q;
-    int32_t nudge[2];
-
-    stop_nudge(w->paths, w, stop, nudge);
-    for (int k = 0; k < 2; k++) q[k] = at[k] + 2 * nudge[k];
 }
 
 static void put_segments(apart_work *w)
@@ -198,7 +180,13 @@ static void put_segments(apart_work *w)
         apart_segment *const s = &w->segment[w->segments++];
         s->stop[0] = i;
         s->stop[1] = w->stop[i].next;
-        for (int end = 0; end < 2; end++) put_stop(w, s->stop[end], s->q[end]);
+        for (int end = 0; end < 2; end++) {
+            const int32_t *const at = m->node[p->stop[s->stop[end]].node].q;
+            int32_t nudge[2];
+
+            stop_nudge(p, w, s->stop[end], nudge);
+            for (int k = 0; k < 2; k++) s->q[end][k] = at[k] + 2 * nudge[k];
+        }
     }
     for (uint32_t i = 0; i < m->edge_count; i++) {
         apart_segment *const s = &w->segment[w->segments];
@@ -210,8 +198,6 @@ static void put_segments(apart_work *w)
         }
     }
 }
-
-/* ---- what would meet ---- */
 
 static int segments_collide(const apart_segment *s, const apart_segment *t)
 {
@@ -241,50 +227,17 @@ static void mark_collision(apart_work *w, const apart_segment *s, const apart_se
         w->mark[node] |= APART_MORE;
         common = 1;
     }
-    /* No common node: one of them has moved onto the other. */
     for (int end = 0; end < 2 && !common; end++) {
         if (s->stop[end] != BVXI_NONE) w->mark[node_of_end(w, s, end)] |= APART_LESS;
         if (t->stop[end] != BVXI_NONE) w->mark[node_of_end(w, t, end)] |= APART_LESS;
     }
 }
 
-static int32_t lesser_of(int32_t a, int32_t b)
+static bvx_status find_collision(void *user, uint32_t i, uint32_t j)
 {
-    return a < b ? a : b;
-}
+    apart_work *const w = user;
 
-static int32_t larger_of(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
-/* Mark the nodes of segments that would meet. */
-static bvx_status find_collisions(apart_work *w)
-{
-    uint32_t reach = 0;
-
-    /* A sweep along u: only segments that still reach the place are compared. */
-    for (uint32_t i = 0; i < w->segments; i++) {
-        w->key[i] = (uint64_t)((int64_t)lesser_of(w->segment[i].q[0][0], w->segment[i].q[1][0]) + INT32_MAX);
-        w->order[i] = i;
-    }
-    BVXI_TRY(bvxi_radix_sort(w->paths->w->s->ctx, w->key, w->order, w->segments));
-    for (uint32_t n = 0; n < w->segments; n++) {
-        const apart_segment *const s = &w->segment[w->order[n]];
-        int32_t const left = lesser_of(s->q[0][0], s->q[1][0]), low = lesser_of(s->q[0][1], s->q[1][1]);
-        int32_t const high = larger_of(s->q[0][1], s->q[1][1]);
-        uint32_t kept = 0;
-
-        for (uint32_t a = 0; a < reach; a++) {
-            const apart_segment *const t = &w->segment[w->active[a]];
-            if (larger_of(t->q[0][0], t->q[1][0]) < left) continue;
-            w->active[kept++] = w->active[a];
-            if (larger_of(t->q[0][1], t->q[1][1]) < low || lesser_of(t->q[0][1], t->q[1][1]) > high) continue;
-            if (segments_collide(s, t)) mark_collision(w, s, t);
-        }
-        w->active[kept++] = w->order[n];
-        reach = kept;
-    }
+    if (segments_collide(&w->segment[i], &w->segment[j])) mark_collision(w, &w->segment[i], &w->segment[j]);
     return BVX_OK;
 }
 
@@ -309,49 +262,40 @@ static bvx_status choose_steps(apart_work *w)
         again = 0;
         memset(w->mark, 0, nodes);
         put_segments(w);
-        BVXI_TRY(find_collisions(w));
+        for (uint32_t i = 0; i < w->segments; i++)
+            w->box[i] = bvxi_box_segment(w->segment[i].q[0], w->segment[i].q[1], i);
+        BVXI_TRY(bvxi_sweep(w->paths->w->s->ctx, w->box, w->segments, find_collision, w));
         for (uint32_t n = 0; n < nodes; n++) again |= change_steps(w, n, round);
     }
     return BVX_OK;
 }
 
-/* ---- memory ---- */
-
-static bvx_status open_apart(const bvxi_mend_paths *paths, apart_work *w)
+static bvx_status move_apart(apart_work *w, const uint32_t *stays, int16_t (*nudge)[2])
 {
-    bvx_context *const ctx = paths->w->s->ctx;
-    uint64_t const stops = paths->stop_count, nodes = paths->w->node_count;
+    const bvxi_mend_paths *const p = w->paths;
+    bvx_context *const ctx = p->w->s->ctx;
+    uint64_t const stops = p->stop_count, nodes = p->w->node_count;
 
-    memset(w, 0, sizeof *w);
-    w->paths = paths;
-    w->room = paths->stop_count + paths->w->edge_count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * sizeof *w->stop, "stops at a node", &w->stop));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (nodes + 1) * 4, "the nodes' stops", &w->first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, stops * 4, "the nodes' stops", &w->at_node));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, nodes * 8, "the steps of nodes", &w->steps));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, nodes, "the marks of nodes", &w->mark));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->room * sizeof *w->segment, "the segments apart", &w->segment));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 8, "the order of segments", &w->key));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 4, "the order of segments", &w->order));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)w->room * 4, "the order of segments", &w->active);
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "stops at a node", w->stop));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes + 1, "the nodes' stops", w->first));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops, "the nodes' stops", w->at_node));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the steps of nodes", w->steps));
+    BVXI_TRY(BVXI_ARRAY(ctx, nodes, "the marks of nodes", w->mark));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->segment));
+    BVXI_TRY(BVXI_ARRAY(ctx, stops + p->w->edge_count, "the segments apart", w->box));
+    aim_nodes(w, stays);
+    BVXI_TRY(choose_steps(w));
+    /* The farthest step still fits 16 bits. */
+    for (uint32_t i = 0; i < stops; i++) {
+        int32_t steps[2];
+        stop_nudge(p, w, i, steps);
+        for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_mend_apart(const bvxi_mend_paths *paths, const uint32_t *stays, int16_t (*nudge)[2])
 {
-    bvx_context *const ctx = paths->w->s->ctx;
-    uint64_t const mark = bvxi_scratch_begin(ctx);
-    apart_work w;
-    bvx_status status = open_apart(paths, &w);
-
-    if (status == BVX_OK) {
-        aim_nodes(&w, stays);
-        status = choose_steps(&w);
-    }
-    /* The farthest step still fits 16 bits. */
-    for (uint32_t i = 0; i < paths->stop_count && status == BVX_OK; i++) {
-        int32_t steps[2];
-        stop_nudge(paths, &w, i, steps);
-        for (int k = 0; k < 2; k++) nudge[i][k] = (int16_t)steps[k];
-    }
-    return bvxi_scratch_end(ctx, mark, status);
+    apart_work w = {.paths = paths};
+    return BVXI_SCOPE(paths->w->s->ctx, move_apart(&w, stays, nudge));
 }

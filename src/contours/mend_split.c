@@ -18,28 +18,17 @@
 enum { MEND_ROUNDS = 40, MEND_MOST = 16 };
 enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-22 of the extent */
 
-/* 1 when c lies on the segment from a to b. */
-static int mend_on(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    for (int k = 0; k < 2; k++)
-        if ((c[k] < a[k] && c[k] < b[k]) || (c[k] > a[k] && c[k] > b[k])) return 0;
-    return bvxi_turn_sign(a, b, c) == 0;
-}
-
-/* ---- nodes and edges ---- */
-
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
     uint32_t *found = NULL;
     bvxi_mend_node *n;
 
-    BVXI_TRY(bvxi_map_find(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
+    BVXI_TRY(bvxi_stack_map_add(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
 
     *number = *found = w->node_count;
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->node, w->node_count, &w->node_room, sizeof *w->node,
-                            "the points of loops to mend"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->node, w->node_count, w->node_room, "the points of loops to mend"));
     n = &w->node[w->node_count++];
     memcpy(n->q, q, sizeof n->q);
     memcpy(n->at, at, sizeof n->at);
@@ -48,12 +37,12 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
     return BVX_OK;
 }
 
-static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint32_t *room,
+static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint64_t *room,
                                 uint32_t a, uint32_t b, uint32_t loop)
 {
     bvxi_mend_edge *e;
 
-    BVXI_TRY(bvxi_slab_grow(w->s, edges, *count, room, sizeof **edges, "the segments of loops to mend"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, *edges, *count, *room, "the segments of loops to mend"));
     e = &(*edges)[(*count)++];
     e->node[0] = a;
     e->node[1] = b;
@@ -76,7 +65,6 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     const bvxi_contour *const c = &p->contour[loop];
     uint32_t first, before, node;
 
-    /* A node for each point; points that snap to the one before them make no edge. */
     BVXI_TRY(mend_node_at(w, p->q[c->first], w->s->given->points + 3 * (uint64_t)p->given[c->first], &first));
     before = first;
     for (uint32_t i = c->first + 1; i < c->first + c->count; i++, before = node) {
@@ -91,15 +79,12 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
     return BVX_OK;
 }
 
-/* ---- pairs ---- */
-
 static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
 {
     bvxi_mend_edge *const e = &w->edge[edge];
 
     if (node == e->node[0] || node == e->node[1]) return BVX_OK;
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->split, w->split_count, &w->split_room, sizeof *w->split,
-                            "the splits of segments"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->split, w->split_count, w->split_room, "the splits of segments"));
     w->split[w->split_count].edge = edge;
     w->split[w->split_count++].node = node;
     return BVX_OK;
@@ -120,8 +105,6 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
     double at[3];
     int32_t q[2];
 
-    /* The nearest point of the coarser grid, odd as all points
-     * are; in space, the crossing on the first segment. */
     for (int k = 0; k < 2; k++) {
         double const to = (double)b->q[k] - a->q[k];
         q[k] = MEND_PIXEL * (int32_t)floor((a->q[k] + t * to) / MEND_PIXEL + 0.5) + 1;
@@ -130,8 +113,9 @@ static bvx_status mend_cross(bvxi_mend_work *w, const bvxi_mend_edge *e, const b
     return mend_node_at(w, q, at, number);
 }
 
-static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
+static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
 {
+    bvxi_mend_work *const w = user;
     bvxi_mend_edge const e = w->edge[i], f = w->edge[j];
     const int32_t *const a = w->node[e.node[0]].q, *const b = w->node[e.node[1]].q;
     const int32_t *const c = w->node[f.node[0]].q, *const d = w->node[f.node[1]].q;
@@ -140,10 +124,9 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
 
     /* Ends on the other segment first: they split it where they are. */
     for (int k = 0; k < 2; k++) {
-        if (mend_on(a, b, w->node[f.node[k]].q)) BVXI_TRY(mend_split_at(w, i, f.node[k]));
-        if (mend_on(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
+        if (bvxi_segment_holds(a, b, w->node[f.node[k]].q)) BVXI_TRY(mend_split_at(w, i, f.node[k]));
+        if (bvxi_segment_holds(c, d, w->node[e.node[k]].q)) BVXI_TRY(mend_split_at(w, j, e.node[k]));
     }
-    /* Otherwise each must have its ends on both sides of the other to cross it. */
     if (w->split_count == before) {
         if (bvxi_turn_sign(a, b, c) * bvxi_turn_sign(a, b, d) >= 0 ||
             bvxi_turn_sign(c, d, a) * bvxi_turn_sign(c, d, b) >= 0)
@@ -154,70 +137,27 @@ static bvx_status mend_pair(bvxi_mend_work *w, uint32_t i, uint32_t j)
             BVXI_TRY(mend_split_at(w, i, node));
             BVXI_TRY(mend_split_at(w, j, node));
             /* both end at that point, and cross all the same */
-            if (w->split_count == before) w->split_count = BVXI_NONE;
+            if (w->split_count == before) {
+                w->split_count = BVXI_NONE;
+                return BVX_ERR_BUDGET;
+            }
         }
     }
     w->changed[e.loop] = w->changed[f.loop] = 1;
     return BVX_OK;
 }
 
-static void mend_range(const bvxi_mend_work *w, uint32_t edge, int axis, int32_t *low, int32_t *high)
-{
-    int32_t const a = w->node[w->edge[edge].node[0]].q[axis], b = w->node[w->edge[edge].node[1]].q[axis];
-
-    *low = a < b ? a : b;
-    *high = a < b ? b : a;
-}
-
-/* All pairs whose boxes meet, by the least u. */
 static bvx_status mend_find_pairs(bvxi_mend_work *w)
 {
-    uint32_t const n = w->edge_count;
-    uint32_t reach = 0;
-    int32_t low, high, left, right;
+    bvx_status status;
 
-    while (w->key_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
-    while (w->order_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
-    while (w->active_room < n)
-        BVXI_TRY(
-            bvxi_slab_grow(w->s, &w->active, w->active_room, &w->active_room, 4, "the order of segments"));
-
-    /* Sorted by their lowest u, so that a sweep meets each pair once. */
-    for (uint32_t i = 0; i < n; i++) {
-        mend_range(w, i, 0, &left, &right);
-        w->key[i] = (uint64_t)(uint32_t)left;
-        w->order[i] = i;
-    }
-    BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
-
+    BVXI_TRY(BVXI_RESERVE(w->s, w->box, w->edge_count, w->box_room, "the segments of loops to mend"));
+    for (uint32_t i = 0; i < w->edge_count; i++)
+        w->box[i] = bvxi_box_segment(w->node[w->edge[i].node[0]].q, w->node[w->edge[i].node[1]].q, i);
     w->split_count = w->crossings = 0;
-    for (uint32_t k = 0; k < n; k++) {
-        uint32_t const i = w->order[k];
-        int32_t own[2], other[2], least;
-        uint32_t kept = 0;
-
-        mend_range(w, i, 0, &least, &right);
-        mend_range(w, i, 1, &own[0], &own[1]);
-        for (uint32_t a = 0; a < reach; a++) {
-            uint32_t const j = w->active[a];
-            mend_range(w, j, 0, &low, &high);
-            /* It ends before the segment begins, and so before all that follow. */
-            if (high < least) continue;
-            w->active[kept++] = j;
-            mend_range(w, j, 1, &other[0], &other[1]);
-            if (other[1] < own[0] || other[0] > own[1]) continue;
-            BVXI_TRY(mend_pair(w, j, i));
-            if (w->split_count == BVXI_NONE) return BVX_OK;
-        }
-        w->active[kept++] = i;
-        reach = kept;
-    }
-    return BVX_OK;
+    status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
+    return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
-
-/* ---- points beside segments ---- */
 
 /* Does a segment pass through the square about a point, between its ends? Coordinates lie below 2^29. */
 static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
@@ -230,15 +170,12 @@ static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
     return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
 }
 
-/* Nodes of loops that change, and those where segments cross, by u. */
 static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
 {
     uint32_t const n = w->node_count;
 
-    while (w->key_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
-    while (w->order_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
 
     *count = 0;
     for (uint32_t i = 0; i < n; i++) {
@@ -250,7 +187,6 @@ static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
     return bvxi_radix_sort(w->s->ctx, w->key, w->order, *count);
 }
 
-/* Segments of loops that change are split at all such nodes that they pass. */
 static bvx_status mend_find_passed(bvxi_mend_work *w)
 {
     uint32_t count;
@@ -258,14 +194,12 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
     BVXI_TRY(mend_order_nodes(w, &count));
     for (uint32_t i = 0; i < w->edge_count; i++) {
         const int32_t *const a = w->node[w->edge[i].node[0]].q, *const b = w->node[w->edge[i].node[1]].q;
-        int32_t left, right;
+        /* A pixel farther on both sides, as the squares about points reach that far. */
+        int32_t left = (a[0] < b[0] ? a[0] : b[0]) - MEND_PIXEL;
+        int32_t const right = (a[0] < b[0] ? b[0] : a[0]) + MEND_PIXEL;
         uint32_t begin = 0, end = count;
 
         if (!w->changed[w->edge[i].loop]) continue;
-        mend_range(w, i, 0, &left, &right);
-        /* A pixel farther on both sides, as the squares about points reach that far. */
-        left -= MEND_PIXEL;
-        right += MEND_PIXEL;
         if (left < 0) left = 0;
         while (begin < end) { /* the first node that lies as far */
             uint32_t const middle = begin + (end - begin) / 2;
@@ -278,9 +212,6 @@ static bvx_status mend_find_passed(bvxi_mend_work *w)
     return BVX_OK;
 }
 
-/* ---- splitting ---- */
-
-/* How far along an edge a node lies. */
 static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint32_t node)
 {
     const int32_t *const a = w->node[e->node[0]].q;
@@ -308,13 +239,11 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
 {
     uint32_t const n = w->split_count;
     bvxi_mend_edge *const edges = w->edge;
-    uint32_t const room = w->edge_room;
+    uint64_t const room = w->edge_room;
     uint32_t at = 0;
 
-    while (w->key_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->key, w->key_room, &w->key_room, 8, "the order of segments"));
-    while (w->order_room < n)
-        BVXI_TRY(bvxi_slab_grow(w->s, &w->order, w->order_room, &w->order_room, 4, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
     for (uint32_t i = 0; i < n; i++) {
         w->key[i] = w->split[i].edge;
         w->order[i] = i;
@@ -322,7 +251,6 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, w->key, w->order, n));
 
     w->split_edge_count = 0;
-    /* Each edge becomes as many as it has splits, and one; pieces without length go. */
     for (uint32_t e = 0; e < w->edge_count; e++) {
         uint32_t from = w->edge[e].node[0], end = at;
         while (end < n && w->split[w->order[end]].edge == e) end++;

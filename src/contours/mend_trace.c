@@ -3,49 +3,28 @@
 #include "contours/mend.h"
 #include "mesh/mesh.h"
 
-/* ---- The stack ---- */
-
-static bvx_status mended_room(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item)
-{
-    uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
-
-    if (count < *room) return BVX_OK;
-    if (larger > INT32_MAX)
-        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "mended loops have more than 2^31 points");
-    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the mended loops"));
-    *room = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_mended_add_loop(bvx_context *ctx, bvxi_mended *m, uint32_t section, int32_t label)
-{
-    bvx_sections *const s = &m->sections;
-    bvx_section_loop *l;
-
-    BVXI_TRY(mended_room(ctx, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops));
-    l = &s->loops[s->loop_count++];
-    memset(l, 0, sizeof *l);
-    l->first_point = s->point_count;
-    l->section = section;
-    l->label = label;
-    return BVX_OK;
-}
-
-bvx_status bvxi_mended_add_point(bvx_context *ctx, bvxi_mended *m, const double at[3], int32_t u, int32_t v)
+bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &m->sections;
 
-    BVXI_TRY(mended_room(ctx, &s->points, s->point_count, &s->point_capacity, 24));
-    BVXI_TRY(mended_room(ctx, &m->nudge, s->point_count, &m->nudge_room, sizeof *m->nudge));
+    BVXI_TRY(BVXI_GROW(m, s->loops, s->loop_count, s->loop_capacity, "mended loops"));
+    s->loops[s->loop_count++] = (bvx_section_loop){
+        .first_point = s->point_count, .section = section, .label = label};
+    return BVX_OK;
+}
+
+bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, int32_t v)
+{
+    bvx_sections *const s = &m->sections;
+
+    BVXI_TRY(BVXI_GROW_BY(m, s->points, s->point_count, s->point_capacity, 24, "the points of mended loops"));
+    BVXI_TRY(BVXI_GROW(m, m->nudge, s->point_count, m->nudge_room, "the points of mended loops"));
     memcpy(s->points + 3 * s->point_count, at, 24);
     m->nudge[s->point_count][0] = (int16_t)u;
     m->nudge[s->point_count++][1] = (int16_t)v;
     s->loops[s->loop_count - 1].point_count++;
     return BVX_OK;
 }
-
-/* ---- Loops ---- */
 
 /* Loops along the edges that are left of loops that touched or crossed.
  *
@@ -77,8 +56,6 @@ static uint32_t mend_end_node(const mend_trace *t, uint32_t end)
     return t->w->edge[t->edge[end >> 1]].node[end & 1];
 }
 
-/* ---- which edges are left ---- */
-
 static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 {
     const bvxi_mend_work *const w = t->w;
@@ -92,15 +69,12 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
     }
     BVXI_TRY(bvxi_radix_sort(w->s->ctx, key, order, count));
 
-    /* Sorted by both nodes: an edge that is there an even number of times divides nothing. */
     for (uint32_t i = 0, n; i < count; i += n) {
         for (n = 1; i + n < count && key[i + n] == key[i];) n++;
         if ((n & 1) != 0) t->edge[t->edge_count++] = order[i];
     }
     return BVX_OK;
 }
-
-/* ---- ends in turn ---- */
 
 /* 1 when the first end comes before the second, counter-clockwise from the u axis; exact. */
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
@@ -140,14 +114,6 @@ static void mend_turn_ends(mend_trace *t)
     }
 }
 
-/* ---- paths ---- */
-
-/* The end that is joined to this one: they lie beside each other. */
-static uint32_t mend_partner(const mend_trace *t, uint32_t end)
-{
-    return t->end[t->start[mend_end_node(t, end)] + (t->rank[end] ^ 1)];
-}
-
 /* Stops from one on are a loop that comes back to its node by an end. */
 static void mend_cut_loop(mend_trace *t, uint32_t from, uint32_t *count, uint32_t back)
 {
@@ -173,7 +139,6 @@ static void mend_follow(mend_trace *t, uint32_t edge)
         uint32_t const in = out ^ 1, node = mend_end_node(t, in);
         t->used[out >> 1] = 1;
         t->path[count - 1].out = out;
-        /* Back at a node of the path: what lies between is a loop. */
         if (t->place[node] != BVXI_NONE) {
             mend_cut_loop(t, t->place[node], &count, in);
         } else {
@@ -182,12 +147,11 @@ static void mend_follow(mend_trace *t, uint32_t edge)
             t->path[count].in = in;
             count++;
         }
-        out = mend_partner(t, in);
+        /* The end that is joined to this one lies beside it. */
+        out = t->end[t->start[node] + (t->rank[in] ^ 1)];
     }
     for (uint32_t i = 0; i < count; i++) t->place[t->path[i].node] = BVXI_NONE;
 }
-
-/* ---- apart ---- */
 
 /* How narrow the angle is between a stop's ends that no other end lies in: the cosine of half of it, or 2
  * where both have some. */
@@ -209,7 +173,6 @@ static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, doub
         narrowest[i] = -2.0;
         stays[i] = BVXI_NONE;
     }
-    /* The narrowest angle has the least room to move into. */
     for (uint32_t i = 0; i < t->stop_count; i++) {
         const bvxi_mend_stop *const s = &t->stop[i];
         double const narrow = mend_narrowness(t, p, s);
@@ -219,58 +182,25 @@ static void mend_choose_stay(const mend_trace *t, const bvxi_mend_paths *p, doub
     }
 }
 
-/* A node's place in steps of the fixed point, beside where its point will be snapped to. */
-static void mend_give_stop(const mend_trace *t, uint32_t node, const int16_t nudge[2], int32_t steps[2])
-{
-    const bvxi_mend_node *const n = &t->w->node[node];
-
-    for (int k = 0; k < 2; k++)
-        steps[k] = nudge[k] + (n->q[k] - 1) / 2 -
-                   bvxi_snap_steps(t->w->s, k, bvxi_along_axis(t->w->s->axis[k], n->at));
-}
-
 static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 {
     const bvxi_mend_work *const w = t->w;
 
     for (uint32_t l = 0; l < t->loop_count; l++) {
         uint32_t const end = l + 1 < t->loop_count ? t->loop[l + 1] : t->stop_count;
-        BVXI_TRY(bvxi_mended_add_loop(w->s->ctx, t->mended, w->plane->section, w->s->options.label));
+        BVXI_TRY(bvxi_mended_add_loop(t->mended, w->plane->section, w->s->options.label));
         for (uint32_t i = t->loop[l]; i < end; i++) {
-            uint32_t const node = t->stop[i].node;
+            const bvxi_mend_node *const n = &w->node[t->stop[i].node];
             int32_t steps[2];
 
-            mend_give_stop(t, node, nudge[i], steps);
-            BVXI_TRY(bvxi_mended_add_point(w->s->ctx, t->mended, w->node[node].at, steps[0], steps[1]));
+            /* The node's place in steps of the fixed point, beside where its point will be snapped to. */
+            for (int k = 0; k < 2; k++)
+                steps[k] = nudge[i][k] + (n->q[k] - 1) / 2 -
+                           bvxi_snap_steps(w->s, k, bvxi_along_axis(w->s->axis[k], n->at));
+            BVXI_TRY(bvxi_mended_add_point(t->mended, n->at, steps[0], steps[1]));
         }
     }
     return BVX_OK;
-}
-
-static bvx_status mend_move_apart(mend_trace *t, double *narrowest, uint32_t *stays)
-{
-    bvxi_mend_paths const p = {t->w, t->edge, t->rank, t->stop, t->loop, t->stop_count, t->loop_count};
-    int16_t(*nudge)[2];
-
-    /* Who stays is chosen first, as all others move away from it. */
-    mend_choose_stay(t, &p, narrowest, stays);
-    BVXI_TRY(bvxi_alloc_zero(t->w->s->ctx, BVXI_SCRATCH, t->stop_count * sizeof *nudge, "the steps of points",
-                             &nudge));
-    BVXI_TRY(bvxi_mend_apart(&p, stays, nudge));
-    return mend_give_loops(t, (const int16_t(*)[2])nudge);
-}
-
-/* ---- memory ---- */
-
-static bvx_status mend_trace_in(mend_trace *t, uint64_t *key, uint32_t *order, double *narrowest,
-                                uint32_t *stays)
-{
-    BVXI_TRY(mend_keep_edges(t, key, order));
-    mend_turn_ends(t);
-    memset(t->used, 0, t->edge_count);
-    for (uint32_t i = 0; i < t->edge_count; i++)
-        if (!t->used[i]) mend_follow(t, i);
-    return mend_move_apart(t, narrowest, stays);
 }
 
 static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
@@ -281,7 +211,6 @@ static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
     return part;
 }
 
-/* One block for all arrays, wide items first. */
 bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
 {
     uint64_t const edges = w->edge_count, nodes = w->node_count, stops = sizeof(bvxi_mend_stop);
@@ -291,11 +220,10 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     double *narrowest;
     uint64_t *key;
     uint32_t *order, *stays;
-    mend_trace t;
+    mend_trace t = {.w = w, .mended = mended};
+    bvxi_mend_paths paths;
+    int16_t(*nudge)[2];
 
-    memset(&t, 0, sizeof t);
-    t.w = w;
-    t.mended = mended;
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
     /* Wide items first, so that each part is aligned. */
     at = block;
@@ -313,5 +241,16 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
 
-    return mend_trace_in(&t, key, order, narrowest, stays);
+    BVXI_TRY(mend_keep_edges(&t, key, order));
+    mend_turn_ends(&t);
+    memset(t.used, 0, t.edge_count);
+    for (uint32_t i = 0; i < t.edge_count; i++)
+        if (!t.used[i]) mend_follow(&t, i);
+
+    /* The stop that stays is chosen first, as all others move away from it. */
+    paths = (bvxi_mend_paths){w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
+    mend_choose_stay(&t, &paths, narrowest, stays);
+    BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
+    BVXI_TRY(bvxi_mend_apart(&paths, stays, nudge));
+    return mend_give_loops(&t, (const int16_t(*)[2])nudge);
 }

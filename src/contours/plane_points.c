@@ -132,7 +132,6 @@ bvx_status bvxi_plane_direct(bvxi_stack *s, bvxi_plane *p, int32_t (*box)[4])
                             : bvxi_fail_for(s->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOP_FLAT,
                                             "%s: loop %i of section %u encloses no area", s->function,
                                             (uint64_t)c->given, (uint64_t)p->section);
-        /* The inside is on the left: counter-clockwise round the body, clockwise round a hole. */
         if ((turn > 0) == (c->hole != 0)) reverse_loop(p, c);
     }
     return BVX_OK;

@@ -26,13 +26,6 @@ typedef struct planes_job {
     int32_t rows; /* the larger of columns and rows of cells, and one more */
 } planes_job;
 
-static int32_t plane_pieces(const bvxi_stack *s)
-{
-    return bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN);
-}
-
-/* ---- places ---- */
-
 static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
 {
     planes_job *const job = user;
@@ -45,16 +38,27 @@ static void plane_place_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status place_in_job(planes_job *job)
+static planes_job planes_job_of(bvxi_stack *s)
 {
-    bvxi_stack *const s = job->s;
+    planes_job job = {
+        .s = s, .view = *s, .pieces = bvxi_section_pieces(s->plane_count, s->all.point_room, PLANES_GRAIN)};
 
-    BVXI_TRY(bvxi_for_ranges(s->ctx, "sections", 0.0, 0.25, job->pieces, job->s->plane_count,
-                             plane_place_piece, job));
+    job.view.fixed = 1;
+    return job;
+}
+
+bvx_status bvxi_planes_place(bvxi_stack *s)
+{
+    planes_job job = planes_job_of(s);
+
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.bounds));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the bounds of sections", job.unsure));
+    BVXI_TRY(
+        bvxi_for_ranges(s->ctx, "sections", 0.0, 0.25, job.pieces, s->plane_count, plane_place_piece, &job));
     for (uint32_t i = 0; i < s->plane_count; i++) {
-        const double *const b = job->bounds[i];
+        const double *const b = job.bounds[i];
         /* Gone over again with a stack that has messages: it fails here, and says where. */
-        if (job->unsure[i]) BVXI_TRY(bvxi_plane_place(s, &s->plane[i], s->low, s->high));
+        if (job.unsure[i]) BVXI_TRY(bvxi_plane_place(s, &s->plane[i], s->low, s->high));
         for (int k = 0; k < 2; k++) {
             if (b[k] < s->low[k]) s->low[k] = b[k];
             if (b[k + 2] > s->high[k]) s->high[k] = b[k + 2];
@@ -63,25 +67,16 @@ static bvx_status place_in_job(planes_job *job)
     return BVX_OK;
 }
 
-static planes_job planes_job_of(bvxi_stack *s)
-{
-    planes_job job = {.s = s, .view = *s, .pieces = plane_pieces(s)};
-
-    job.view.fixed = 1;
-    return job;
-}
-
-bvx_status bvxi_planes_place(bvxi_stack *s)
-{
-    uint64_t const n = s->plane_count;
-    planes_job job = planes_job_of(s);
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * sizeof *job.bounds, "the bounds of sections", &job.bounds));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the bounds of sections", &job.unsure));
-    return place_in_job(&job);
-}
-
 /* ---- fixed point ---- */
+
+static void measure_plane(const planes_job *job, uint64_t i)
+{
+    bvxi_plane *const p = &job->s->plane[i];
+
+    p->area = bvxi_plane_area(job->s, p);
+    bvxi_plane_tree(p);
+    bvxi_plane_count_cuts(job->s, p, &job->count[2 * i], &job->count[2 * i + 1]);
+}
 
 static void plane_snap_piece(void *user, int32_t index, int32_t worker)
 {
@@ -97,14 +92,10 @@ static void plane_snap_piece(void *user, int32_t index, int32_t worker)
         bvxi_plane_snap(&job->view, p);
         job->unsure[i] = !bvxi_plane_is_simple(p, x->sorted, x->active) ||
                          bvxi_plane_direct(&job->view, p, x->box) != BVX_OK;
-        if (job->unsure[i]) continue;
-        p->area = bvxi_plane_area(&job->view, p);
-        bvxi_plane_tree(p);
-        bvxi_plane_count_cuts(&job->view, p, &job->count[2 * i], &job->count[2 * i + 1]);
+        if (!job->unsure[i]) measure_plane(job, i);
     }
 }
 
-/* Those that were left, and sums. */
 static bvx_status settle_planes(planes_job *job)
 {
     bvxi_stack *const s = job->s;
@@ -115,9 +106,7 @@ static bvx_status settle_planes(planes_job *job)
         if (job->unsure[i]) {
             BVXI_TRY(bvxi_plane_check_simple(s, p));
             BVXI_TRY(bvxi_plane_direct(s, p, job->scratch[0].box));
-            p->area = bvxi_plane_area(s, p);
-            bvxi_plane_tree(p);
-            bvxi_plane_count_cuts(s, p, &job->count[2 * (size_t)i], &job->count[2 * (size_t)i + 1]);
+            measure_plane(job, i);
         }
         for (uint32_t k = 0; k < p->contour_count; k++) s->report.holes += (uint64_t)p->contour[k].hole;
     }
@@ -126,7 +115,6 @@ static bvx_status settle_planes(planes_job *job)
 
 /* ---- crossings ---- */
 
-/* Stretches of arrays that all planes share. */
 static bvx_status open_cuts(planes_job *job)
 {
     bvxi_stack *const s = job->s;
@@ -140,20 +128,16 @@ static bvx_status open_cuts(planes_job *job)
                                  "%s: section %i crosses the grid more than 2^31 times", s->function,
                                  (uint64_t)s->plane[i].section);
         /* Spare ones for subdivided cells: their number is not known before slabs are made. */
-        s->cut_room += cuts + PLANES_SPARE_CUTS;
-        s->arc_room += arcs;
+        cut += cuts + PLANES_SPARE_CUTS;
+        arc += arcs;
         if (arcs > job->most_arcs) job->most_arcs = arcs;
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->cut_room * sizeof *all->cut, "the crossings of sections",
-                        &all->cut));
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc, "the arcs of sections", &all->arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->ring_arc, "the arcs of sections",
-                        &all->ring_arc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->arc_cell, "the arcs of sections",
-                        &all->arc_cell));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->arc_room * sizeof *all->asking, "the arcs of sections",
-                        &all->asking));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cut, "the crossings of sections", all->cut));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arc, "the arcs of sections", all->arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arc, "the arcs of sections", all->ring_arc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arc, "the arcs of sections", all->arc_cell));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, arc, "the arcs of sections", all->asking));
+    cut = arc = 0;
     for (uint32_t i = 0; i < s->plane_count; i++) {
         bvxi_plane *const p = &s->plane[i];
         p->cut = p->shared_cut = all->cut + cut;
@@ -176,8 +160,6 @@ static void plane_cut_piece(void *user, int32_t index, int32_t worker)
     for (uint64_t i = begin; i < end; i++)
         bvxi_plane_cut(&job->view, &job->s->plane[i], &job->scratch[worker].arcs);
 }
-
-/* ---- all of it ---- */
 
 /* Scratch of all workers in one block. */
 static bvx_status open_snap_scratch(planes_job *job)
@@ -204,7 +186,6 @@ static bvx_status open_cut_scratch(planes_job *job)
 
     BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * each, "the order of arcs", &at));
 
-    /* One allocation a worker, cut from the widest items to the narrowest. */
     for (int32_t i = 0; i < job->workers; i++, at += each) {
         bvxi_arc_scratch *const x = &job->scratch[i].arcs;
         x->arc = (bvxi_arc *)(void *)at;
@@ -214,45 +195,6 @@ static bvx_status open_cut_scratch(planes_job *job)
         x->start = x->order[1] + n;
     }
     return BVX_OK;
-}
-
-static bvx_status open_trees(bvxi_stack *s)
-{
-    uint64_t group = 0, box = 0;
-
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        uint64_t groups, boxes;
-        bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
-        s->group_room += groups;
-        s->box_room += boxes;
-    }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->group_room * sizeof *s->all.group,
-                        "the segments of contours", &s->all.group));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, s->box_room * sizeof *s->all.box, "the boxes of contours",
-                        &s->all.box));
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        uint64_t groups, boxes;
-        bvxi_plane_tree_size(s->plane[i].point_count, &groups, &boxes);
-        s->plane[i].group = s->all.group + group;
-        s->plane[i].box = s->all.box + box;
-        group += groups;
-        box += boxes;
-    }
-    return BVX_OK;
-}
-
-static bvx_status snap_planes(planes_job *job)
-{
-    BVXI_TRY(open_snap_scratch(job));
-    BVXI_TRY(bvxi_parallel(job->s->ctx, "sections", 0.25, 0.75, job->pieces, plane_snap_piece, job));
-    return settle_planes(job);
-}
-
-static bvx_status cut_planes(planes_job *job)
-{
-    BVXI_TRY(open_cuts(job));
-    BVXI_TRY(open_cut_scratch(job));
-    return bvxi_parallel(job->s->ctx, "sections", 0.75, 1.0, job->pieces, plane_cut_piece, job);
 }
 
 bvx_status bvxi_planes_ready(bvxi_stack *s)
@@ -267,11 +209,14 @@ bvx_status bvxi_planes_ready(bvxi_stack *s)
         if (s->plane[i].point_count > job.most_points) job.most_points = s->plane[i].point_count;
         if (s->plane[i].contour_count > job.most_loops) job.most_loops = s->plane[i].contour_count;
     }
-    BVXI_TRY(open_trees(s));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job.workers * sizeof *job.scratch,
-                             "the sections' scratch", &job.scratch));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n, "the sections' scratch", &job.unsure));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 16, "the sections' scratch", &job.count));
-    BVXI_TRY(BVXI_SCOPE(s->ctx, snap_planes(&job)));
-    return cut_planes(&job);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job.workers, "the sections' scratch", job.scratch));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the sections' scratch", job.unsure));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * n, "the sections' scratch", job.count));
+    BVXI_TRY(open_snap_scratch(&job));
+    BVXI_TRY(bvxi_parallel(s->ctx, "sections", 0.25, 0.75, job.pieces, plane_snap_piece, &job));
+    BVXI_TRY(settle_planes(&job));
+    bvxi_drop(s->ctx, job.scratch[0].sorted); /* the block of all */
+    BVXI_TRY(open_cuts(&job));
+    BVXI_TRY(open_cut_scratch(&job));
+    return bvxi_parallel(s->ctx, "sections", 0.75, 1.0, job.pieces, plane_cut_piece, &job);
 }

@@ -95,8 +95,7 @@ typedef struct bvxi_plane {
     /* the segments that distances and inside tests are taken from, ascending; NULL: all */
     const uint32_t *segment;
     uint32_t segment_count;
-    int turned;           /* 1: what its loops enclose is outside: a level of holes */
-    uint64_t level_bytes; /* of its own arrays, when it is a level */
+    int turned; /* 1: what its loops enclose is outside: a level of holes */
 } bvxi_plane;
 
 /* A plane without loops, where a body begins or ends between sections. */
@@ -105,7 +104,6 @@ static inline int bvxi_plane_is_nothing(const bvxi_plane *plane)
     return plane->section == BVXI_NONE;
 }
 
-/* Vertices and triangles made so far. */
 typedef struct bvxi_section_mesh {
     double *position;
     uint32_t *triangle;
@@ -116,7 +114,6 @@ typedef struct bvxi_section_mesh {
  * cross otherwise; not apart from each other, where they would cross all the same. */
 enum { BVXI_LEVELS_APART, BVXI_LEVELS_LINEAR, BVXI_LEVELS_JOINED, BVXI_LEVELS_CROSSED = 0x80 };
 
-/* Loops that are blended apart from those around them; see nesting.c. */
 typedef struct bvxi_nesting {
     /* [loops of all planes] each loop's level between its plane and the one above, and the one below */
     uint8_t *level[2];
@@ -143,10 +140,9 @@ typedef struct bvxi_stack {
     int32_t words;          /* a row of grid points */
     bvxi_plane *plane;      /* ascending in w */
     uint32_t plane_count;
-    double reach[2]; /* of tapered ends beyond the first and the last plane */
-    bvxi_plane all;  /* arrays that the planes have stretches of */
-    uint64_t cut_room, arc_room, group_room, box_room; /* of those arrays */
-    bvxi_plane nothing;                                /* a plane without loops: only its bits are there */
+    double reach[2];    /* of tapered ends beyond the first and the last plane */
+    bvxi_plane all;     /* arrays that the planes have stretches of */
+    bvxi_plane nothing; /* a plane without loops: only its bits are there */
     bvxi_nesting nesting;
     uint32_t slab_count;
     bvx_sections_options options;
@@ -160,13 +156,45 @@ typedef struct bvxi_stack {
     int fixed;
     /* in the field's way: the lines on the first and the last plane, inside on their left */
     uint32_t (*cap_edge[2])[2];
-    uint32_t cap_edge_count[2], cap_edge_room[2];
+    uint32_t cap_edge_count[2];
+    uint64_t cap_edge_room[2];
 } bvxi_stack;
 
 /* A point's coordinate along an axis of the stack. */
 static inline double bvxi_along_axis(const double axis[3], const double p[3])
 {
     return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
+}
+
+/* A coordinate of fixed point along an axis of the plane. */
+static inline double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
+{
+    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
+}
+
+/* Bounds widened by a place of n coordinates. */
+static inline void bvxi_widen(double *low, double *high, const double *at, int n)
+{
+    for (int k = 0; k < n; k++) {
+        low[k] = at[k] < low[k] ? at[k] : low[k];
+        high[k] = at[k] > high[k] ? at[k] : high[k];
+    }
+}
+
+/* Words of a bit a grid point. */
+static inline uint64_t bvxi_grid_words(const bvxi_stack *s)
+{
+    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+}
+
+/* Square of the distance from a place to a segment. */
+static inline double bvxi_segment_square(const double a[2], const double b[2], const double at[2])
+{
+    double const dx = b[0] - a[0], dy = b[1] - a[1], x = at[0] - a[0], y = at[1] - a[1];
+    double const along = x * dx + y * dy, length = dx * dx + dy * dy;
+    double const share = along <= 0.0 ? 0.0 : along >= length ? 1.0 : along / length;
+    double const ex = x - share * dx, ey = y - share * dy;
+    return ex * ex + ey * ey;
 }
 
 /* ---- stack.c: the planes of one body, their points snapped, loops directed with the inside on their
@@ -179,6 +207,17 @@ bvx_status bvxi_stack_open(bvx_context *ctx, const char *function, const bvx_sec
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *stack);
 bvx_status bvxi_stack_finish(bvxi_stack *stack);
+/* A label becomes the only one that there is, or some loop has it. */
+bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_sections *given,
+                             int32_t *label);
+/* Arrays of all planes, which are fields of items of so many bytes; points, loops: by section. */
+bvx_status bvxi_planes_open(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                            uint32_t count, const uint64_t *points, const uint64_t *loops);
+bvx_status bvxi_planes_open_trees(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                                  uint32_t count);
+/* The points of a loop, but those equal to the one before. */
+bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                bvx_sections_report *report, bvxi_plane *plane, uint64_t number);
 
 /* stack_grid.c: lay the grid over the bounds; or take that of another stack whose bounds hold this one's. */
 typedef struct bvxi_section_grid {
@@ -223,7 +262,6 @@ static inline int32_t bvxi_section_pieces(uint64_t count, uint64_t work, uint64_
     return (uint64_t)pieces < count ? pieces : (int32_t)count;
 }
 
-/* Coordinates on the plane, and bounds. */
 bvx_status bvxi_planes_place(bvxi_stack *stack);
 /* Fixed point, directions, areas, boxes, crossings with the grid. */
 bvx_status bvxi_planes_ready(bvxi_stack *stack);
@@ -244,7 +282,6 @@ bvx_status bvxi_plane_direct(bvxi_stack *stack, bvxi_plane *plane, int32_t (*box
 
 /* ---- simple.c ---- */
 
-/* Refuse loops that cross or touch themselves or others. */
 bvx_status bvxi_plane_check_simple(bvxi_stack *stack, bvxi_plane *plane);
 
 /* A segment's box and number. */
@@ -253,9 +290,21 @@ typedef struct bvxi_segment_box {
     uint32_t segment;
 } bvxi_segment_box;
 
-/* 1 when loops surely neither cross nor touch; 0 requires the check above.
- * sorted, active: scratch, one a segment. */
-int bvxi_plane_is_simple(const bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *active);
+static inline bvxi_segment_box bvxi_box_segment(const int32_t *a, const int32_t *b, uint32_t segment)
+{
+    bvxi_segment_box const box = {a[0] < b[0] ? a[0] : b[0], a[0] < b[0] ? b[0] : a[0],
+                                  a[1] < b[1] ? a[1] : b[1], a[1] < b[1] ? b[1] : a[1], segment};
+    return box;
+}
+
+/* Each two segments whose boxes meet: a segment with those that begin at a lower u, in their order. What is not BVX_OK
+ * ends it. */
+typedef bvx_status bvxi_pair_fn(void *user, uint32_t segment, uint32_t before);
+bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t count, bvxi_pair_fn *pair,
+                      void *user);
+
+/* 1 when loops surely neither cross nor touch; 0 requires the check above. sorted, box: scratch, one a segment. */
+int bvxi_plane_is_simple(bvxi_plane *plane, bvxi_segment_box *sorted, bvxi_segment_box *box);
 /* 1 where c lies on the left of a to b, -1 on the right, 0 on its line. */
 static inline int bvxi_turn_sign(const int32_t *a, const int32_t *b, const int32_t *c)
 {
@@ -264,6 +313,8 @@ static inline int bvxi_turn_sign(const int32_t *a, const int32_t *b, const int32
     return (t > 0) - (t < 0);
 }
 
+/* 1 when c lies on the segment from a to b. */
+int bvxi_segment_holds(const int32_t *a, const int32_t *b, const int32_t *c);
 /* 1 when two segments that follow each other in no loop meet. */
 int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d);
 /* Two segments that share an end: they meet elsewhere when one folds back onto the other. */
@@ -284,7 +335,6 @@ typedef struct bvxi_arc_scratch {
     uint32_t *cell, *order[2], *start;
 } bvxi_arc_scratch;
 
-/* How many crossings and arcs there will be. */
 void bvxi_plane_count_cuts(const bvxi_stack *stack, const bvxi_plane *plane, uint64_t *cuts, uint64_t *arcs);
 /* Cut the loops at the grid's lines, into arrays that have room; set the bits of the grid points inside. */
 void bvxi_plane_cut(bvxi_stack *stack, bvxi_plane *plane, const bvxi_arc_scratch *scratch);
@@ -293,7 +343,6 @@ uint32_t bvxi_plane_arcs_in(const bvxi_plane *plane, uint32_t key, uint32_t *cou
 /* A new crossing's number. */
 bvx_status bvxi_plane_add_cut(bvxi_stack *stack, bvxi_plane *plane, uint32_t segment, int32_t axis,
                               int32_t line, uint32_t *number);
-/* Sides of arcs, and the cells that require subdivision; arcs are in order. */
 void bvxi_plane_look_at_cells(const bvxi_stack *stack, bvxi_plane *plane);
 /* Bits at which a row's parity changes, into the bits inside. */
 void bvxi_plane_fill_rows(const bvxi_stack *stack, uint64_t *inside);
@@ -305,6 +354,13 @@ double bvxi_plane_area(const bvxi_stack *stack, const bvxi_plane *plane);
 /* Number points and cuts of each plane along its loops, one number for cuts
  * that are one; they become the first vertices of the mesh. */
 bvx_status bvxi_rings_make(bvxi_stack *stack);
+/* Where a contour's stretch of the ring begins and ends. */
+static inline void bvxi_ring_stretch(const bvxi_plane *p, uint32_t contour, uint32_t *first, uint32_t *end)
+{
+    *first = p->ring[p->contour[contour].first];
+    *end = contour + 1 < p->contour_count ? p->ring[p->contour[contour + 1].first] : p->ring_count;
+}
+
 /* Arcs as stretches of a ring whose crossings are numbered. */
 void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
@@ -312,7 +368,6 @@ void bvxi_plane_ring_arcs(bvxi_plane *plane);
 
 /* Groups and boxes for so many segments. */
 void bvxi_plane_tree_size(uint32_t points, uint64_t *groups, uint64_t *boxes);
-/* Fill them. */
 void bvxi_plane_tree(bvxi_plane *plane);
 /* Distance from a place to the nearest contour; *hint is a segment thought
  * to be near, and becomes the nearest found. */
@@ -333,30 +388,7 @@ void bvxi_plane_parts(const bvxi_plane *plane, uint32_t *part);
 /* Distance to the nearest contour, and its number: the least of those that lie so near. */
 double bvxi_contour_distance(const bvxi_plane *plane, double u, double v, uint32_t *hint, uint32_t *contour);
 
-/* ---- fill_loop.c ---- */
-
-typedef struct bvxi_loop_fill {
-    uint32_t count;
-    const uint32_t *vertex; /* of the mesh, in the direction of the triangles */
-    const uint8_t *faces;   /* cell faces that each lies on */
-    const int32_t *low;     /* of the cell, in fixed point */
-    int32_t size;
-    double low_w, high_w;
-    /* 1: around a vertex at the loop's middle in any case, 2: half way from there to the cell's */
-    int cone;
-    int strip;         /* out: it became a strip from below to above */
-    const double **at; /* scratch: count each */
-    uint32_t *next, *before;
-} bvxi_loop_fill;
-
-/* Triangles inside a loop whose inner edges lie on no cell face; where
- * there are none, around a vertex inside the cell. */
-bvx_status bvxi_fill_loop(bvxi_stack *stack, bvxi_loop_fill *loop);
-
-/* ---- section_mesh.c ---- */
-
 bvx_status bvxi_section_add_vertex(bvxi_stack *stack, const double position[3], uint32_t *number);
-/* Room for more triangles than there are. */
 bvx_status bvxi_section_more_triangles(bvxi_stack *stack);
 
 static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a, uint32_t b, uint32_t c)
@@ -372,7 +404,6 @@ static inline bvx_status bvxi_section_add_triangle(bvxi_stack *stack, uint32_t a
     return BVX_OK;
 }
 
-/* Where a vertex is. */
 static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_t number)
 {
     return number < stack->ring_vertices
@@ -382,29 +413,45 @@ static inline const double *bvxi_section_vertex(const bvxi_stack *stack, uint32_
 
 /* The world's place of u, v, w. */
 void bvxi_section_place(const bvxi_stack *stack, double u, double v, double w, double position[3]);
-/* Keep a place in the report. */
 void bvxi_section_locate(bvxi_stack *stack, double u, double v, double w);
 
-/* An array with room for one more. */
-bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what);
+/* BVXI_GROW but in views: rooms that were laid out beforehand do not grow, and the caller tries again with others. */
+#define BVXI_SLAB_GROW(s, array, count, room, what) \
+    (BVXI_LIKELY((count) < (room)) ? BVX_OK         \
+     : (s)->fixed                  ? BVX_ERR_BUDGET \
+                                   : BVXI_GROW(s, array, count, room, what))
 
-static inline bvx_status bvxi_slab_grow(bvxi_stack *s, void *block, uint32_t count, uint32_t *room,
-                                        uint64_t item, const char *what)
+/* Numbers by a key. near: keys with one upper half lie beside one another, for halves that come in order; else they
+ * are spread by a hash. */
+typedef struct bvxi_map {
+    uint64_t *key; /* UINT64_MAX: free */
+    uint32_t *value;
+    uint64_t room, count;
+    int near;
+} bvxi_map;
+
+/* The value of a key, BVXI_NONE at first; add makes room. */
+bvx_status bvxi_map_add(bvx_context *ctx, bvxi_map *map, uint64_t key, uint32_t **value);
+bvx_status bvxi_map_reserve(bvx_context *ctx, bvxi_map *map, uint64_t count);
+uint32_t bvxi_map_find(const bvxi_map *map, uint64_t key);
+void bvxi_map_clear(bvxi_map *map);
+/* The same for maps that do not grow in views. */
+bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *map, uint64_t key, uint32_t **value);
+
+/* Keep a place in a report. */
+static inline void bvxi_report_place(bvx_sections_report *report, const double at[3])
 {
-    return BVXI_LIKELY(count < *room) ? BVX_OK : bvxi_slab_enlarge(s, block, room, item, what);
+    if (report->located < BVX_SECTIONS_LOCATED) memcpy(report->unkept[report->located++], at, 24);
 }
 
-/* Vertices by a key; a lookup only, so the order of keys does not matter. */
-typedef struct bvxi_vertex_map {
-    uint64_t *key; /* UINT64_MAX: free */
-    uint32_t *vertex;
-    uint32_t room, count;
-} bvxi_vertex_map;
-
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *map, uint64_t key, uint32_t **vertex);
-/* Room for the first of them. */
-bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *map);
-void bvxi_map_clear(bvxi_vertex_map *map);
+/* A vertex of a mesh that is made. */
+static inline void bvxi_put_position(const bvx_mesh *mesh, int32_t type, uint64_t number, const double at[3])
+{
+    for (uint64_t k = 3 * number; k < 3 * number + 3; k++, at++) {
+        if (type == BVX_F64) ((double *)mesh->positions)[k] = *at;
+        else ((float *)mesh->positions)[k] = (float)*at;
+    }
+}
 
 /* ---- slab.c, caps.c ---- */
 

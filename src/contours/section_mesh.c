@@ -1,31 +1,6 @@
 /* section_mesh.c - the growing mesh of a body between sections, and its vertices by a key. */
 #include "contours/section.h"
 
-/* ---- The mesh ---- */
-
-bvx_status bvxi_slab_enlarge(bvxi_stack *s, void *block, uint32_t *room, uint64_t item, const char *what)
-{
-    uint64_t const larger = *room < 64 ? 64 : (uint64_t)*room + *room / 2;
-    if (larger > INT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^31 of %s",
-                             s->function, what);
-
-    /* Rooms that were laid out beforehand cannot grow: the caller tries again with larger ones. */
-    if (s->fixed) return BVX_ERR_BUDGET;
-    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
-    *room = (uint32_t)larger;
-    return BVX_OK;
-}
-
-static bvx_status section_grow(bvxi_stack *s, void *block, uint64_t item, uint64_t *room, const char *what)
-{
-    uint64_t const larger = *room < 1024 ? 1024 : *room + *room / 2;
-    if (s->fixed) return BVX_ERR_BUDGET;
-    BVXI_TRY(bvxi_resize(s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
-    *room = larger;
-    return BVX_OK;
-}
-
 bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint32_t *number)
 {
     bvxi_section_mesh *const m = &s->mesh;
@@ -34,7 +9,8 @@ bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint
         if (m->vertex_count + s->ring_vertices >= UINT32_MAX - 1)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the surface has more than 2^32 vertices", s->function);
-        BVXI_TRY(section_grow(s, &m->position, 24, &m->vertex_room, "the vertices of a body"));
+        if (s->fixed) return BVX_ERR_BUDGET;
+        BVXI_TRY(bvxi_grow(s->ctx, s->function, &m->position, &m->vertex_room, 24, "the vertices of a body"));
     }
     memcpy(m->position + 3 * m->vertex_count, position, 24);
     *number = s->ring_vertices + (uint32_t)m->vertex_count++;
@@ -43,11 +19,9 @@ bvx_status bvxi_section_add_vertex(bvxi_stack *s, const double position[3], uint
 
 bvx_status bvxi_section_more_triangles(bvxi_stack *s)
 {
-    bvxi_section_mesh *const m = &s->mesh;
-    if (!s->fixed && m->triangle_count >= INT32_MAX)
-        return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the surface has more than 2^31 triangles", s->function);
-    return section_grow(s, &m->triangle, 12, &m->triangle_room, "the triangles of a body");
+    return s->fixed ? BVX_ERR_BUDGET
+                    : bvxi_grow(s->ctx, s->function, &s->mesh.triangle, &s->mesh.triangle_room, 12,
+                                "the triangles of a body");
 }
 
 void bvxi_section_place(const bvxi_stack *s, double u, double v, double w, double position[3])
@@ -57,71 +31,82 @@ void bvxi_section_place(const bvxi_stack *s, double u, double v, double w, doubl
 
 void bvxi_section_locate(bvxi_stack *s, double u, double v, double w)
 {
-    if (s->report.located >= BVX_SECTIONS_LOCATED) return;
-    bvxi_section_place(s, u, v, w, s->report.unkept[s->report.located++]);
+    double at[3];
+
+    bvxi_section_place(s, u, v, w, at);
+    bvxi_report_place(&s->report, at);
 }
 
-/* ---- Vertices by a key ---- */
+/* ---- Numbers by a key ---- */
 
 /* Open addressing over a table that is at most half full, so every search ends at a free slot. */
-static uint32_t map_slot(const bvxi_vertex_map *m, uint64_t key)
+static uint64_t map_slot(const bvxi_map *m, uint64_t key)
 {
-    uint64_t h = key * UINT64_C(0x9e3779b97f4a7c15);
-    uint32_t i = (uint32_t)(h >> 32) & (m->room - 1);
+    uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
+    uint64_t i = (m->near ? (key >> 32) * 4 + (mixed & 63) : mixed) & (m->room - 1);
+
     while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
     return i;
 }
 
-static bvx_status map_resize(bvxi_stack *s, bvxi_vertex_map *m, uint32_t room)
+static bvx_status map_resize(bvx_context *ctx, bvxi_map *m, uint64_t room)
 {
-    bvxi_vertex_map larger = {NULL, NULL, 0, 0};
+    bvxi_map larger = {NULL, NULL, room, m->count, m->near};
 
-    if (s->fixed) return BVX_ERR_BUDGET;
-    larger.room = room;
-    larger.count = m->count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 8, "the crossings of edges", &larger.key));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)room * 4, "the crossings of edges", &larger.vertex));
-
-    memset(larger.key, 0xff, (size_t)room * 8);
-    for (uint32_t i = 0; i < m->room; i++)
+    BVXI_TRY(BVXI_ARRAY(ctx, room, "numbers by a key", larger.key));
+    BVXI_TRY(BVXI_ARRAY(ctx, room, "numbers by a key", larger.value));
+    memset(larger.key, 0xff, (size_t)(room * 8));
+    for (uint64_t i = 0; i < m->room; i++)
         if (m->key[i] != UINT64_MAX) {
-            uint32_t const at = map_slot(&larger, m->key[i]);
+            uint64_t const at = map_slot(&larger, m->key[i]);
             larger.key[at] = m->key[i];
-            larger.vertex[at] = m->vertex[i];
+            larger.value[at] = m->value[i];
         }
-    bvxi_drop(s->ctx, m->vertex);
-    bvxi_drop(s->ctx, m->key);
+    bvxi_drop(ctx, m->value);
+    bvxi_drop(ctx, m->key);
     *m = larger;
     return BVX_OK;
 }
 
-bvx_status bvxi_map_find(bvxi_stack *s, bvxi_vertex_map *m, uint64_t key, uint32_t **vertex)
+bvx_status bvxi_map_reserve(bvx_context *ctx, bvxi_map *m, uint64_t count)
 {
-    uint32_t at;
+    uint64_t room = 64;
 
-    if (2 * (uint64_t)m->count >= m->room) {
-        if (m->room >= UINT32_C(1) << 30)
-            return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                                 "%s: more than 2^29 crossings of edges", s->function);
-        BVXI_TRY(map_resize(s, m, m->room == 0 ? 64 : 2 * m->room));
-    }
+    while (room < 2 * count) room *= 2;
+    return room > m->room ? map_resize(ctx, m, room) : BVX_OK;
+}
+
+bvx_status bvxi_map_add(bvx_context *ctx, bvxi_map *m, uint64_t key, uint32_t **value)
+{
+    uint64_t at;
+
+    if (2 * m->count >= m->room) BVXI_TRY(map_resize(ctx, m, m->room == 0 ? 1024 : 2 * m->room));
     at = map_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
         m->key[at] = key;
-        m->vertex[at] = BVXI_NONE;
+        m->value[at] = BVXI_NONE;
         m->count++;
     }
-    *vertex = &m->vertex[at];
+    *value = &m->value[at];
     return BVX_OK;
 }
 
-bvx_status bvxi_map_open(bvxi_stack *s, bvxi_vertex_map *m)
+bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *m, uint64_t key, uint32_t **value)
 {
-    return m->room != 0 ? BVX_OK : map_resize(s, m, 64);
+    return s->fixed && 2 * m->count >= m->room ? BVX_ERR_BUDGET : bvxi_map_add(s->ctx, m, key, value);
 }
 
-void bvxi_map_clear(bvxi_vertex_map *m)
+uint32_t bvxi_map_find(const bvxi_map *m, uint64_t key)
 {
-    if (m->count != 0) memset(m->key, 0xff, (size_t)m->room * 8);
+    uint64_t at;
+
+    if (m->room == 0) return BVXI_NONE;
+    at = map_slot(m, key);
+    return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
+}
+
+void bvxi_map_clear(bvxi_map *m)
+{
+    if (m->count != 0) memset(m->key, 0xff, (size_t)(m->room * 8));
     m->count = 0;
 }

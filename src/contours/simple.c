@@ -1,122 +1,15 @@
-/* simple.c - whether loops of a section cross or touch themselves or each other, decided exactly in fixed point.
+/* simple.c - segments of loops that cross or touch, decided exactly in fixed point.
  *
  * Most sections hold simple loops whose points are some way apart: a quick check finds these good without an
  * allocation, side by side. Whatever is not surely good goes to the full check, whose message names the points.
  *
- * Both compare each segment, in the order of their lowest u, with those that still reach that far. The quick one
+ * Each segment, in the order of their lowest u, is compared with those that still reach that far. The quick check
  * sorts by buckets and insertion. Points of a loop that snap to one position count as one.
  * Cost: O(n log n) and the pairs whose ranges of u overlap. */
 #include "contours/section.h"
 #include "mesh/mesh.h"
 
-/* ---- The quick check ---- */
-
-enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };
-
-static int box_segments(const bvxi_plane *p, bvxi_segment_box *box)
-{
-    for (uint32_t i = 0; i < p->point_count; i++) {
-        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-        bvxi_segment_box *const x = &box[i];
-        /* Points that snapped together are left to the full check. */
-        if (a[0] == b[0] && a[1] == b[1]) return 0;
-        x->left = a[0] < b[0] ? a[0] : b[0];
-        x->right = a[0] < b[0] ? b[0] : a[0];
-        x->low = a[1] < b[1] ? a[1] : b[1];
-        x->high = a[1] < b[1] ? b[1] : a[1];
-        x->segment = i;
-    }
-    return 1;
-}
-
-/* 0 when the order is so uneven that insertion would take long. */
-static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box *sorted)
-{
-    uint32_t start[QUICK_BUCKETS], shift = 0;
-    int32_t low = box[0].left, high = low;
-    uint64_t moves = (uint64_t)n * QUICK_MOST_MOVES;
-
-    for (uint32_t i = 1; i < n; i++) {
-        if (box[i].left < low) low = box[i].left;
-        if (box[i].left > high) high = box[i].left;
-    }
-    /* The fewest bits to take off, so that all buckets are used. */
-    while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
-    memset(start, 0, sizeof start);
-    for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;
-    bvxi_place_counts32(start, QUICK_BUCKETS);
-    for (uint32_t i = 0; i < n; i++) sorted[start[(uint32_t)(box[i].left - low) >> shift]++] = box[i];
-
-    /* Buckets are in order already; insertion orders each one, and counts what it costs. */
-    for (uint32_t i = 1; i < n; i++) {
-        bvxi_segment_box const x = sorted[i];
-        uint32_t j = i;
-        for (; j > 0 && sorted[j - 1].left > x.left; j--) sorted[j] = sorted[j - 1];
-        sorted[j] = x;
-        if (i - j > moves) return 0;
-        moves -= i - j;
-    }
-    return 1;
-}
-
-static int quick_pair_meets(const bvxi_plane *p, uint32_t i, uint32_t j)
-{
-    uint32_t const in = p->next[i], jn = p->next[j];
-    if (in == j) return jn == i || bvxi_folds_back(p->q[j], p->q[i], p->q[jn]);
-    if (jn == i) return bvxi_folds_back(p->q[i], p->q[in], p->q[j]);
-    return bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
-}
-
-int bvxi_plane_is_simple(const bvxi_plane *p, bvxi_segment_box *sorted, bvxi_segment_box *active)
-{
-    uint32_t const n = p->point_count;
-    uint32_t reach = 0;
-
-    if (n == 0) return 1;
-    if (!box_segments(p, active) || !sort_boxes(active, n, sorted)) return 0;
-    for (uint32_t k = 0; k < n; k++) {
-        bvxi_segment_box const x = sorted[k];
-        for (uint32_t a = 0; a < reach;) {
-            const bvxi_segment_box *const y = &active[a];
-            /* It ended before this segment begins; the last one takes its place. */
-            if (y->right < x.left) {
-                active[a] = active[--reach];
-                continue;
-            }
-            if (y->high >= x.low && y->low <= x.high && quick_pair_meets(p, x.segment, y->segment)) return 0;
-            a++;
-        }
-        active[reach++] = x;
-    }
-    return 1;
-}
-
-/* ---- The full check ---- */
-
-typedef struct simple_work {
-    uint64_t *key;
-    uint32_t *order, *active, *place; /* place: the first of the points before it that snapped to its place */
-} simple_work;
-
-static int at_one_place(const int32_t *a, const int32_t *b)
-{
-    return a[0] == b[0] && a[1] == b[1];
-}
-
-/* Runs may go over the loop's end, so each is followed back from its last point. */
-static void find_places(const bvxi_plane *p, uint32_t *place)
-{
-    for (uint32_t k = 0; k < p->contour_count; k++) {
-        const bvxi_contour *const c = &p->contour[k];
-        uint32_t const last = c->first + c->count - 1;
-
-        uint32_t start = c->first;
-        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
-        for (uint32_t i = c->first; i <= last; i++)
-            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
-        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
-    }
-}
+/* ---- Two segments ---- */
 
 static int is_between(int32_t a, int32_t b, int32_t x)
 {
@@ -141,11 +34,151 @@ int bvxi_segments_meet(const int32_t *a, const int32_t *b, const int32_t *c, con
            (bc == 0 && is_on(c, d, b));
 }
 
+int bvxi_segment_holds(const int32_t *a, const int32_t *b, const int32_t *c)
+{
+    return is_on(a, b, c) && bvxi_turn_sign(a, b, c) == 0;
+}
+
 int bvxi_folds_back(const int32_t *shared, const int32_t *a, const int32_t *b)
 {
     int64_t const dot = ((int64_t)a[0] - shared[0]) * ((int64_t)b[0] - shared[0]) +
                         ((int64_t)a[1] - shared[1]) * ((int64_t)b[1] - shared[1]);
     return bvxi_turn_sign(shared, a, b) == 0 && dot > 0;
+}
+
+/* ---- Pairs whose boxes meet ---- */
+
+/* order: of the boxes by their left sides; NULL: they are in it. active: scratch, one a box. */
+static bvx_status sweep_boxes(const bvxi_segment_box *box, const uint32_t *order, uint32_t count,
+                              uint32_t *active, bvxi_pair_fn *pair, void *user)
+{
+    uint32_t reach = 0;
+
+    for (uint32_t n = 0; n < count; n++) {
+        uint32_t const i = order == NULL ? n : order[n];
+        const bvxi_segment_box *const x = &box[i];
+        uint32_t kept = 0;
+
+        for (uint32_t a = 0; a < reach; a++) {
+            const bvxi_segment_box *const y = &box[active[a]];
+            /* It ends before this one begins, and so before all that follow. */
+            if (y->right < x->left) continue;
+            active[kept++] = active[a];
+            if (y->high >= x->low && y->low <= x->high) BVXI_TRY(pair(user, x->segment, y->segment));
+        }
+        active[kept++] = i;
+        reach = kept;
+    }
+    return BVX_OK;
+}
+
+/* No scope: what pairs take stays. */
+bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t count, bvxi_pair_fn *pair,
+                      void *user)
+{
+    static const char what[] = "the order of segments";
+    uint32_t *order, *active;
+    uint64_t *key;
+    bvx_status status;
+
+    BVXI_TRY(BVXI_ARRAY(ctx, count, what, key));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, what, order));
+    BVXI_TRY(BVXI_ARRAY(ctx, count, what, active));
+    for (uint32_t i = 0; i < count; i++) {
+        key[i] = (uint64_t)((int64_t)box[i].left - INT32_MIN);
+        order[i] = i;
+    }
+    BVXI_TRY(bvxi_radix_sort(ctx, key, order, count));
+    status = sweep_boxes(box, order, count, active, pair, user);
+    bvxi_drop(ctx, active);
+    bvxi_drop(ctx, order);
+    bvxi_drop(ctx, key);
+    return status;
+}
+
+/* ---- The quick check ---- */
+
+enum { QUICK_BUCKETS = 256, QUICK_MOST_MOVES = 16 };
+
+/* 0 when the order is so uneven that insertion would take long. */
+static int sort_boxes(const bvxi_segment_box *box, uint32_t n, bvxi_segment_box *sorted)
+{
+    uint32_t start[QUICK_BUCKETS], shift = 0;
+    int32_t low = box[0].left, high = low;
+    uint64_t moves = (uint64_t)n * QUICK_MOST_MOVES;
+
+    for (uint32_t i = 1; i < n; i++) {
+        if (box[i].left < low) low = box[i].left;
+        if (box[i].left > high) high = box[i].left;
+    }
+    while (((uint32_t)(high - low) >> shift) >= QUICK_BUCKETS) shift++;
+    memset(start, 0, sizeof start);
+    for (uint32_t i = 0; i < n; i++) start[(uint32_t)(box[i].left - low) >> shift]++;
+    bvxi_place_counts32(start, QUICK_BUCKETS);
+    for (uint32_t i = 0; i < n; i++) sorted[start[(uint32_t)(box[i].left - low) >> shift]++] = box[i];
+
+    /* Buckets are in order already; insertion orders each one, and counts what it costs. */
+    for (uint32_t i = 1; i < n; i++) {
+        bvxi_segment_box const x = sorted[i];
+        uint32_t j = i;
+        for (; j > 0 && sorted[j - 1].left > x.left; j--) sorted[j] = sorted[j - 1];
+        sorted[j] = x;
+        if (i - j > moves) return 0;
+        moves -= i - j;
+    }
+    return 1;
+}
+
+static bvx_status quick_pair(void *user, uint32_t i, uint32_t j)
+{
+    const bvxi_plane *const p = user;
+    uint32_t const in = p->next[i], jn = p->next[j];
+    int const meets = in == j   ? jn == i || bvxi_folds_back(p->q[j], p->q[i], p->q[jn])
+                      : jn == i ? bvxi_folds_back(p->q[i], p->q[in], p->q[j])
+                                : bvxi_segments_meet(p->q[i], p->q[in], p->q[j], p->q[jn]);
+    return meets ? BVX_ERR_FORMAT : BVX_OK;
+}
+
+int bvxi_plane_is_simple(bvxi_plane *p, bvxi_segment_box *sorted, bvxi_segment_box *box)
+{
+    if (p->point_count == 0) return 1;
+    for (uint32_t i = 0; i < p->point_count; i++) {
+        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
+        /* Points that snapped together are left to the full check. */
+        if (a[0] == b[0] && a[1] == b[1]) return 0;
+        box[i] = bvxi_box_segment(a, b, i);
+    }
+    /* The boxes' array is free once they are sorted. */
+    return sort_boxes(box, p->point_count, sorted) &&
+           sweep_boxes(sorted, NULL, p->point_count, (uint32_t *)(void *)box, quick_pair, p) == BVX_OK;
+}
+
+/* ---- The full check ---- */
+
+typedef struct simple_work {
+    bvxi_stack *s;
+    const bvxi_plane *p;
+    uint32_t *place; /* of each point: the first of those before it that snapped to its place */
+} simple_work;
+
+static int at_one_place(const int32_t *a, const int32_t *b)
+{
+    return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Runs may go over the loop's end, so each is followed back from its last point. */
+static void find_places(const bvxi_plane *p, uint32_t *place)
+{
+    for (uint32_t k = 0; k < p->contour_count; k++) {
+        const bvxi_contour *const c = &p->contour[k];
+        uint32_t const last = c->first + c->count - 1;
+
+        uint32_t start = c->first;
+        while (start < last && at_one_place(p->q[start], p->q[last])) start++;
+        for (uint32_t i = c->first; i <= last; i++)
+            place[i] = i > c->first && at_one_place(p->q[i], p->q[i - 1]) ? place[i - 1] : i;
+        for (uint32_t i = c->first; i < start; i++) place[i] = place[last];
+    }
 }
 
 static int pair_meets(const bvxi_plane *p, const uint32_t *place, uint32_t i, uint32_t j)
@@ -179,54 +212,29 @@ static bvx_status refuse_pair(bvxi_stack *s, const bvxi_plane *p, uint32_t i, ui
         s->given->points[3 * p->given[i] + 1], s->given->points[3 * p->given[i] + 2]);
 }
 
-static inline int32_t least(int32_t a, int32_t b)
+static bvx_status check_pair(void *user, uint32_t i, uint32_t j)
 {
-    return a < b ? a : b;
+    const simple_work *const w = user;
+    return pair_meets(w->p, w->place, i, j) ? refuse_pair(w->s, w->p, i, j) : BVX_OK;
 }
 
-static inline int32_t most(int32_t a, int32_t b)
+static bvx_status check_pairs(simple_work *w)
 {
-    return a > b ? a : b;
-}
+    const bvxi_plane *const p = w->p;
+    bvxi_segment_box *box;
+    uint32_t count = 0;
 
-static bvx_status check_pairs(bvxi_stack *s, const bvxi_plane *p, simple_work *w)
-{
-    uint32_t count = 0, reach = 0;
-
+    BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the segments of a section", box));
+    BVXI_TRY(BVXI_ARRAY(w->s->ctx, p->point_count, "the places of points", w->place));
     find_places(p, w->place);
-    for (uint32_t i = 0; i < p->point_count; i++) {
-        if (at_one_place(p->q[i], p->q[p->next[i]])) continue;
-        w->key[count] = (uint64_t)(uint32_t)least(p->q[i][0], p->q[p->next[i]][0]);
-        w->order[count++] = i;
-    }
-    BVXI_TRY(bvxi_radix_sort(s->ctx, w->key, w->order, count));
-    for (uint32_t n = 0; n < count; n++) {
-        uint32_t const i = w->order[n], in = p->next[i];
-        int32_t const left = least(p->q[i][0], p->q[in][0]);
-        int32_t const low = least(p->q[i][1], p->q[in][1]), high = most(p->q[i][1], p->q[in][1]);
-
-        uint32_t kept = 0;
-        for (uint32_t a = 0; a < reach; a++) {
-            uint32_t const j = w->active[a], jn = p->next[j];
-            if (most(p->q[j][0], p->q[jn][0]) < left) continue;
-            w->active[kept++] = j;
-            if (most(p->q[j][1], p->q[jn][1]) < low || least(p->q[j][1], p->q[jn][1]) > high) continue;
-            if (pair_meets(p, w->place, i, j)) return refuse_pair(s, p, i, j);
-        }
-        w->active[kept++] = i;
-        reach = kept;
-    }
-    return BVX_OK;
+    for (uint32_t i = 0; i < p->point_count; i++)
+        if (!at_one_place(p->q[i], p->q[p->next[i]]))
+            box[count++] = bvxi_box_segment(p->q[i], p->q[p->next[i]], i);
+    return bvxi_sweep(w->s->ctx, box, count, check_pair, w);
 }
 
 bvx_status bvxi_plane_check_simple(bvxi_stack *s, bvxi_plane *p)
 {
-    simple_work w = {NULL, NULL, NULL, NULL};
-    uint64_t const n = p->point_count, mark = bvxi_scratch_begin(s->ctx);
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the order of segments", &w.key));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the order of segments", &w.order));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the segments that reach on", &w.active));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the places of points", &w.place));
-    return bvxi_scratch_end(s->ctx, mark, check_pairs(s, p, &w));
+    simple_work w = {s, p, NULL};
+    return BVXI_SCOPE(s->ctx, check_pairs(&w));
 }

@@ -94,7 +94,7 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
                                  o->spacing, count, (int64_t)SLICE_MOST_PLANES);
         w->plane_count = count < 1.0 ? 1 : (uint64_t)count;
     }
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->plane_count * 8, "the planes", &w->position));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->plane_count, "the planes", w->position));
     for (uint64_t i = 0; i < w->plane_count; i++)
         w->position[i] = o->positions != NULL ? o->positions[i] : low + ((double)i + 0.5) * o->spacing;
     return BVX_OK;
@@ -112,7 +112,6 @@ static uint64_t planes_up_to(const slice_work *w, double height)
     return low;
 }
 
-/* Heights along the normal and their bounds; how far the mesh reaches across it. */
 static bvx_status read_heights(slice_work *w, double *low, double *high)
 {
     double across[2][2] = {{1e308, -1e308}, {1e308, -1e308}}, reach = 0.0;
@@ -124,11 +123,10 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     for (uint64_t i = 0; i < w->view->vertex_count; i++) {
         double p[3];
         bvxi_view_position(w->view, i, p);
-        w->height[i] = (w->axis[2][0] * p[0] + w->axis[2][1] * p[1]) + w->axis[2][2] * p[2];
+        w->height[i] = bvxi_along_axis(w->axis[2], p);
         for (int k = 0; k < 2; k++) {
-            double const at = (w->axis[k][0] * p[0] + w->axis[k][1] * p[1]) + w->axis[k][2] * p[2];
-            if (at < across[k][0]) across[k][0] = at;
-            if (at > across[k][1]) across[k][1] = at;
+            double const at = bvxi_along_axis(w->axis[k], p);
+            bvxi_widen(&across[k][0], &across[k][1], &at, 1);
         }
     }
     for (int k = 0; k < 2; k++)
@@ -138,11 +136,7 @@ static bvx_status read_heights(slice_work *w, double *low, double *high)
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint32_t c[3];
         bvxi_view_triangle(w->view, t, c);
-        for (int k = 0; k < 3; k++) {
-            double const h = w->height[w->weld[c[k]]];
-            if (h < *low) *low = h;
-            if (h > *high) *high = h;
-        }
+        for (int k = 0; k < 3; k++) { bvxi_widen(low, high, &w->height[w->weld[c[k]]], 1); }
     }
     return BVX_OK;
 }
@@ -162,11 +156,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 
     slice_corners(w, t, c);
     low = high = w->height[c[0]];
-    for (int k = 1; k < 3; k++) {
-        double const h = w->height[c[k]];
-        if (h < low) low = h;
-        if (h > high) high = h;
-    }
+    for (int k = 1; k < 3; k++) bvxi_widen(&low, &high, &w->height[c[k]], 1);
 
     /* Planes above its lowest corner and up to its highest; none where both counts are equal. */
     *begin = planes_up_to(w, low);
@@ -175,8 +165,7 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 
 static bvx_status list_by_plane(slice_work *w)
 {
-    BVXI_TRY(bvxi_alloc_zero(w->ctx, BVXI_SCRATCH, (w->plane_count + 1) * 8, "the triangles of planes",
-                             &w->first));
+    BVXI_TRY(BVXI_ZEROS(w->ctx, w->plane_count + 1, "the triangles of planes", w->first));
 
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
@@ -193,7 +182,7 @@ static bvx_status list_by_plane(slice_work *w)
     if (w->list_count > INT32_MAX)
         return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: planes part more than 2^31 triangles", slice_name);
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->list_count * 4, "the triangles of planes", &w->list));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->list_count, "the triangles of planes", w->list));
     /* Filled from the back, so that triangles stay in order and each start ends where it should. */
     for (uint64_t t = w->view->triangle_count; t-- > 0;) {
         uint64_t begin, end;
@@ -244,8 +233,6 @@ static uint64_t gather_pieces(slice_work *w, uint64_t plane)
     double const z = w->position[plane];
     uint64_t n = 0;
 
-    /* In the order of the triangles; a vertex on the plane
-     * counts as above it, so just two sides are passed. */
     for (uint64_t i = w->first[plane]; i < w->first[plane + 1]; i++) {
         uint32_t c[3];
         slice_corners(w, w->list[i], c);
@@ -351,10 +338,10 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
 
 static bvx_status slice_planes(slice_work *w)
 {
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->from));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 8, "the pieces of a contour", &w->to));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most * 4, "the pieces of a contour", &w->order));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->most, "the pieces of a contour", &w->used));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->from));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->to));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
     for (uint64_t i = 0; i < w->plane_count; i++) {
         uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
@@ -415,9 +402,8 @@ static bvx_status slice_all(slice_work *w, const bvx_slice_options *o, bvx_secti
     BVXI_TRY(bvxi_view_bounds(w->ctx, slice_name, w->view, bounds[0], bounds[1]));
     /* The frame before all else: it refuses a normal that is none. */
     BVXI_TRY(bvxi_section_frame(w->ctx, slice_name, o->normal, w->axis));
-    BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 4, "the vertices' numbers", &w->weld));
-    BVXI_TRY(
-        bvxi_alloc(w->ctx, BVXI_SCRATCH, w->view->vertex_count * 8, "the vertices' heights", &w->height));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->view->vertex_count, "the vertices' numbers", w->weld));
+    BVXI_TRY(BVXI_ARRAY(w->ctx, w->view->vertex_count, "the vertices' heights", w->height));
     BVXI_TRY(read_heights(w, &low, &high));
     BVXI_TRY(make_planes(w, o, low, high));
     BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.3));
@@ -436,7 +422,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
                                  const bvx_slice_options *options, bvx_sections *sections)
 {
     bvx_slice_options o;
-    slice_work w;
+    slice_work w = {.ctx = context, .view = mesh};
     bvx_status status;
 
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
@@ -444,9 +430,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_check_options(context, slice_name, &o, BVXI_OPTIONS(slice_rows)));
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
-    memset(&w, 0, sizeof w);
-    w.ctx = context;
-    w.view = mesh;
     w.label = bvxi_label_taken(o.label, 1);
     if (bvxi_vec_is_zero(o.normal)) o.normal[2] = 1.0;
     status = slice_all(&w, &o, sections);

@@ -13,29 +13,24 @@
 
 enum { LEAST_CUBIC = 5 }; /* sections */
 
-/* ---- which loops ---- */
-
-static bvx_status choose_label(bvxi_stack *s)
+bvx_status bvxi_choose_label(bvx_context *ctx, const char *function, const bvx_sections *g, int32_t *label)
 {
-    const bvx_sections *const g = s->given;
-
-    if (s->options.label != BVXI_LABEL_ONLY) {
+    if (*label != BVXI_LABEL_ONLY) {
         for (uint64_t i = 0; i < g->loop_count; i++)
-            if (g->loops[i].label == s->options.label) return BVX_OK;
-        return bvxi_fail(s->ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", s->function,
-                         (int64_t)s->options.label);
+            if (g->loops[i].label == *label) return BVX_OK;
+        return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: no loop has the label %d", function, (int64_t)*label);
     }
-    s->options.label = g->loops[0].label;
+    /* Without a label all loops must be of one body: which of several is meant cannot be guessed. */
+    *label = g->loops[0].label;
     for (uint64_t i = 1; i < g->loop_count; i++)
-        if (g->loops[i].label != s->options.label)
+        if (g->loops[i].label != *label)
             return bvxi_fail_for(
-                s->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
-                "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
-                s->function, (int64_t)s->options.label, (int64_t)g->loops[i].label);
+                ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
+                "%s: the sections hold several bodies (labels %d and %d); choose one by its label", function,
+                (int64_t)*label, (int64_t)g->loops[i].label);
     return BVX_OK;
 }
 
-/* Doubles as numbers that sort like them. */
 static uint64_t sortable(double v)
 {
     /* All bits of negative ones are turned, of others the
@@ -48,7 +43,7 @@ static uint64_t sortable(double v)
 
 /* Sections in the order of their positions, from the first to the last with
  * a loop. counts: points of each section. */
-static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *order, uint64_t *key)
+static bvx_status order_planes(bvxi_stack *s, const uint64_t *loops, uint32_t *order, uint64_t *key)
 {
     const bvx_sections *const g = s->given;
     uint32_t first, end, n = (uint32_t)g->section_count;
@@ -58,7 +53,6 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
         key[i] = sortable(g->positions[i]);
     }
     BVXI_TRY(bvxi_radix_sort(s->ctx, key, order, n));
-    /* Sections before the first loop and after the last one do not belong to the body. */
     for (first = 0; loops[order[first]] == 0; first++) {}
     for (end = n; loops[order[end - 1]] == 0; end--) {}
 
@@ -71,8 +65,7 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
                          "%s: the body has loops in only one section (index %u, at %g); it needs two, or a "
                          "thickness",
                          s->function, (uint64_t)order[first], g->positions[order[first]]);
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (end - first) * sizeof *s->plane, "the planes of a body",
-                             &s->plane));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, end - first, "the planes of a body", s->plane));
     s->plane_count = end - first;
     for (uint32_t i = 0; i < s->plane_count; i++) {
         s->plane[i].section = order[first + i];
@@ -81,81 +74,99 @@ static bvx_status order_planes(bvxi_stack *s, const uint32_t *loops, uint32_t *o
     return BVX_OK;
 }
 
-/* Half a spacing beyond the ends; of a plane alone, half the thickness. */
-static void find_reach(bvxi_stack *s)
-{
-    const bvxi_plane *const p = s->plane;
-    uint32_t const n = s->plane_count;
-
-    s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
-    s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);
-}
-
-/* ---- points of a plane ---- */
-
 static int same_place(const double *a, const double *b)
 {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* Take the points of a loop, but those equal to the one before. */
-static bvx_status take_loop(bvxi_stack *s, bvxi_plane *p, uint32_t number)
+bvx_status bvxi_plane_take_loop(bvx_context *ctx, const char *function, const bvx_sections *given,
+                                bvx_sections_report *report, bvxi_plane *p, uint64_t number)
 {
-    const bvx_section_loop *const l = &s->given->loops[number];
+    const bvx_section_loop *const l = &given->loops[number];
     bvxi_contour *const c = &p->contour[p->contour_count++];
 
     /* Of points at one place that follow each other one is enough: segments have a length. */
+    memset(c, 0, sizeof *c);
     c->first = p->point_count;
-    c->given = number;
-    c->end[0] = c->end[1] = 0.0;
+    c->given = (uint32_t)number;
     for (uint64_t i = 0; i < l->point_count; i++) {
         uint64_t const at = l->first_point + i;
         uint64_t const before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
-        if (l->point_count > 1 && same_place(s->given->points + 3 * at, s->given->points + 3 * before)) {
-            s->report.repeated_points++;
+        if (l->point_count > 1 && same_place(given->points + 3 * at, given->points + 3 * before)) {
+            report->repeated_points++;
             continue;
         }
         p->given[p->point_count++] = (uint32_t)at;
     }
     c->count = p->point_count - c->first;
-    s->report.loops++;
-    s->report.points += l->point_count;
+    report->loops++;
+    report->points += l->point_count;
+    for (uint32_t j = 0; j < c->count; j++)
+        p->next[c->first + j] = c->first + (j + 1 == c->count ? 0 : j + 1);
     if (c->count >= 3) return BVX_OK;
-    if (c->count == 0) c->count = 1; /* all are equal to the one before */
-    return bvxi_fail_for(s->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT,
-                         "%s: loop %i of section %u has %u different point%s; a loop needs three",
-                         s->function, (uint64_t)number, (uint64_t)p->section, (uint64_t)c->count,
-                         c->count == 1 ? "" : "s");
+    /* A loop of equal points kept none of them, yet has one place: the message counts that. */
+    return bvxi_fail_for(ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT,
+                         "%s: loop %i of section %u has %u different point%s; a loop needs three", function,
+                         number, (uint64_t)p->section, (uint64_t)(c->count == 0 ? 1 : c->count),
+                         c->count <= 1 ? "" : "s");
 }
 
-/* Arrays for the points and loops of all planes, of which each has a stretch. */
-static bvx_status open_planes(bvxi_stack *s, const uint64_t *points, const uint32_t *loops)
+/* The next of planes that are fields of items of so many bytes. */
+static bvxi_plane *plane_after(bvxi_plane *plane, uint64_t stride)
 {
-    bvxi_plane *const all = &s->all;
+    return (bvxi_plane *)(void *)((unsigned char *)plane + stride);
+}
+
+bvx_status bvxi_planes_open(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                            uint32_t count, const uint64_t *points, const uint64_t *loops)
+{
+    static const char what[] = "the points of sections";
+    bvxi_plane *p = plane;
     uint64_t point = 0, loop = 0;
 
-    /* One array for all planes: a plane is a stretch of it, and no plane takes memory of its own. */
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        all->point_room += points[s->plane[i].section];
-        all->contour_room += loops[s->plane[i].section];
+    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
+        all->point_room += points[p->section];
+        all->contour_room += loops[p->section];
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->ring));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
-                        "the loops of sections", &all->contour));
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        bvxi_plane *const p = &s->plane[i];
+    BVXI_TRY(BVXI_ARRAY(ctx, all->point_room, what, all->given));
+    BVXI_TRY(BVXI_ARRAY(ctx, all->point_room, what, all->q));
+    BVXI_TRY(BVXI_ARRAY(ctx, all->point_room, what, all->uv));
+    BVXI_TRY(BVXI_ARRAY(ctx, all->point_room, what, all->next));
+    BVXI_TRY(BVXI_ARRAY(ctx, all->contour_room, "the loops of sections", all->contour));
+    p = plane;
+    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
         p->given = all->given + point;
         p->q = all->q + point;
         p->uv = all->uv + point;
         p->next = all->next + point;
-        p->ring = all->ring + point;
         p->contour = all->contour + loop;
         point += points[p->section];
         loop += loops[p->section];
+    }
+    return BVX_OK;
+}
+
+bvx_status bvxi_planes_open_trees(bvx_context *ctx, bvxi_plane *all, bvxi_plane *plane, uint64_t stride,
+                                  uint32_t count)
+{
+    bvxi_plane *p = plane;
+    uint64_t group = 0, box = 0, groups, boxes;
+
+    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
+        bvxi_plane_tree_size(p->point_count, &groups, &boxes);
+        group += groups;
+        box += boxes;
+    }
+    BVXI_TRY(BVXI_ARRAY(ctx, group, "the segments of contours", all->group));
+    BVXI_TRY(BVXI_ARRAY(ctx, box, "the boxes of contours", all->box));
+    p = plane;
+    group = box = 0;
+    for (uint32_t i = 0; i < count; i++, p = plane_after(p, stride)) {
+        p->group = all->group + group;
+        p->box = all->box + box;
+        bvxi_plane_tree_size(p->point_count, &groups, &boxes);
+        group += groups;
+        box += boxes;
     }
     return BVX_OK;
 }
@@ -185,95 +196,74 @@ static bvx_status check_flatness(bvxi_stack *s)
     return BVX_OK;
 }
 
-static bvx_status gather(bvxi_stack *s, uint32_t *loops, uint64_t *points, uint32_t *plane_of, uint64_t *key)
+static bvx_status gather_planes(bvxi_stack *s)
 {
     const bvx_sections *const g = s->given;
+    uint64_t *loops, *points, *key;
+    uint32_t *plane_of;
 
-    memset(loops, 0, (size_t)g->section_count * 4);
-    memset(points, 0, (size_t)g->section_count * 8);
-
+    BVXI_TRY(BVXI_ZEROS(s->ctx, g->section_count, "the sections' loops", loops));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, g->section_count, "the sections' points", points));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, g->section_count, "the sections' order", plane_of));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, g->section_count, "the sections' positions", key));
     for (uint64_t i = 0; i < g->loop_count; i++) {
         if (g->loops[i].label != s->options.label) continue;
         loops[g->loops[i].section]++;
         points[g->loops[i].section] += g->loops[i].point_count;
     }
     BVXI_TRY(order_planes(s, loops, plane_of, key));
-    for (uint32_t i = 0; i < s->plane_count; i++) s->report.sections += loops[s->plane[i].section] != 0;
-    BVXI_TRY(open_planes(s, points, loops));
+    BVXI_TRY(bvxi_planes_open(s->ctx, &s->all, s->plane, sizeof *s->plane, s->plane_count, points, loops));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->all.point_room, "the points of sections", s->all.ring));
     /* From here the array of the order serves as a look-up. */
-    for (uint32_t i = 0; i < s->plane_count; i++) plane_of[s->plane[i].section] = i;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        bvxi_plane *const p = &s->plane[i];
+        p->ring = s->all.ring + (p->given - s->all.given);
+        s->report.sections += loops[p->section] != 0;
+        plane_of[p->section] = i;
+    }
     for (uint64_t i = 0; i < g->loop_count; i++)
         if (g->loops[i].label == s->options.label)
-            BVXI_TRY(take_loop(s, &s->plane[plane_of[g->loops[i].section]], (uint32_t)i));
+            BVXI_TRY(bvxi_plane_take_loop(s->ctx, s->function, g, &s->report,
+                                          &s->plane[plane_of[g->loops[i].section]], i));
     BVXI_TRY(BVXI_SCOPE(s->ctx, bvxi_planes_place(s)));
     return check_flatness(s);
-}
-
-static bvx_status gather_planes(bvxi_stack *s)
-{
-    uint64_t const n = s->given->section_count;
-    uint32_t *loops = NULL, *plane_of = NULL;
-    uint64_t *points = NULL, *key = NULL;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' loops", &loops));
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 4, "the sections' order", &plane_of));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' points", &points));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, n * 8, "the sections' positions", &key));
-    return gather(s, loops, points, plane_of, key);
-}
-
-/* ---- directions ---- */
-
-static uint64_t inside_bytes(const bvxi_stack *s)
-{
-    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
-}
-
-static void link_loops(bvxi_plane *p)
-{
-    for (uint32_t i = 0; i < p->contour_count; i++) {
-        const bvxi_contour *const c = &p->contour[i];
-        for (uint32_t j = 0; j < c->count; j++)
-            p->next[c->first + j] = c->first + (j + 1 == c->count ? 0 : j + 1);
-    }
-}
-
-/* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
- * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
-static void choose_blend(bvxi_stack *s)
-{
-    bvx_sections_options *const o = &s->options;
-    int const many = s->plane_count >= LEAST_CUBIC;
-
-    if (o->slabs.blend != BVX_BLEND_AUTO) return;
-    o->slabs.blend = many && o->slabs.crossings == BVX_CROSSINGS_EXACT ? BVX_BLEND_CUBIC : BVX_BLEND_LINEAR;
 }
 
 bvx_status bvxi_stack_begin(bvx_context *ctx, const char *function, const bvx_sections *given,
                             const bvx_sections_options *options, bvxi_stack *s)
 {
-    memset(s, 0, sizeof *s);
-    s->ctx = ctx;
-    s->function = function;
-    s->given = given;
-    s->options = *options;
-    s->low[0] = s->low[1] = 1e300;
-    s->high[0] = s->high[1] = -1e300;
+    const bvxi_plane *p;
+    uint32_t n;
+
+    *s = (bvxi_stack){.ctx = ctx,
+                      .function = function,
+                      .given = given,
+                      .options = *options,
+                      .low = {1e300, 1e300},
+                      .high = {-1e300, -1e300}};
     BVXI_TRY(bvxi_section_frame(ctx, function, given->normal, s->axis));
-    BVXI_TRY(choose_label(s));
+    BVXI_TRY(bvxi_choose_label(ctx, function, given, &s->options.label));
     BVXI_TRY(gather_planes(s));
-    choose_blend(s);
-    find_reach(s);
-    for (uint32_t i = 0; i < s->plane_count; i++) link_loops(&s->plane[i]);
+    p = s->plane;
+    n = s->plane_count;
+    /* Of few sections most are a first or last one, whose slope is a guess. The paper's way and marching cubes
+     * are straight. A stack that is begun again with sections put in between keeps what was chosen. */
+    if (s->options.slabs.blend == BVX_BLEND_AUTO)
+        s->options.slabs.blend = n >= LEAST_CUBIC && s->options.slabs.crossings == BVX_CROSSINGS_EXACT
+                                     ? BVX_BLEND_CUBIC
+                                     : BVX_BLEND_LINEAR;
+    /* Half a spacing beyond the ends; of a plane alone, half the thickness. */
+    s->reach[0] = 0.5 * (n > 1 ? p[1].w - p[0].w : s->options.thickness);
+    s->reach[1] = 0.5 * (n > 1 ? p[n - 1].w - p[n - 2].w : s->options.thickness);
     return bvxi_stack_grid(s);
 }
 
 bvx_status bvxi_stack_finish(bvxi_stack *s)
 {
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, s->plane_count * inside_bytes(s), "the grid points inside",
-                             &s->all.inside));
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        s->plane[i].inside = s->all.inside + i * (inside_bytes(s) / 8);
+    BVXI_TRY(
+        BVXI_ZEROS(s->ctx, s->plane_count * bvxi_grid_words(s), "the grid points inside", s->all.inside));
+    for (uint32_t i = 0; i < s->plane_count; i++) s->plane[i].inside = s->all.inside + i * bvxi_grid_words(s);
+    BVXI_TRY(bvxi_planes_open_trees(s->ctx, &s->all, s->plane, sizeof *s->plane, s->plane_count));
     return bvxi_planes_ready(s);
 }
 

@@ -42,7 +42,6 @@ bvx_status bvxi_sections_check(bvx_context *ctx, const char *function, const bvx
 {
     if (given == NULL) return bvxi_fail_null(ctx, function, "sections");
     if (given->reserved != 0) return bvxi_fail_reserved(ctx, function, "sections.");
-    /* Places that later versions may give a meaning to. */
     for (uint64_t i = 0; i < 3; i++)
         if (given->reserved2[i] != 0)
             return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RESERVED,
@@ -111,11 +110,8 @@ bvx_status bvxi_section_frame(bvx_context *ctx, const char *function, const doub
     return BVX_OK;
 }
 
-/* ---- directions ---- */
-
 #define SECTIONS_PARALLEL 1e-4 /* rad */
 
-/* 1: within so little of the first one; *against: it points the other way. */
 int bvxi_section_parallel(const double a[3], const double b[3], int *against)
 {
     /* Both made unit first, so that the sine does not depend on their lengths. */

@@ -6,7 +6,6 @@
 
 enum { STACK_LEAST_AUTO = 16, STACK_MOST_AUTO = 512, STACK_MOST_CELLS = 8192 };
 
-/* Twice the mean length of the contours' segments. */
 static double automatic_spacing(const bvxi_stack *s)
 {
     double const longer = s->high[0] - s->low[0] > s->high[1] - s->low[1] ? s->high[0] - s->low[0]
@@ -22,7 +21,6 @@ static double automatic_spacing(const bvxi_stack *s)
         count += p->point_count;
     }
     h = 2.0 * sum / count;
-    /* Bounds: neither coarser than an outline needs, nor finer than memory allows. */
     if (h > longer / STACK_LEAST_AUTO) h = longer / STACK_LEAST_AUTO;
     if (h < longer / STACK_MOST_AUTO) h = longer / STACK_MOST_AUTO;
     return h;

@@ -68,11 +68,28 @@ enum { BVXI_RESULT = 0, BVXI_SCRATCH = 1 };
  * what names the block in the message. */
 bvx_status bvxi_alloc(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
 bvx_status bvxi_alloc_zero(bvx_context *ctx, int kind, uint64_t size, const char *what, void *block);
+/* Scratch for so many items of an array; of unspecified contents, and of zeros. */
+#define BVXI_ARRAY(ctx, count, what, array) \
+    bvxi_alloc(ctx, BVXI_SCRATCH, (uint64_t)(count) * sizeof *(array), what, &(array))
+#define BVXI_ZEROS(ctx, count, what, array) \
+    bvxi_alloc_zero(ctx, BVXI_SCRATCH, (uint64_t)(count) * sizeof *(array), what, &(array))
 /* Takes back a block of bvxi_alloc with its size: a result's, which callers hold. NULL is allowed. */
 void bvxi_free(bvx_context *ctx, void *block, uint64_t size);
 /* Move a block to another size; *block changes, the contents stay as far as both sizes go. */
 bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, uint64_t new_size,
                        const char *what);
+
+/* Scratch of an array with room for more items than count: by half of what there is; for so many in all. room counts
+ * items; of is what holds ctx and function. */
+bvx_status bvxi_grow(bvx_context *ctx, const char *function, void *block, uint64_t *room, uint64_t item,
+                     const char *what);
+#define BVXI_GROW_BY(of, array, count, room, item, what) \
+    ((count) < (room) ? BVX_OK : bvxi_grow((of)->ctx, (of)->function, &(array), &(room), item, what))
+#define BVXI_GROW(of, array, count, room, what) BVXI_GROW_BY(of, array, count, room, sizeof *(array), what)
+bvx_status bvxi_reserve(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                        const char *what);
+#define BVXI_RESERVE(of, array, count, room, what) \
+    bvxi_reserve((of)->ctx, &(array), count, &(room), sizeof *(array), what)
 
 /* ---- memory.c: scratch ---- */
 

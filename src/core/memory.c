@@ -360,6 +360,26 @@ bvx_status bvxi_resize(bvx_context *ctx, int kind, void *block, uint64_t size, u
     return BVX_OK;
 }
 
+bvx_status bvxi_grow(bvx_context *ctx, const char *function, void *block, uint64_t *room, uint64_t item,
+                     const char *what)
+{
+    uint64_t const larger = *room < 64 ? 64 : *room + *room / 2;
+
+    if (larger >= UINT32_MAX)
+        return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: more than 2^32 of %s", function,
+                             what);
+    return bvxi_reserve(ctx, block, larger, room, item, what);
+}
+
+bvx_status bvxi_reserve(bvx_context *ctx, void *block, uint64_t count, uint64_t *room, uint64_t item,
+                        const char *what)
+{
+    if (count <= *room) return BVX_OK;
+    BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, block, *room * item, count * item, what));
+    *room = count;
+    return BVX_OK;
+}
+
 uint64_t bvxi_memory_limit(const bvx_context *ctx)
 {
     return ctx->memory_limit;

@@ -6,10 +6,7 @@
 
 /* ---- Progress ---- */
 
-/* One fraction for a whole public call, which rises from 0 to 1, made of what its works report
- * of themselves.
- *
- * Works report fractions of their own, from 0 to 1, and know nothing of each other. The context holds the
+/* Works report fractions of their own, from 0 to 1, and know nothing of each other. The context holds the
  * share of the call that the present work has, as a stack: a call made of several works gives each its share,
  * which may be shared again. Whatever is reported is kept from falling, so a work without a share of its own,
  * or one that begins anew, costs only evenness. Public functions called by others change nothing but the

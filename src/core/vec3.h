@@ -7,8 +7,6 @@
 
 /* ---- Three coordinates in doubles ---- */
 
-/* The order of operations is part of what results depend on: from x to z. */
-
 static inline double bvxi_vec_dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -8,9 +8,6 @@
 
 /* ---- A field as an array with a number, or three, for every centre ---- */
 
-/* Rows are written by themselves, so threads do not show. Where the band has no value the field's own
- * half-width stands, which is a lower bound of the distance; dense.c gives upper bounds instead. */
-
 enum { DENSE_GRAIN = 1 << 15 /* centres of the smallest task */ };
 
 #define DENSE_TIME 10.0 /* a centre where the array's memory is new; reports go by it [Units: nanoseconds] */

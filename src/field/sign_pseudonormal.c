@@ -106,8 +106,8 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_m
     return BVX_OK;
 }
 
-bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
-                          bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside)
+static bvx_status sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
+                            bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside)
 {
     uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
     side_job job;
@@ -159,7 +159,7 @@ bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvx
     BVXI_TRY(bvxi_view_bounds(call.ctx, call.function, mesh, low, high));
     rule.mesh = mesh;
     rule.scale = bvxi_unit_scale(low, high);
-    return bvxi_sign_side(call, mesh, band, outwards_of_facet, &rule, inside);
+    return sign_side(call, mesh, band, outwards_of_facet, &rule, inside);
 }
 
 /* ---- Inside by the angle-weighted normal of the closest feature ---- */
@@ -333,7 +333,7 @@ bvx_status bvxi_sign_pseudonormal(bvxi_call call, const bvx_mesh_view *mesh, con
     BVXI_TRY(
         BVXI_SHARE(call.ctx, call.from, middle,
                    bvxi_for(call.ctx, call.stage, mesh->vertex_count, PSEUDO_GRAIN, sum_at_vertices, &rule)));
-    return bvxi_scratch_end(call.ctx, mark,
-                            bvxi_sign_side(bvxi_call_part(call, middle, call.to), mesh, band,
-                                           outwards_of_feature, &rule, inside));
+    return bvxi_scratch_end(
+        call.ctx, mark,
+        sign_side(bvxi_call_part(call, middle, call.to), mesh, band, outwards_of_feature, &rule, inside));
 }

@@ -16,8 +16,6 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
  * outwards gives the direction, of any length, that is outwards at a feature;
  * called from workers. inside's words are written: outside the band all are 0. */
 typedef void bvxi_outwards_fn(const void *rule, uint32_t triangle, int32_t feature, double outwards[3]);
-bvx_status bvxi_sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,
-                          bvxi_outwards_fn *outwards, const void *rule, bvx_grid *inside);
 
 /* The same file: the band by these rules. */
 bvx_status bvxi_sign_normal(bvxi_call call, const bvx_mesh_view *mesh, const bvxi_sparse *band,

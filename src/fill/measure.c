@@ -1,13 +1,13 @@
 /* measure.c - volume, centre of mass and inertia of the body that a mesh encloses: bvx_measure.
  *
- * BVX_FILL_AUTO decides what is inside, and shows how far triangles can be trusted. Closed shells that face one
- * way, as given or once flipped triangles have been turned, are summed over: each triangle and the bounds'
- * centre are a tetrahedron, whose moments are polynomials of its corners. Of all others voxels are counted,
- * and their places summed in integers.
+ * BVX_FILL_AUTO decides what is inside, and shows how far triangles can be trusted. Closed shells that cross
+ * nothing and face one way, as given or once flipped triangles have been turned, are summed over: each triangle
+ * and the bounds' centre are a tetrahedron, whose moments are polynomials of its corners. Of all others voxels
+ * are counted, and their places summed in integers.
  *
- * Guarantee: sums are compensated, in pieces of the mesh's shape only. Their bound is that of rounding and, where
- * triangles meet only once they are snapped, of moving each corner by a snap. A voxel that the surface does
- * not touch, and whose neighbors are as it is, lies on one side as a whole: all others bound what is counted.
+ * Guarantee: sums are compensated, in pieces of the mesh's shape only, and bounded by their rounding. A voxel
+ * that the surface does not touch, and whose neighbors are as it is, lies on one side as a whole: all others
+ * bound what is counted.
  * Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 (what is integrated). */
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
@@ -17,9 +17,9 @@
 
 #include <math.h>
 
-static const char measure_name[] = "bvx_measure";
+static const char mass_name[] = "bvx_measure";
 
-enum { MEASURE_GRAIN = 4096, MEASURE_RESOLUTION = 128, MEASURE_MOST = 2048 };
+enum { MASS_GRAIN = 4096, MEASURE_RESOLUTION = 128, MEASURE_MOST = 2048 };
 
 #define MEASURE_ROUNDING 0x1p-46 /* of all products, in sums that are compensated */
 
@@ -29,7 +29,7 @@ static const int32_t moment_axes[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}
 
 typedef struct triangle_sums {
     double sum[MOMENTS], lost[MOMENTS]; /* compensated, about the centre of the bounds */
-    double area, spread, around;        /* areas; products of two sides; sides */
+    double area, spread;                /* areas; products of two sides */
 } triangle_sums;
 
 typedef struct measure_work {
@@ -37,9 +37,9 @@ typedef struct measure_work {
     bvx_measure_options options;
     double low[3], high[3];
     double scale, centre[3], radius; /* to a size of about 1, and of the bounds there */
-    double snap;                     /* how far a corner is moved to the lattice, scaled */
     const bvx_mesh_view *view;       /* what is summed over */
     triangle_sums *pieces;
+    int certain;                   /* what is summed is the body, but for rounding */
     int summed;                    /* the rest is known, of shells that are closed or have been closed */
     double moment[MOMENTS], error; /* the error is that of the volume */
 } measure_work;
@@ -69,7 +69,6 @@ static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sum
 
     s->area += bvxi_facet_normal((const double(*)[3])p, n) * 0.5;
     s->spread += u * v;
-    s->around += u + v + side_length(p[1], p[2]);
     for (int a = 0; a < 3; a++) {
         for (int k = 0; k < 3; k++) p[k][a] -= centre[a];
         sum[a] = p[0][a] + p[1][a] + p[2][a];
@@ -89,7 +88,7 @@ static void add_tetrahedron(const double centre[3], double p[3][3], triangle_sum
 static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
 {
     const measure_work *const w = user;
-    triangle_sums s = {{0}, {0}, 0, 0, 0};
+    triangle_sums s = {{0}, {0}, 0, 0};
 
     for (uint64_t t = begin; t < end; t++) {
         double p[3][3];
@@ -102,10 +101,10 @@ static void sum_piece(void *user, int32_t piece, uint64_t begin, uint64_t end)
     w->pieces[piece] = s;
 }
 
-static bvx_status sum_triangles(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
-                                triangle_sums *all)
+static bvx_status sum_moments(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
+                              triangle_sums *all)
 {
-    int32_t const pieces = bvxi_piece_count(view->triangle_count, MEASURE_GRAIN);
+    int32_t const pieces = bvxi_piece_count(view->triangle_count, MASS_GRAIN);
     uint64_t const bytes = (uint64_t)pieces * sizeof *w->pieces;
 
     w->view = view;
@@ -122,7 +121,6 @@ static bvx_status sum_triangles(bvx_context *ctx, measure_work *w, const bvx_mes
         }
         all->area += s->area;
         all->spread += s->spread;
-        all->around += s->around;
     }
     bvxi_drop(ctx, w->pieces);
     return BVX_OK;
@@ -136,33 +134,45 @@ static bvx_status sum_sheet(bvx_context *ctx, measure_work *w, const bvx_mesh_vi
     bvxi_holes holes = {0};
     uint32_t *corner;
 
-    BVXI_TRY(bvxi_holes_open_rule(ctx, measure_name, view, lattice, BVX_FILL_WINDING, &holes));
+    BVXI_TRY(bvxi_holes_open_rule(ctx, mass_name, view, lattice, BVX_FILL_WINDING, &holes));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, holes.points * 12, "the sheet's corners", &corner));
     sheet.triangle_count = bvxi_sheet_triangles(&holes, corner);
     for (uint64_t i = 0; i < 3 * sheet.triangle_count; i++) corner[i] = holes.vertex[corner[i]];
     sheet.indices = corner;
     sheet.index_type = BVX_U32;
     sheet.index_stride = 0;
-    if (sheet.triangle_count != 0) BVXI_TRY(sum_triangles(ctx, w, &sheet, all));
+    if (sheet.triangle_count != 0) BVXI_TRY(sum_moments(ctx, w, &sheet, all));
     bvxi_drop(ctx, corner);
     bvxi_holes_close(ctx, &holes);
     return BVX_OK;
 }
 
-/* Of shells that are closed, by the sheet of a lattice if it is given, or are so once their corners are
- * snapped. */
+/* A surface that crosses itself nowhere has one side in and one out. Of several, rows of centres have seen
+ * whether some lie in others: enough of them see all that matters. */
+static bvx_status find_doubts(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view)
+{
+    uint64_t crossings = 0;
+    bvx_certificate c;
+
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, bvx_mesh_check(ctx, view, 1, &c)));
+    if (c.closed && c.oriented)
+        BVXI_TRY(BVXI_SHARE(ctx, 0.3, 1.0, bvx_mesh_crossings(ctx, view, &crossings, NULL, 0)));
+    w->certain = c.closed && c.oriented && crossings == 0 &&
+                 (c.components <= 1 || w->options.resolution >= MEASURE_RESOLUTION);
+    return BVX_OK;
+}
+
+/* Of shells that are closed, by the sheet of a lattice if it is given. */
 static bvx_status sum_shells(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view,
                              const bvx_lattice *lattice)
 {
-    triangle_sums s, sheet = {{0}, {0}, 0, 0, 0};
-    bvx_certificate c = {0};
+    triangle_sums s, sheet = {{0}, {0}, 0, 0};
 
-    BVXI_TRY(sum_triangles(ctx, w, view, &s));
+    BVXI_TRY(sum_moments(ctx, w, view, &s));
     if (lattice != NULL) BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, sum_sheet(ctx, w, view, lattice, &sheet)));
-    else BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvx_mesh_check(ctx, view, 1, &c)));
+    else BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, find_doubts(ctx, w, view)));
     w->summed = 1;
     w->error = MEASURE_ROUNDING * s.spread * w->radius;
-    if (!c.closed || !c.oriented) w->error += s.around * w->radius * w->snap;
     for (int k = 0; k < MOMENTS; k++) w->moment[k] = s.sum[k] + s.lost[k] - (sheet.sum[k] + sheet.lost[k]);
 
     /* What faces inwards is the same body. What encloses nothing has no moments. */
@@ -379,14 +389,13 @@ static bvx_status open_voxels(bvx_context *ctx, const bvx_mesh_view *mesh, measu
 
     for (int a = 0; a < 3; a++) fit.axis_resolution[a] = w->options.resolution;
     BVXI_TRY(bvx_lattice_fit_with(ctx, mesh, &fit, &l));
-    for (int a = 0; a < 3; a++) w->snap += l.spacing[a] * w->scale / (double)(1 << l.fraction_bits);
     solid->word_capacity = bvx_grid_bound(&l, NULL);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, solid->word_capacity * 8, "the measured voxels", &solid->words));
     memcpy(whole.size, l.dims, sizeof whole.size);
-    return bvxi_grid_open(ctx, measure_name, &l, &whole, solid);
+    return bvxi_grid_open(ctx, mass_name, &l, &whole, solid);
 }
 
-static bvx_status measure_body(bvx_context *ctx, const bvx_mesh_view *mesh, measure_work *w,
+static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, measure_work *w,
                                bvx_measure_report *r)
 {
     bvx_grid solid = {0}, shell;
@@ -395,28 +404,30 @@ static bvx_status measure_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
     uint64_t inside = 0;
 
     BVXI_TRY(open_voxels(ctx, mesh, w, &solid));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, sum_triangles(ctx, w, mesh, &surface)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, sum_moments(ctx, w, mesh, &surface)));
     r->area = surface.area / w->scale / w->scale;
     BVXI_TRY(
-        BVXI_SHARE(ctx, 0.1, 0.6, bvxi_fill_auto(ctx, measure_name, mesh, fill_and_sum, &solid, &w->solid)));
+        BVXI_SHARE(ctx, 0.1, 0.6, bvxi_fill_auto(ctx, mass_name, mesh, fill_and_sum, &solid, &w->solid)));
     r->fill = w->solid.fill;
     r->fill_reason = w->solid.fill_reason;
     r->turned = w->solid.turned;
 
-    if (w->solid.fill_reason == BVX_FILL_REASON_SOUND) {
-        if (!w->summed) BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, sum_shells(ctx, w, mesh, NULL)));
+    if (w->solid.fill_reason == BVX_FILL_REASON_SOUND && !w->summed)
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, sum_shells(ctx, w, mesh, NULL)));
+    if (w->solid.fill_reason == BVX_FILL_REASON_SOUND && w->certain) {
         report_shells(w, r);
         return BVX_OK;
     }
-    BVXI_TRY(BVXI_SHARE(ctx, 0.6, 1.0, bvxi_shell_open(ctx, mesh, &solid, &shell)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.8, 1.0, bvxi_shell_open(ctx, mesh, &solid, &shell)));
     sum_voxels(&solid, &shell, &body, &edge, &inside);
     r->resolution = w->options.resolution;
     report_voxels(w, &solid.lattice, &body, &edge, inside, r);
-    if (w->solid.fill_reason == BVX_FILL_REASON_OPEN) report_closed(w, r);
+    if (w->solid.fill_reason == BVX_FILL_REASON_SOUND || w->solid.fill_reason == BVX_FILL_REASON_OPEN)
+        report_closed(w, r);
     return BVX_OK;
 }
 
-static const bvxi_option measure_rows[] = {
+static const bvxi_option mass_rows[] = {
     BVXI_OR(bvx_measure_options, density, ABOVE, 1.0, 0.0, BVXI_FINITE),
     BVXI_OR(bvx_measure_options, resolution, WHOLE, MEASURE_RESOLUTION, 1, MEASURE_MOST),
     BVXI_RESERVED(bvx_measure_options, reserved),
@@ -428,12 +439,12 @@ static bvx_status run_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const
     bvx_measure_report r = {0};
     measure_work w = {.scale = 1.0};
 
-    if (report == NULL) return bvxi_fail_null(ctx, measure_name, "report");
+    if (report == NULL) return bvxi_fail_null(ctx, mass_name, "report");
     memset(report, 0, sizeof *report);
-    BVXI_TRY(bvxi_take_options(ctx, measure_name, options, &w.options, sizeof w.options));
-    BVXI_TRY(bvxi_check_options(ctx, measure_name, &w.options, BVXI_OPTIONS(measure_rows)));
-    BVXI_TRY(bvxi_view_check(ctx, measure_name, mesh));
-    BVXI_TRY(bvxi_view_bounds(ctx, measure_name, mesh, w.low, w.high));
+    BVXI_TRY(bvxi_take_options(ctx, mass_name, options, &w.options, sizeof w.options));
+    BVXI_TRY(bvxi_check_options(ctx, mass_name, &w.options, BVXI_OPTIONS(mass_rows)));
+    BVXI_TRY(bvxi_view_check(ctx, mass_name, mesh));
+    BVXI_TRY(bvxi_view_bounds(ctx, mass_name, mesh, w.low, w.high));
 
     /* Scaled, products neither overflow nor vanish. A power of two: nothing is rounded. */
     w.scale = bvxi_unit_scale(w.low, w.high);
@@ -444,7 +455,7 @@ static bvx_status run_measure(bvx_context *ctx, const bvx_mesh_view *mesh, const
         w.radius += (0.5 * high - 0.5 * low) * (0.5 * high - 0.5 * low);
     }
     w.radius = sqrt(w.radius);
-    BVXI_TRY(BVXI_SCOPE(ctx, measure_body(ctx, mesh, &w, &r)));
+    BVXI_TRY(BVXI_SCOPE(ctx, mass_of_body(ctx, mesh, &w, &r)));
     *report = r;
     return BVX_OK;
 }

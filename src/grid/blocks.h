@@ -40,10 +40,6 @@ typedef struct bvxi_blocks {
     int32_t plane_count, workers; /* digits of a whole block's count */
 } bvxi_blocks;
 
-/* Check, lay out lattice, window and tables. */
-bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                            const int32_t factor[3], int32_t what, bvxi_blocks *blocks);
-
 /* The planes of row (j, k) of blocks, count_words words each, one after
  * the other; *digits is how many, 0 when all counts are 0. */
 const uint64_t *bvxi_blocks_row(const bvxi_blocks *blocks, int32_t worker, int32_t j, int32_t k,

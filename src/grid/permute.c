@@ -96,10 +96,6 @@ bvx_status bvxi_turn_back(bvx_context *ctx, const bvx_grid *turned, int32_t axis
 
 /* ---- Axes of a grid changed and mirrored ---- */
 
-/* Where x stays x, rows are copied, or turned over a word at a time. Where x goes elsewhere, 64 rows and one
- * word are a square of 64 x 64 bits that is turned over its diagonal (bits/bits.h); each word of the
- * result is written by one square. */
-
 enum { PERMUTE_GRAIN = 4096 /* least words a piece */ };
 
 typedef struct permute_job {

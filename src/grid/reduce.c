@@ -60,8 +60,9 @@ static bvx_status lay_planes(bvx_context *ctx, const char *function, bvxi_blocks
     return bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the blocks' planes", &b->planes);
 }
 
-bvx_status bvxi_blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
-                            const int32_t factor[3], int32_t what, bvxi_blocks *b)
+/* Check, lay out lattice, window and tables. */
+static bvx_status blocks_open(bvx_context *ctx, const char *function, const bvx_grid *grid,
+                              const int32_t factor[3], int32_t what, bvxi_blocks *b)
 {
     double spacing[3];
     int32_t dims[3];
@@ -217,7 +218,7 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
     job.rule = rule;
 
     /* After the check of the rule, as it is the index of the table. */
-    BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, what[rule], &job.blocks));
+    BVXI_TRY(blocks_open(context, function, grid, factor, what[rule], &job.blocks));
     BVXI_TRY(reduce_grid(context, function, &job, result));
     return BVX_OK;
 }
@@ -285,7 +286,7 @@ static bvx_status run_grid_coverage(bvx_context *context, const bvx_grid *grid, 
     if (count == NULL) return bvxi_fail_null(context, function, "count");
     /* The count is there after a failure too, 0 unless it is known. */
     *count = 0;
-    BVXI_TRY(bvxi_blocks_open(context, function, grid, factor, BVXI_BLOCKS_COUNT, &job.blocks));
+    BVXI_TRY(blocks_open(context, function, grid, factor, BVXI_BLOCKS_COUNT, &job.blocks));
     *count = block_rows(&job.blocks) * (uint64_t)job.blocks.window.size[0];
     job.counts = counts;
     job.pieces = block_pieces(&job.blocks);

@@ -2,16 +2,28 @@
  * format that a call does not have. */
 #include "io/formats.h"
 
-/* 1 when the n characters at text are ending, in either case of letters. */
+int32_t bvxi_word_is(const char *text, size_t n, const char *names)
+{
+    const char *const end = names + bvxi_text_length(names);
+
+    for (int32_t which = 1;; which++) {
+        const char *const stop = bvxi_find_byte(names, end, '|');
+        size_t i = 0;
+
+        while (i < n && names + i < stop &&
+               (text[i] >= 'A' && text[i] <= 'Z' ? (char)(text[i] - 'A' + 'a') : text[i]) == names[i])
+            i++;
+        if (i == n && names + i == stop) return which;
+        if (stop == end) return 0;
+        names = stop + 1;
+    }
+}
+
 static int name_ends_with(const char *text, size_t n, const char *ending)
 {
     size_t const k = bvxi_text_length(ending);
-    if (n < k) return 0;
-    for (size_t i = 0; i < k; i++) {
-        char const c = text[n - k + i];
-        if ((c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c) != ending[i]) return 0;
-    }
-    return 1;
+
+    return n >= k && bvxi_word_is(text + n - k, k, ending);
 }
 
 int32_t bvx_format_of_name(const char *name)

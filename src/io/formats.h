@@ -55,6 +55,10 @@ static inline int bvxi_is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
+/* Which of some names parted by '|', in lower case, the n characters are, in either case of letters: from 1 on;
+ * 0: none. */
+int32_t bvxi_word_is(const char *text, size_t n, const char *names);
+
 static inline int bvxi_is_space(char c)
 {
     return c == ' ' || (c >= '\t' && c <= '\r');

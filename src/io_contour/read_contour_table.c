@@ -6,6 +6,7 @@
  * are known by what stands in their columns, so they may be numbers or names. A line without a loop and a
  * point states its section, which may have no loop at all: there is no body there. */
 #include "core/key_tree.h"
+#include "io/formats.h"
 #include "io_contour/contour_text.h"
 
 #include "mesh/mesh.h"
@@ -46,11 +47,6 @@ typedef struct table_reader {
     int planes;             /* each has a normal of its own, and points have a z */
 } table_reader;
 
-static const char *table_line_end(const bvxi_contour_file *f, const char *p)
-{
-    return bvxi_find_byte(p, f->end, '\n');
-}
-
 /* Without space and quotes around it. */
 static table_word trim_word(const char *p, const char *end)
 {
@@ -60,17 +56,6 @@ static table_word trim_word(const char *p, const char *end)
     w.at = p;
     w.size = (size_t)(end - p);
     return w;
-}
-
-static int word_is(table_word w, const char *name)
-{
-    size_t const n = bvxi_text_length(name);
-    if (w.size != n) return 0;
-    for (size_t i = 0; i < n; i++) {
-        char const c = w.at[i];
-        if ((c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c) != name[i]) return 0;
-    }
-    return 1;
 }
 
 static int same_word(table_word a, table_word b)
@@ -100,7 +85,7 @@ static bvx_status read_table_head(table_reader *r, const char *p, const char *en
         const char *const stop = bvxi_find_byte(p, end, r->between);
         table_word const w = trim_word(p, stop);
         for (int i = 0; i < TABLE_COLUMNS; i++) {
-            if (!word_is(w, name[i])) continue;
+            if (!bvxi_word_is(w.at, w.size, name[i])) continue;
 
             /* Which of two columns was meant cannot be known. */
             if (r->column[i] >= 0)
@@ -353,7 +338,7 @@ static bvx_status read_table_lines(table_reader *r)
     uint64_t lines = 0;
 
     while (f->p < f->end) {
-        const char *const end = table_line_end(f, f->p);
+        const char *const end = bvxi_find_byte(f->p, f->end, '\n');
         table_word const all = trim_word(f->p, end);
         r->line = f->p;
         if (all.size != 0 && *all.at != '#') {

@@ -98,9 +98,6 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
 
 /* ---- Read ---- */
 
-/* Samples of a file, however it holds them, to a grid: every number other than 0 is a
- * voxel. */
-
 enum { TEXT_ASK_BYTES = 1 << 20 };
 
 bvx_status bvxi_fail_short_array(const bvxi_source *source, const char *array, uint64_t size, const char *at)

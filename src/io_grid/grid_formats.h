@@ -109,8 +109,6 @@ bvx_status bvxi_take_sample(const bvxi_source *source, const int32_t dims[3], ui
  * that is wanted. Rows of bytes in x order are packed eight at a time; runs in parallel over slices. */
 bvx_status bvxi_pack_samples(bvx_context *ctx, const bvxi_samples *samples, const bvx_window *part,
                              bvx_grid *grid);
-/* One row of voxels as bytes 0 and 1. */
-void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes);
 /* All rows of the grid, one after the other; runs in parallel. */
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes);
 

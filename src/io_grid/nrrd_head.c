@@ -1,9 +1,341 @@
 /* nrrd_head.c - the header of an NRRD file: its lines up to the blank line or the list of data files, what
  * its fields mean, and the names of detached data files.
  *
- * Source: Kindlmann. Definition of NRRD File Format. Guarantee: a header that was read has all fields that
+ * Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html). Guarantee: a header that was read has all fields that
  * its samples need. */
 #include "io_grid/nrrd_head.h"
+
+/* ---- The fields of an NRRD head and what stands after their colons ---- */
+
+/* NRRD0001 to NRRD0005. Names and words in either case of letters, as the reference library takes them. Guarantee: fields
+ * that are not the format's, and fields that come twice, are refused, since one misspelt would move the grid;
+ * what a grid cannot be is refused by name. */
+
+typedef bvx_status nrrd_field_fn(nrrd_head *h, nrrd_value *v);
+
+static void nrrd_skip_blank(nrrd_value *v)
+{
+    while (v->p < v->end && bvxi_is_blank(*v->p)) v->p++;
+}
+
+static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *v, const char *what)
+{
+    return bvxi_fail_expected(&h->source, v->p, what);
+}
+
+bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why)
+{
+    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s",
+                         bvxi_source_line(&h->source, at), why);
+}
+
+static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
+{
+    return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, v->p, why);
+}
+
+static bvx_status nrrd_take_end(const nrrd_head *h, nrrd_value *v)
+{
+    nrrd_skip_blank(v);
+    return v->p == v->end ? BVX_OK : nrrd_expected(h, v, "the end of the line");
+}
+
+static bvx_status nrrd_take_double(const nrrd_head *h, nrrd_value *v, double *value)
+{
+    nrrd_skip_blank(v);
+    size_t const n = bvxi_parse_double(v->p, v->end, value);
+    if (n == 0 || (v->p + n < v->end && !bvxi_is_blank(v->p[n]) && v->p[n] != ',' && v->p[n] != ')'))
+        return nrrd_expected(h, v, "a number");
+    v->p += n;
+    return BVX_OK;
+}
+
+static bvx_status nrrd_take_whole(const nrrd_head *h, nrrd_value *v, int64_t *value)
+{
+    int64_t n = 0;
+
+    nrrd_skip_blank(v);
+    const char *const start = v->p;
+    int const negative = v->p < v->end && *v->p == '-';
+    const char *p = v->p + negative;
+    const char *const digits = p;
+    /* Digits are taken by hand: a point or an exponent would make no whole number. */
+    for (; p < v->end && *p >= '0' && *p <= '9'; p++)
+        if (n < INT64_MAX / 16) n = n * 10 + (*p - '0'); /* too many digits stay too large */
+    if (p == digits || (p < v->end && !bvxi_is_blank(*p))) {
+        v->p = start;
+        return nrrd_expected(h, v, "a whole number");
+    }
+    v->p = p;
+    *value = negative ? -n : n;
+    return BVX_OK;
+}
+
+static bvx_status nrrd_take_three(const nrrd_head *h, nrrd_value *v, double values[3])
+{
+    for (int a = 0; a < 3; a++) BVXI_TRY(nrrd_take_double(h, v, &values[a]));
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vector[3])
+{
+    for (int a = 0; a < 3; a++) {
+        nrrd_skip_blank(v);
+        if (v->p == v->end || *v->p != (a == 0 ? '(' : ','))
+            return nrrd_expected(h, v, "a vector of three: (x,y,z)");
+        v->p++;
+        BVXI_TRY(nrrd_take_double(h, v, &vector[a]));
+    }
+    nrrd_skip_blank(v);
+    if (v->p == v->end || *v->p != ')') return nrrd_expected(h, v, "')' after three numbers");
+    v->p++;
+    return BVX_OK;
+}
+
+static bvx_status nrrd_field_ignored(nrrd_head *h, nrrd_value *v)
+{
+    (void)h;
+    v->p = v->end;
+    return BVX_OK;
+}
+
+static bvx_status nrrd_field_dimension(nrrd_head *h, nrrd_value *v)
+{
+    nrrd_value const start = *v;
+    int64_t n;
+    BVXI_TRY(nrrd_take_whole(h, v, &n));
+    if (n != 3) return nrrd_unsupported(h, &start, "the dimension is not 3; a grid has three axes [x,y,z]");
+    h->has_dimension = 1;
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_space_dimension(nrrd_head *h, nrrd_value *v)
+{
+    nrrd_value const start = *v;
+    int64_t n;
+    BVXI_TRY(nrrd_take_whole(h, v, &n));
+    if (n != 3) return nrrd_unsupported(h, &start, "the space dimension is not 3");
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
+{
+    static const struct {
+        int32_t kind;
+        const char *names;
+    } known[] = {{BVX_SAMPLE_I8, "signed char|int8|int8_t"},
+                 {BVX_SAMPLE_U8, "uchar|unsigned char|uint8|uint8_t"},
+                 {BVX_SAMPLE_I16, "short|short int|signed short|signed short int|int16|int16_t"},
+                 {BVX_SAMPLE_U16, "ushort|unsigned short|unsigned short int|uint16|uint16_t"},
+                 {BVX_SAMPLE_I32, "int|signed int|int32|int32_t"},
+                 {BVX_SAMPLE_U32, "uint|unsigned int|uint32|uint32_t"},
+                 {BVX_SAMPLE_I64,
+                  "longlong|long long|long long int|signed long long|signed long long int|int64|int64_t"},
+                 {BVX_SAMPLE_U64, "ulonglong|unsigned long long|unsigned long long int|uint64|uint64_t"},
+                 {BVX_SAMPLE_F32, "float"},
+                 {BVX_SAMPLE_F64, "double"}};
+    size_t const n = (size_t)(v->end - v->p);
+
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (bvxi_word_is(v->p, n, known[i].names)) h->kind = known[i].kind;
+    if (bvxi_word_is(v->p, n, "block")) return nrrd_unsupported(h, v, "samples of type block");
+    return h->kind != 0 ? BVX_OK : nrrd_expected(h, v, "a type of samples (uint8, int16, float, ...)");
+}
+
+static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
+{
+    size_t const n = (size_t)(v->end - v->p);
+
+    h->encoding = bvxi_word_is(v->p, n, "raw")              ? NRRD_RAW
+                  : bvxi_word_is(v->p, n, "txt|text|ascii") ? NRRD_TEXT
+                  : bvxi_word_is(v->p, n, "gzip|gz")        ? NRRD_GZIP
+                                                            : NRRD_NONE;
+    h->encoding_at = v->p;
+    if (h->encoding != NRRD_NONE) return BVX_OK;
+    if (bvxi_word_is(v->p, n, "bzip2|bz2|zrl|hex"))
+        return nrrd_unsupported(
+            h, v, "compressed or hex samples; save them with encoding raw (unu save -f nrrd -e raw)");
+    return nrrd_expected(h, v, "an encoding (raw, ascii)");
+}
+
+static bvx_status nrrd_field_endian(nrrd_head *h, nrrd_value *v)
+{
+    size_t const n = (size_t)(v->end - v->p);
+    h->big = bvxi_word_is(v->p, n, "big");
+    h->has_endian = 1;
+    return h->big || bvxi_word_is(v->p, n, "little") ? BVX_OK : nrrd_expected(h, v, "little or big");
+}
+
+static bvx_status nrrd_field_sizes(nrrd_head *h, nrrd_value *v)
+{
+    for (int a = 0; a < 3; a++) {
+        int64_t n;
+        nrrd_skip_blank(v);
+        nrrd_value const start = *v;
+        BVXI_TRY(nrrd_take_whole(h, v, &n));
+        if (n < 1) return nrrd_expected(h, &start, "a size of 1 or more");
+        h->sizes[a] = (uint64_t)n;
+    }
+    h->has_sizes = 1;
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_spacings(nrrd_head *h, nrrd_value *v)
+{
+    h->has |= NRRD_HAS_SPACING;
+    return nrrd_take_three(h, v, h->spacing);
+}
+
+static bvx_status nrrd_field_mins(nrrd_head *h, nrrd_value *v)
+{
+    h->has |= NRRD_HAS_MIN;
+    return nrrd_take_three(h, v, h->min);
+}
+
+static bvx_status nrrd_field_maxs(nrrd_head *h, nrrd_value *v)
+{
+    h->has |= NRRD_HAS_MAX;
+    return nrrd_take_three(h, v, h->max);
+}
+
+static bvx_status nrrd_field_origin(nrrd_head *h, nrrd_value *v)
+{
+    h->has |= NRRD_HAS_ORIGIN;
+    BVXI_TRY(nrrd_take_vector(h, v, h->origin));
+    return nrrd_take_end(h, v);
+}
+
+/* Axis-aligned up to 1e-9 of a voxel a voxel (what turning there and back
+ * leaves): 1/30 over the longest possible row. */
+static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
+{
+    h->has |= NRRD_HAS_DIRECTION;
+    for (int a = 0; a < 3; a++) {
+        double d[3];
+        nrrd_skip_blank(v);
+        nrrd_value const start = *v;
+        /* 'none' marks an axis of colours or vectors. */
+        if (v->p < v->end && (*v->p == 'n' || *v->p == 'N'))
+            return nrrd_unsupported(h, &start,
+                                    "an axis has no space direction; a grid's three axes lie in space");
+        BVXI_TRY(nrrd_take_vector(h, v, d));
+        h->direction[a] = d[a];
+        /* Only its own component may differ from 0, and it must be above 0: no turn, no mirror. */
+        for (int b = 0; b < 3; b++)
+            if (b != a && !(d[b] <= 1e-9 * d[a] && -d[b] <= 1e-9 * d[a]))
+                return nrrd_unsupported(
+                    h, &start,
+                    "space directions that are turned or mirrored; a grid's axes are x, y and z "
+                    "upwards (resample, or flip and permute the axes)");
+    }
+    return nrrd_take_end(h, v);
+}
+
+/* The next word of a list with one for each axis. */
+static const char *nrrd_take_word(nrrd_value *v, size_t *n)
+{
+    nrrd_skip_blank(v);
+    const char *const word = v->p;
+    while (v->p < v->end && !bvxi_is_blank(*v->p)) v->p++;
+    *n = (size_t)(v->p - word);
+    return word;
+}
+
+static bvx_status nrrd_field_centers(nrrd_head *h, nrrd_value *v)
+{
+    for (int a = 0; a < 3; a++) {
+        size_t n;
+        const char *const word = nrrd_take_word(v, &n);
+        /* Words are taken for all three axes: a short list is an error. */
+        h->node[a] = (int8_t)bvxi_word_is(word, n, "node");
+        if (h->node[a] || bvxi_word_is(word, n, "cell|none|???")) continue;
+        v->p = word;
+        return nrrd_expected(h, v, "cell, node, none or ???");
+    }
+    return nrrd_take_end(h, v);
+}
+
+/* An axis of colours, vectors or matrices is no axis of a grid. */
+static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
+{
+    for (int a = 0; a < 3; a++) {
+        size_t n;
+        const char *const word = nrrd_take_word(v, &n);
+        if (bvxi_word_is(word, n, "domain|space|none|???|time")) continue;
+        v->p = word;
+        if (n == 0) return nrrd_expected(h, v, "a kind for each axis");
+        return nrrd_unsupported(
+            h, v,
+            "an axis of a kind that is not a position in space; a grid has three axes [x,y,z] of single "
+            "numbers");
+    }
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_line_skip(nrrd_head *h, nrrd_value *v)
+{
+    nrrd_value const start = *v;
+    BVXI_TRY(nrrd_take_whole(h, v, &h->line_skip));
+    if (h->line_skip < 0) return nrrd_expected(h, &start, "0 lines or more");
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_byte_skip(nrrd_head *h, nrrd_value *v)
+{
+    nrrd_value const start = *v;
+    BVXI_TRY(nrrd_take_whole(h, v, &h->byte_skip));
+    if (h->byte_skip < -1) return nrrd_expected(h, &start, "0 bytes or more, or -1");
+    return nrrd_take_end(h, v);
+}
+
+static bvx_status nrrd_field_data_file(nrrd_head *h, nrrd_value *v)
+{
+    if (v->p == v->end) return nrrd_expected(h, v, "the name of a file");
+    h->files = v->p;
+    h->files_end = v->end;
+    return BVX_OK;
+}
+
+static const struct {
+    nrrd_field_fn *take;
+    const char *names;
+} nrrd_fields[] = {
+    {nrrd_field_dimension, "dimension"},
+    {nrrd_field_type, "type"},
+    {nrrd_field_encoding, "encoding"},
+    {nrrd_field_endian, "endian"},
+    {nrrd_field_sizes, "sizes"},
+    {nrrd_field_spacings, "spacings"},
+    {nrrd_field_mins, "axis mins|axismins"},
+    {nrrd_field_maxs, "axis maxs|axismaxs"},
+    {nrrd_field_origin, "space origin"},
+    {nrrd_field_directions, "space directions"},
+    {nrrd_field_space_dimension, "space dimension"},
+    {nrrd_field_centers, "centers|centerings"},
+    {nrrd_field_line_skip, "line skip|lineskip"},
+    {nrrd_field_byte_skip, "byte skip|byteskip"},
+    {nrrd_field_data_file, "data file|datafile"},
+    {nrrd_field_kinds, "kinds"},
+    {nrrd_field_ignored,
+     "space|labels|units|space units|thicknesses|content|min|max|old min|oldmin|old max|oldmax|"
+     "number|block size|blocksize|sample units|sampleunits|measurement frame"}};
+
+/* The field of this name takes its value. */
+static bvx_status nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value)
+{
+    for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
+        int32_t const which = bvxi_word_is(name, length, nrrd_fields[i].names);
+        /* One bit for each field, so that one that comes twice is refused; those that are left out, at the
+         * end, have one for each name. */
+        size_t const bit = nrrd_fields[i].take == nrrd_field_ignored ? i + (size_t)which : i;
+
+        if (which == 0) continue;
+        if ((h->seen >> bit & 1) != 0) return bvxi_fail_expected(&h->source, name, "each field once");
+        h->seen |= UINT64_C(1) << bit;
+        return nrrd_fields[i].take(h, value);
+    }
+    return bvxi_fail_expected(&h->source, name, "a field of the NRRD format");
+}
 
 /* ---- The lines of an NRRD head: the magic, comments, keys and fields, up to the blank line or the list
  * of data files ---- */
@@ -34,13 +366,13 @@ static bvx_status nrrd_take_line(nrrd_head *h, const char *line, const char *end
 
     /* key:=value is free text of the writer's; one key of ours keeps the corner to the last bit. */
     if (value.p < end && *value.p == '=') {
-        if (bvxi_nrrd_is(line, (size_t)(colon - line), BVXI_NRRD_CORNER_KEY))
+        if (bvxi_word_is(line, (size_t)(colon - line), BVXI_NRRD_CORNER_KEY))
             nrrd_take_corner(h, value.p + 1, end);
         return BVX_OK;
     }
     while (value.end > value.p && bvxi_is_blank(value.end[-1])) value.end--;
-    bvxi_nrrd_skip_blank(&value);
-    return bvxi_nrrd_take_field(h, line, (size_t)(colon - line), &value);
+    nrrd_skip_blank(&value);
+    return nrrd_take_field(h, line, (size_t)(colon - line), &value);
 }
 
 const char *bvxi_nrrd_line(const char *p, const char *file_end, const char **end)
@@ -110,406 +442,6 @@ bvx_status bvxi_nrrd_head_read(nrrd_head *h)
 {
     BVXI_TRY(nrrd_take_lines(h));
     return nrrd_check_head(h);
-}
-
-/* ---- The fields of an NRRD head and what stands after their colons ---- */
-
-/* Source: Kindlmann. Definition of NRRD File Format (teem.sourceforge.net/nrrd/format.html), NRRD0001 to
- * NRRD0005. Names and words in either case of letters, as the reference library takes them. Guarantee: fields
- * that are not the format's, and fields that come twice, are refused, since one misspelt would move the grid;
- * what a grid cannot be is refused by name. */
-
-typedef bvx_status nrrd_field_fn(nrrd_head *h, nrrd_value *v);
-
-/* ---- words ---- */
-
-static char nrrd_lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
-int bvxi_nrrd_is(const char *text, size_t n, const char *name)
-{
-    if (n != bvxi_text_length(name)) return 0;
-    for (size_t i = 0; i < n; i++)
-        if (nrrd_lower(text[i]) != name[i]) return 0;
-    return 1;
-}
-
-void bvxi_nrrd_skip_blank(nrrd_value *v)
-{
-    while (v->p < v->end && bvxi_is_blank(*v->p)) v->p++;
-}
-
-static BVXI_COLD bvx_status nrrd_expected(const nrrd_head *h, const nrrd_value *v, const char *what)
-{
-    return bvxi_fail_expected(&h->source, v->p, what);
-}
-
-bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why)
-{
-    return bvxi_fail_for(h->source.ctx, BVX_ERR_UNSUPPORTED, reason, "NRRD: line %u: %s",
-                         bvxi_source_line(&h->source, at), why);
-}
-
-static BVXI_COLD bvx_status nrrd_unsupported(const nrrd_head *h, const nrrd_value *v, const char *why)
-{
-    return bvxi_nrrd_unsupported(h, BVX_REASON_UNSUPPORTED, v->p, why);
-}
-
-static bvx_status nrrd_take_end(const nrrd_head *h, nrrd_value *v)
-{
-    bvxi_nrrd_skip_blank(v);
-    return v->p == v->end ? BVX_OK : nrrd_expected(h, v, "the end of the line");
-}
-
-static bvx_status nrrd_take_double(const nrrd_head *h, nrrd_value *v, double *value)
-{
-    bvxi_nrrd_skip_blank(v);
-    size_t const n = bvxi_parse_double(v->p, v->end, value);
-    if (n == 0 || (v->p + n < v->end && !bvxi_is_blank(v->p[n]) && v->p[n] != ',' && v->p[n] != ')'))
-        return nrrd_expected(h, v, "a number");
-    v->p += n;
-    return BVX_OK;
-}
-
-static bvx_status nrrd_take_whole(const nrrd_head *h, nrrd_value *v, int64_t *value)
-{
-    int64_t n = 0;
-
-    bvxi_nrrd_skip_blank(v);
-    const char *const start = v->p;
-    int const negative = v->p < v->end && *v->p == '-';
-    const char *p = v->p + negative;
-    const char *const digits = p;
-    /* Digits are taken by hand: a point or an exponent would make no whole number. */
-    for (; p < v->end && *p >= '0' && *p <= '9'; p++)
-        if (n < INT64_MAX / 16) n = n * 10 + (*p - '0'); /* too many digits stay too large */
-    if (p == digits || (p < v->end && !bvxi_is_blank(*p))) {
-        v->p = start;
-        return nrrd_expected(h, v, "a whole number");
-    }
-    v->p = p;
-    *value = negative ? -n : n;
-    return BVX_OK;
-}
-
-static bvx_status nrrd_take_three(const nrrd_head *h, nrrd_value *v, double values[3])
-{
-    for (int a = 0; a < 3; a++) BVXI_TRY(nrrd_take_double(h, v, &values[a]));
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_take_vector(const nrrd_head *h, nrrd_value *v, double vector[3])
-{
-    for (int a = 0; a < 3; a++) {
-        bvxi_nrrd_skip_blank(v);
-        if (v->p == v->end || *v->p != (a == 0 ? '(' : ','))
-            return nrrd_expected(h, v, "a vector of three: (x,y,z)");
-        v->p++;
-        BVXI_TRY(nrrd_take_double(h, v, &vector[a]));
-    }
-    bvxi_nrrd_skip_blank(v);
-    if (v->p == v->end || *v->p != ')') return nrrd_expected(h, v, "')' after three numbers");
-    v->p++;
-    return BVX_OK;
-}
-
-static bvx_status nrrd_field_ignored(nrrd_head *h, nrrd_value *v)
-{
-    (void)h;
-    v->p = v->end;
-    return BVX_OK;
-}
-
-static bvx_status nrrd_field_dimension(nrrd_head *h, nrrd_value *v)
-{
-    nrrd_value const start = *v;
-    int64_t n;
-    BVXI_TRY(nrrd_take_whole(h, v, &n));
-    if (n != 3) return nrrd_unsupported(h, &start, "the dimension is not 3; a grid has three axes [x,y,z]");
-    h->has_dimension = 1;
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_space_dimension(nrrd_head *h, nrrd_value *v)
-{
-    nrrd_value const start = *v;
-    int64_t n;
-    BVXI_TRY(nrrd_take_whole(h, v, &n));
-    if (n != 3) return nrrd_unsupported(h, &start, "the space dimension is not 3");
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_type(nrrd_head *h, nrrd_value *v)
-{
-    static const struct {
-        const char *name;
-        int32_t kind;
-    } known[] = {{"signed char", BVX_SAMPLE_I8},
-                 {"int8", BVX_SAMPLE_I8},
-                 {"int8_t", BVX_SAMPLE_I8},
-                 {"uchar", BVX_SAMPLE_U8},
-                 {"unsigned char", BVX_SAMPLE_U8},
-                 {"uint8", BVX_SAMPLE_U8},
-                 {"uint8_t", BVX_SAMPLE_U8},
-                 {"short", BVX_SAMPLE_I16},
-                 {"short int", BVX_SAMPLE_I16},
-                 {"signed short", BVX_SAMPLE_I16},
-                 {"signed short int", BVX_SAMPLE_I16},
-                 {"int16", BVX_SAMPLE_I16},
-                 {"int16_t", BVX_SAMPLE_I16},
-                 {"ushort", BVX_SAMPLE_U16},
-                 {"unsigned short", BVX_SAMPLE_U16},
-                 {"unsigned short int", BVX_SAMPLE_U16},
-                 {"uint16", BVX_SAMPLE_U16},
-                 {"uint16_t", BVX_SAMPLE_U16},
-                 {"int", BVX_SAMPLE_I32},
-                 {"signed int", BVX_SAMPLE_I32},
-                 {"int32", BVX_SAMPLE_I32},
-                 {"int32_t", BVX_SAMPLE_I32},
-                 {"uint", BVX_SAMPLE_U32},
-                 {"unsigned int", BVX_SAMPLE_U32},
-                 {"uint32", BVX_SAMPLE_U32},
-                 {"uint32_t", BVX_SAMPLE_U32},
-                 {"longlong", BVX_SAMPLE_I64},
-                 {"long long", BVX_SAMPLE_I64},
-                 {"long long int", BVX_SAMPLE_I64},
-                 {"signed long long", BVX_SAMPLE_I64},
-                 {"signed long long int", BVX_SAMPLE_I64},
-                 {"int64", BVX_SAMPLE_I64},
-                 {"int64_t", BVX_SAMPLE_I64},
-                 {"ulonglong", BVX_SAMPLE_U64},
-                 {"unsigned long long", BVX_SAMPLE_U64},
-                 {"unsigned long long int", BVX_SAMPLE_U64},
-                 {"uint64", BVX_SAMPLE_U64},
-                 {"uint64_t", BVX_SAMPLE_U64},
-                 {"float", BVX_SAMPLE_F32},
-                 {"double", BVX_SAMPLE_F64}};
-    size_t const n = (size_t)(v->end - v->p);
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        if (bvxi_nrrd_is(v->p, n, known[i].name)) h->kind = known[i].kind;
-    if (bvxi_nrrd_is(v->p, n, "block")) return nrrd_unsupported(h, v, "samples of type block");
-    return h->kind != 0 ? BVX_OK : nrrd_expected(h, v, "a type of samples (uint8, int16, float, ...)");
-}
-
-static bvx_status nrrd_field_encoding(nrrd_head *h, nrrd_value *v)
-{
-    size_t const n = (size_t)(v->end - v->p);
-
-    h->encoding = bvxi_nrrd_is(v->p, n, "raw") ? NRRD_RAW
-                  : bvxi_nrrd_is(v->p, n, "txt") || bvxi_nrrd_is(v->p, n, "text") ||
-                          bvxi_nrrd_is(v->p, n, "ascii")
-                      ? NRRD_TEXT
-                  : bvxi_nrrd_is(v->p, n, "gzip") || bvxi_nrrd_is(v->p, n, "gz") ? NRRD_GZIP
-                                                                                 : NRRD_NONE;
-    h->encoding_at = v->p;
-    if (h->encoding != NRRD_NONE) return BVX_OK;
-    if (bvxi_nrrd_is(v->p, n, "bzip2") || bvxi_nrrd_is(v->p, n, "bz2") || bvxi_nrrd_is(v->p, n, "zrl") ||
-        bvxi_nrrd_is(v->p, n, "hex"))
-        return nrrd_unsupported(
-            h, v, "compressed or hex samples; save them with encoding raw (unu save -f nrrd -e raw)");
-    return nrrd_expected(h, v, "an encoding (raw, ascii)");
-}
-
-static bvx_status nrrd_field_endian(nrrd_head *h, nrrd_value *v)
-{
-    size_t const n = (size_t)(v->end - v->p);
-    h->big = bvxi_nrrd_is(v->p, n, "big");
-    h->has_endian = 1;
-    return h->big || bvxi_nrrd_is(v->p, n, "little") ? BVX_OK : nrrd_expected(h, v, "little or big");
-}
-
-static bvx_status nrrd_field_sizes(nrrd_head *h, nrrd_value *v)
-{
-    for (int a = 0; a < 3; a++) {
-        int64_t n;
-        bvxi_nrrd_skip_blank(v);
-        nrrd_value const start = *v;
-        BVXI_TRY(nrrd_take_whole(h, v, &n));
-        if (n < 1) return nrrd_expected(h, &start, "a size of 1 or more");
-        h->sizes[a] = (uint64_t)n;
-    }
-    h->has_sizes = 1;
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_spacings(nrrd_head *h, nrrd_value *v)
-{
-    h->has |= NRRD_HAS_SPACING;
-    return nrrd_take_three(h, v, h->spacing);
-}
-
-static bvx_status nrrd_field_mins(nrrd_head *h, nrrd_value *v)
-{
-    h->has |= NRRD_HAS_MIN;
-    return nrrd_take_three(h, v, h->min);
-}
-
-static bvx_status nrrd_field_maxs(nrrd_head *h, nrrd_value *v)
-{
-    h->has |= NRRD_HAS_MAX;
-    return nrrd_take_three(h, v, h->max);
-}
-
-static bvx_status nrrd_field_origin(nrrd_head *h, nrrd_value *v)
-{
-    h->has |= NRRD_HAS_ORIGIN;
-    BVXI_TRY(nrrd_take_vector(h, v, h->origin));
-    return nrrd_take_end(h, v);
-}
-
-/* Axis-aligned up to 1e-9 of a voxel a voxel (what turning there and back
- * leaves): 1/30 over the longest possible row. */
-static bvx_status nrrd_field_directions(nrrd_head *h, nrrd_value *v)
-{
-    h->has |= NRRD_HAS_DIRECTION;
-    for (int a = 0; a < 3; a++) {
-        double d[3];
-        bvxi_nrrd_skip_blank(v);
-        nrrd_value const start = *v;
-        /* 'none' marks an axis of colours or vectors. */
-        if (v->p < v->end && nrrd_lower(*v->p) == 'n')
-            return nrrd_unsupported(h, &start,
-                                    "an axis has no space direction; a grid's three axes lie in space");
-        BVXI_TRY(nrrd_take_vector(h, v, d));
-        h->direction[a] = d[a];
-        /* Only its own component may differ from 0, and it must be above 0: no turn, no mirror. */
-        for (int b = 0; b < 3; b++)
-            if (b != a && !(d[b] <= 1e-9 * d[a] && -d[b] <= 1e-9 * d[a]))
-                return nrrd_unsupported(
-                    h, &start,
-                    "space directions that are turned or mirrored; a grid's axes are x, y and z "
-                    "upwards (resample, or flip and permute the axes)");
-    }
-    return nrrd_take_end(h, v);
-}
-
-/* The next word of a list with one for each axis. */
-static const char *nrrd_take_word(nrrd_value *v, size_t *n)
-{
-    bvxi_nrrd_skip_blank(v);
-    const char *const word = v->p;
-    while (v->p < v->end && !bvxi_is_blank(*v->p)) v->p++;
-    *n = (size_t)(v->p - word);
-    return word;
-}
-
-static bvx_status nrrd_field_centers(nrrd_head *h, nrrd_value *v)
-{
-    for (int a = 0; a < 3; a++) {
-        size_t n;
-        const char *const word = nrrd_take_word(v, &n);
-        /* Words are taken for all three axes: a short list is an error. */
-        h->node[a] = (int8_t)bvxi_nrrd_is(word, n, "node");
-        if (h->node[a] || bvxi_nrrd_is(word, n, "cell") || bvxi_nrrd_is(word, n, "none") ||
-            bvxi_nrrd_is(word, n, "???"))
-            continue;
-        v->p = word;
-        return nrrd_expected(h, v, "cell, node, none or ???");
-    }
-    return nrrd_take_end(h, v);
-}
-
-/* An axis of colours, vectors or matrices is no axis of a grid. */
-static bvx_status nrrd_field_kinds(nrrd_head *h, nrrd_value *v)
-{
-    static const char *const places[5] = {"domain", "space", "none", "???", "time"};
-
-    for (int a = 0; a < 3; a++) {
-        size_t n;
-        int known = 0;
-        const char *const word = nrrd_take_word(v, &n);
-        for (int i = 0; i < 5; i++) known |= bvxi_nrrd_is(word, n, places[i]);
-        if (known) continue;
-        v->p = word;
-        if (n == 0) return nrrd_expected(h, v, "a kind for each axis");
-        return nrrd_unsupported(
-            h, v,
-            "an axis of a kind that is not a position in space; a grid has three axes [x,y,z] of single "
-            "numbers");
-    }
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_line_skip(nrrd_head *h, nrrd_value *v)
-{
-    nrrd_value const start = *v;
-    BVXI_TRY(nrrd_take_whole(h, v, &h->line_skip));
-    if (h->line_skip < 0) return nrrd_expected(h, &start, "0 lines or more");
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_byte_skip(nrrd_head *h, nrrd_value *v)
-{
-    nrrd_value const start = *v;
-    BVXI_TRY(nrrd_take_whole(h, v, &h->byte_skip));
-    if (h->byte_skip < -1) return nrrd_expected(h, &start, "0 bytes or more, or -1");
-    return nrrd_take_end(h, v);
-}
-
-static bvx_status nrrd_field_data_file(nrrd_head *h, nrrd_value *v)
-{
-    if (v->p == v->end) return nrrd_expected(h, v, "the name of a file");
-    h->files = v->p;
-    h->files_end = v->end;
-    return BVX_OK;
-}
-
-static const struct {
-    const char *name;
-    nrrd_field_fn *take;
-} nrrd_fields[] = {{"dimension", nrrd_field_dimension},
-                   {"type", nrrd_field_type},
-                   {"encoding", nrrd_field_encoding},
-                   {"endian", nrrd_field_endian},
-                   {"sizes", nrrd_field_sizes},
-                   {"spacings", nrrd_field_spacings},
-                   {"axis mins", nrrd_field_mins},
-                   {"axismins", nrrd_field_mins},
-                   {"axis maxs", nrrd_field_maxs},
-                   {"axismaxs", nrrd_field_maxs},
-                   {"space origin", nrrd_field_origin},
-                   {"space directions", nrrd_field_directions},
-                   {"space dimension", nrrd_field_space_dimension},
-                   {"centers", nrrd_field_centers},
-                   {"centerings", nrrd_field_centers},
-                   {"line skip", nrrd_field_line_skip},
-                   {"lineskip", nrrd_field_line_skip},
-                   {"byte skip", nrrd_field_byte_skip},
-                   {"byteskip", nrrd_field_byte_skip},
-                   {"data file", nrrd_field_data_file},
-                   {"datafile", nrrd_field_data_file},
-                   {"space", nrrd_field_ignored},
-                   {"kinds", nrrd_field_kinds},
-                   {"labels", nrrd_field_ignored},
-                   {"units", nrrd_field_ignored},
-                   {"space units", nrrd_field_ignored},
-                   {"thicknesses", nrrd_field_ignored},
-                   {"content", nrrd_field_ignored},
-                   {"min", nrrd_field_ignored},
-                   {"max", nrrd_field_ignored},
-                   {"old min", nrrd_field_ignored},
-                   {"oldmin", nrrd_field_ignored},
-                   {"old max", nrrd_field_ignored},
-                   {"oldmax", nrrd_field_ignored},
-                   {"number", nrrd_field_ignored},
-                   {"block size", nrrd_field_ignored},
-                   {"blocksize", nrrd_field_ignored},
-                   {"sample units", nrrd_field_ignored},
-                   {"sampleunits", nrrd_field_ignored},
-                   {"measurement frame", nrrd_field_ignored}};
-
-bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value)
-{
-    for (size_t i = 0; i < sizeof nrrd_fields / sizeof nrrd_fields[0]; i++) {
-        /* Names are compared whole: one bit of seen each, so that a field that comes twice is refused. */
-        if (!bvxi_nrrd_is(name, length, nrrd_fields[i].name)) continue;
-        if ((h->seen >> i & 1) != 0) return bvxi_fail_expected(&h->source, name, "each field once");
-        h->seen |= UINT64_C(1) << i;
-        return nrrd_fields[i].take(h, value);
-    }
-    return bvxi_fail_expected(&h->source, name, "a field of the NRRD format");
 }
 
 /* ---- The data files that a detached NRRD head names ---- */

@@ -40,15 +40,7 @@ typedef struct nrrd_value {
     const char *p, *end;
 } nrrd_value;
 
-/* nrrd_head.c: the field of this name takes its value; names are compared
- * in either case of letters, blanks as in name. */
-bvx_status bvxi_nrrd_take_field(nrrd_head *h, const char *name, size_t length, nrrd_value *value);
-int bvxi_nrrd_is(const char *text, size_t n, const char *name);
-void bvxi_nrrd_skip_blank(nrrd_value *v);
-
-/* BVX_ERR_UNSUPPORTED with the line of a place in the head. */
-BVXI_COLD bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at,
-                                           const char *why);
+bvx_status bvxi_nrrd_unsupported(const nrrd_head *h, int32_t reason, const char *at, const char *why);
 
 /* How many data files a detached head names, and the name of one: [*name, *name + *length) with number in
  * place of its "%d" where pattern is not 0 (digits wide, filled with zeros when negative). */

@@ -208,7 +208,8 @@ static inline void unpack_eight(uint8_t *p, uint64_t bits)
     bvxi_store_u64(p, bytes);
 }
 
-void bvxi_unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes)
+/* One row of voxels as bytes 0 and 1. */
+static void unpack_row(const uint64_t *row, int32_t nx, uint8_t *bytes)
 {
     int32_t x = 0;
     for (; x + 8 <= nx; x += 8) unpack_eight(bytes + x, row[x >> 6] >> (x & 63));
@@ -229,8 +230,8 @@ static void unpack_piece(void *user, int32_t piece)
     /* Rows belong to one piece each, so no two workers write the same byte. */
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++)
-        bvxi_unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0],
-                        job->bytes + row * (uint64_t)g->size[0]);
+        unpack_row(g->words + row * (uint64_t)g->words_per_row, g->size[0],
+                   job->bytes + row * (uint64_t)g->size[0]);
 }
 
 bvx_status bvxi_unpack_grid(bvx_context *ctx, const bvx_grid *grid, uint8_t *bytes)

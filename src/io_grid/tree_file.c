@@ -8,12 +8,7 @@
 
 /* ---- Read ---- */
 
-/* An octree from our own format: bvx_read_octree; the layout stands in tree_file.h.
- *
- * Heads, lengths, checksums and what the levels say of each other are all checked on the file's bytes, and
- * only then is there a tree: a damaged file allocates nothing, and one whose damage has right checksums is
- * still no tree that later calls could stumble over. The least level that is wrong is the one reported,
- * whatever the threads. */
+/* The least level that is wrong is the one reported, whatever the threads. */
 
 static const char read_tree_name[] = "bvx_read_octree";
 
@@ -297,9 +292,7 @@ bvx_status bvx_read_octree(bvx_context *context, const void *bytes, uint64_t siz
 
 /* ---- Written ---- */
 
-/* An octree to our own format; the layout stands in tree_file.h.
- *
- * All lengths are known before, so the file is allocated once and every level writes its part by itself. */
+/* All lengths are known before, so the file is allocated once and every level writes its part by itself. */
 
 typedef struct tree_writing {
     const bvx_octree *tree;

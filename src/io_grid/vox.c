@@ -1,14 +1,12 @@
-/* vox.c - MagicaVoxel's .vox of one model, to grids and from them. Source at the heading below. Everything
- * is checked before there is a grid. */
+/* vox.c - MagicaVoxel's .vox of one model, to grids and from them.
+ *
+ * Source: https://github.com/ephtracy/voxel-model, file format and its extension. */
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
 /* ---- Read ---- */
 
-/* A grid from MagicaVoxel's .vox, versions 150 and 200, of one model.
- *
- * Source: https://github.com/ephtracy/voxel-model, file format and its extension. Chunks lie one after the
- * other in MAIN; those for models are PACK (how many there are), SIZE and XYZI. All others (colours,
+/* Versions 150 and 200. Chunks lie one after the other in MAIN; those for models are PACK (how many there are), SIZE and XYZI. All others (colours,
  * materials, the nodes of a scene) are passed, as are a model's place and turn in a scene. Everything is
  * checked before there is a grid; a grid is at most 2 MiB. */
 
@@ -177,9 +175,7 @@ bvx_status bvxi_read_vox(const bvxi_grid_source *source, bvx_grid *grid)
 
 /* ---- Written ---- */
 
-/* A grid to MagicaVoxel's .vox: one model of at most 256 voxels a side.
- *
- * Source: https://github.com/ephtracy/voxel-model, file format 150. Chunks of a name, the bytes of their
+/* Version 150, at most 256 voxels a side. Chunks of a name, the bytes of their
  * content and of their children: MAIN around SIZE (three sides) and XYZI (a count, then x, y, z and a colour
  * number for each voxel). z is up there too. There is no place for a lattice. All voxels have colour 1, white
  * in the palette that holds when none is written. */

@@ -16,11 +16,6 @@ typedef struct bvxi_seams {
     uint64_t count;
 } bvxi_seams;
 
-/* Vertices as written are the pairs of vertex and texture coordinate that corners
- * have, in the order of their first use. The mesh has uv_triangles and fewer than
- * 2^32 corners. On failure nothing is held. Scratch: 28 bytes a corner. */
-bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams);
-
 /* Indices come last: all before them are multiples of four bytes. */
 enum {
     BVXI_GLB_POSITION,

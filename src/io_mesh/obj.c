@@ -82,7 +82,9 @@ static uint64_t obj_count_before(uint64_t *here, uint64_t before)
     return before + counted;
 }
 
-bvx_status bvxi_obj_count(obj_file *file)
+/* Cut the file into pieces and count what they hold; totals come to stand in the file, for each
+ * piece the counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
+static bvx_status obj_count(obj_file *file)
 {
     obj_file *const f = file;
     bvx_context *const ctx = f->source->ctx;
@@ -458,7 +460,7 @@ static void obj_finish_uvs(obj_file *f)
 static bvx_status obj_read(obj_file *f)
 {
     /* Counting, making arrays, filling: the second pass relies on counts that the first has made. */
-    BVXI_TRY(bvxi_obj_count(f));
+    BVXI_TRY(obj_count(f));
     BVXI_TRY(obj_make_arrays(f));
     BVXI_TRY(obj_fill(f));
     if (f->triangles == 0) return bvxi_fail(f->source->ctx, BVX_ERR_EMPTY, "OBJ: the file has no face");
@@ -485,9 +487,7 @@ bvx_status bvxi_read_obj(bvxi_source *source, bvx_mesh *mesh)
 
 /* ---- Written ---- */
 
-/* A mesh to Wavefront OBJ.
- *
- * Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
+/* Numbers are the shortest decimals that read back to the same floats, or doubles where the mesh has doubles
  * or a frame. Colours follow the coordinates as fractions of 1, without alpha, which the format does not
  * know. Normals, where requested, are one a vertex, with its index. */
 

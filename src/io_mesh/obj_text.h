@@ -127,8 +127,4 @@ static inline int obj_take_keyword(const obj_file *f, const char **p)
     return keyword;
 }
 
-/* obj.c: cut the file into pieces and count what they hold; totals come to stand in the file, for each
- * piece the counts of all pieces before it. The pieces are freed by the caller, also after a failure. */
-bvx_status bvxi_obj_count(obj_file *file);
-
 #endif

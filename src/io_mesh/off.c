@@ -1,12 +1,9 @@
-/* off.c - OFF and its kin (COFF, NOFF, STOFF), to meshes and from them. What is read, and where line ends
- * matter, stands at the headings below. */
+/* off.c - Object File Format (OFF, COFF, NOFF, STOFF and what they combine to), to meshes and from them. */
 #include "io_mesh/mesh_formats.h"
 
 /* ---- Read ---- */
 
-/* Object File Format (OFF, COFF, NOFF, STOFF and what they combine to) to an indexed mesh.
- *
- * The keyword may be missing, and the counts may follow it at once. All space is equal, line ends too, with
+/* The keyword may be missing, and the counts may follow it at once. All space is equal, line ends too, with
  * two exceptions: what follows a face's corners on their line is its colour, which is left out; and where the
  * file has a line for each vertex and face, what follows a vertex on its line are its own words: a colour of
  * three or four numbers, texture coordinates, or something that nobody knows. So vertices of a plain OFF file
@@ -464,10 +461,7 @@ bvx_status bvxi_read_off(bvxi_source *source, bvx_mesh *mesh)
 
 /* ---- Written ---- */
 
-/* A mesh to OFF, or COFF where its vertices have colours: red, green, blue, alpha from 0 to
- * 255.
- *
- * Coordinates are the shortest decimals that read back to the same floats, or doubles where the mesh has
+/* COFF where vertices have colours: red, green, blue, alpha from 0 to 255. Coordinates are the shortest decimals that read back to the same floats, or doubles where the mesh has
  * doubles or a frame. Texture coordinates are left out: few programs read those of STOFF, and corners cannot
  * have their own. */
 

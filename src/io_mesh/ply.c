@@ -7,12 +7,7 @@
 
 /* ---- Read ---- */
 
-/* PLY, ASCII and binary in both byte orders, to an indexed mesh.
- *
- * Source: Turk. The PLY Polygon File Format. 1994.
- * The header (ply_header.c) says what each value of a row is for; ply_rows.c takes the rows,
- * and this file knows what the values mean. What nobody wants is stepped over.
- * Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and
+/* Triangles are as many as faces in nearly every file, so that is the room made first. Larger faces and
  * strips are counted on, and when there were any, faces and strips are read once more into exact room. Larger
  * faces lie down as fans and are cut at the end, when all vertices are known. Texture coordinates at corners
  * (texcoord) stay when all faces have them; those of vertices come before them.
@@ -158,9 +153,7 @@ bvx_status bvxi_read_ply_points(bvxi_source *source, bvx_mesh *points)
 
 /* ---- Written ---- */
 
-/* A mesh to binary little-endian PLY: floats, or doubles where the mesh has doubles or a frame.
- *
- * Normals, where requested, are the floats nx ny nz of vertices, after the coordinates as readers expect
+/* Binary little-endian: floats, or doubles where the mesh has doubles or a frame. Normals, where requested, are the floats nx ny nz of vertices, after the coordinates as readers expect
  * them. Colours are the properties red green blue alpha of vertices, texture coordinates s t of vertices, or
  * the list texcoord of faces (two numbers a corner) where the corners have their own. */
 

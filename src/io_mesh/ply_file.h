@@ -137,11 +137,6 @@ static inline void bvxi_ply_begin_row(ply_file *f)
     f->corners = 0;
     f->uv_numbers = 0;
 }
-bvx_status bvxi_ply_end_row(ply_file *f, const ply_element *e, uint64_t row);
-
-/* A number of a vertex, or of a list of texture coordinates, that stands at a place. */
-bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *at, uint64_t row,
-                        double value);
 
 /* The fewest items of a list: a face has three corners or more. */
 static inline int64_t bvxi_ply_least_length(const ply_property *property)

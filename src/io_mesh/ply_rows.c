@@ -78,7 +78,9 @@ static uint8_t ply_colour(int32_t type, double value)
     return bvxi_colour_byte(value / (type == PLY_U16 ? 65535.0 : 255.0));
 }
 
-bvx_status bvxi_ply_put(ply_file *f, const ply_property *property, const char *at, uint64_t row, double value)
+/* A number of a vertex, or of a list of texture coordinates, that stands at a place. */
+static bvx_status ply_put(ply_file *f, const ply_property *property, const char *at, uint64_t row,
+                          double value)
 {
     bvx_mesh *const mesh = f->mesh;
     int32_t const role = property->role;
@@ -133,7 +135,7 @@ static bvx_status ply_end_uvs(ply_file *f, uint64_t row, uint64_t triangle)
     return BVX_OK;
 }
 
-bvx_status bvxi_ply_end_row(ply_file *f, const ply_element *e, uint64_t row)
+static bvx_status ply_end_row(ply_file *f, const ply_element *e, uint64_t row)
 {
     if (e->kind != PLY_FACE) return BVX_OK;
 
@@ -187,7 +189,7 @@ static bvx_status ply_text_number(ply_file *f, const ply_property *property, uin
     f->p = at + used;
     if (used == 0 || (f->p < end && !bvxi_is_space(*f->p)))
         return bvxi_fail_expected(f->source, at, property->role <= PLY_ROLE_Z ? "a coordinate" : "a number");
-    return bvxi_ply_put(f, property, at, row, is_float ? (double)v32 : v);
+    return ply_put(f, property, at, row, is_float ? (double)v32 : v);
 }
 
 static bvx_status ply_text_numbers(ply_file *f, const ply_property *property, uint64_t row, int64_t count)
@@ -223,7 +225,7 @@ bvx_status bvxi_ply_take_text_row(ply_file *f, const ply_element *e, uint64_t ro
         else if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_text_numbers(f, property, row, count));
         else BVXI_TRY(ply_text_skip(f, e, row, count));
     }
-    return bvxi_ply_end_row(f, e, row);
+    return ply_end_row(f, e, row);
 }
 
 bvx_status bvxi_ply_take_text(ply_file *f, const ply_element *e)
@@ -281,7 +283,7 @@ static bvx_status ply_take_items(ply_file *f, const ply_property *property, uint
         const uint8_t *const p = (const uint8_t *)at;
         if (is_corners)
             BVXI_TRY(bvxi_ply_take_corner(f, property, at, row, ply_integer(p, property->type, f->big)));
-        else BVXI_TRY(bvxi_ply_put(f, property, at, row, ply_number(p, property->type, f->big)));
+        else BVXI_TRY(ply_put(f, property, at, row, ply_number(p, property->type, f->big)));
     }
     return BVX_OK;
 }
@@ -307,7 +309,7 @@ static bvx_status ply_take_row(ply_file *f, const ply_element *e, uint64_t row)
         if (property->role != PLY_ROLE_NONE) BVXI_TRY(ply_take_items(f, property, row, count));
         f->p += (size_t)count * size;
     }
-    return bvxi_ply_end_row(f, e, row);
+    return ply_end_row(f, e, row);
 }
 
 static bvx_status ply_take_rows(ply_file *f, const ply_element *e)
@@ -386,7 +388,7 @@ static bvx_status ply_take_column(ply_file *f, const ply_element *e, uint32_t i,
     }
     *taken = 1;
     for (uint64_t k = 0; k < count && property->role != PLY_ROLE_NONE; k++, p += e->least_bytes)
-        BVXI_TRY(bvxi_ply_put(f, property, (const char *)p, row + k, ply_number(p, property->type, f->big)));
+        BVXI_TRY(ply_put(f, property, (const char *)p, row + k, ply_number(p, property->type, f->big)));
     return BVX_OK;
 }
 

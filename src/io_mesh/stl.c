@@ -9,10 +9,7 @@
 
 /* ---- Welded ---- */
 
-/* Triangles that bring their own corners to an indexed mesh, welded as they come.
- *
- * An open table finds the vertex at equal coordinates, so raw corners are never stored, and vertices are
- * numbered by their first occurrence whatever the table looks like. Some hundred triangles are welded at a
+/* An open table finds the vertex at equal coordinates. Some hundred triangles are welded at a
  * time: first all their places in the table, then all the vertices found there are asked from memory, which
  * may lie anywhere, so that they are near when they are compared.
  * Where the table searches too long, as for files that were made against the hash, a tree takes its place
@@ -268,13 +265,10 @@ static bvx_status soup_finish(stl_soup *soup, bvx_mesh *mesh)
 
 /* ---- Read ---- */
 
-/* STL, ASCII and binary, to an indexed mesh.
- *
- * Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
+/* Which kind a file is, is not told by the word solid, which many binary headers hold too: it is binary when
  * its size is the one that its count of triangles requires; else ASCII when its first kilobyte has no control
- * characters. STL repeats each vertex in every triangle. They are welded where their coordinates are equal,
- * -0 being 0, as they are read (stl.c), and numbered by their first occurrence. Normals and
- * attributes are not looked at.
+ * characters. Vertices are welded where their coordinates are equal, -0 being 0. Normals and attributes
+ * are not looked at.
  * Memory: that of the welding. Cost: O(bytes). */
 
 enum {
@@ -509,9 +503,7 @@ bvx_status bvxi_read_stl(bvxi_source *source, bvx_mesh *mesh)
 
 /* ---- Written ---- */
 
-/* A mesh to binary STL, with the normals of its facets.
- *
- * Coordinates become floats; a normal is that of the rounded corners, computed in doubles, and zero for a
+/* Binary. Coordinates become floats; a normal is that of the rounded corners, computed in doubles, and zero for a
  * triangle without area. The header does not begin with the word solid, which some readers take for ASCII. */
 
 enum { STL_WRITTEN_HEADER = 80, STL_WRITTEN_TRIANGLE = 50 };

@@ -69,7 +69,10 @@ static void number_vertices_by_use(const bvx_mesh *mesh, bvxi_seams *seams)
     }
 }
 
-bvx_status bvxi_split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams)
+/* Vertices as written are the pairs of vertex and texture coordinate that corners
+ * have, in the order of their first use. The mesh has uv_triangles and fewer than
+ * 2^32 corners. On failure nothing is held. Scratch: 28 bytes a corner. */
+static bvx_status split_seams(bvx_context *ctx, const bvx_mesh *mesh, bvxi_seams *seams)
 {
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, mesh->triangle_count * 12, "the triangles with seams",
                         &seams->triangles));
@@ -372,7 +375,7 @@ static bvx_status glb_plan_level(bvx_context *ctx, const bvxi_glb_file *glb, uin
 
     /* Also keeps the corners below 2^32, as splitting needs it. */
     BVXI_TRY(bvxi_glb_check_size(ctx, begin + mesh->triangle_count * 6, glb->levels));
-    if (mesh->uv_triangles != NULL) BVXI_TRY(bvxi_split_seams(ctx, mesh, &level->seams));
+    if (mesh->uv_triangles != NULL) BVXI_TRY(split_seams(ctx, mesh, &level->seams));
     level->vertices = mesh->uv_triangles != NULL ? level->seams.count : mesh->vertex_count;
     if (mesh->uvs != NULL) level->uv_unit = glb_in_unit(mesh->uvs, bvxi_written_uvs(mesh));
     if (mesh->uvs2 != NULL) level->uv2_unit = glb_in_unit(mesh->uvs2, mesh->vertex_count);

@@ -33,38 +33,31 @@ typedef struct slabs_job {
     uint64_t *vertex, *triangle; /* where each slab's begin */
 } slabs_job;
 
-/* ---- how much ---- */
-
-/* Places of the ring and crossings; of a nesting level about those of its
- * own loops, of which each arc ends at one crossing. */
-static uint64_t count_ring(const bvxi_plane *p)
-{
-    return p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
-                            : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
-}
-
 /* Vertices that all loops of the slab's cells have together, about: a
  * ring's points once a cell, crossings twice, heights four times. */
-static void count_slab(const bvxi_stack *s, bvxi_slab *slab, uint64_t *vertices, uint64_t *triangles)
-{
-    size_t const words = (size_t)(s->size[1] + 1) * (size_t)s->words;
-    const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
-    uint64_t rings = 0, heights;
-
-    slab->lines = 0;
-    /* A line of the grid bears a vertex where its point is inside on one plane only. */
-    for (size_t i = 0; i < words; i++) slab->lines += bvxi_popcount(below[i] ^ above[i]);
-    heights = (uint64_t)slab->lines + slab->hanging_count;
-    for (int k = 0; k < 2; k++) rings += count_ring(slab->plane[k]);
-    *vertices = heights + rings / 16 + SLAB_SPARE;
-    *triangles = rings + 4 * heights + SLAB_SPARE;
-}
-
 static void count_slab_piece(void *user, uint64_t begin, uint64_t end)
 {
     slabs_job *const job = user;
-    for (uint64_t i = begin; i < end; i++)
-        count_slab(job->s, &job->slab[i], &job->room[2 * i], &job->room[2 * i + 1]);
+    uint64_t const words = bvxi_grid_words(job->s);
+
+    for (uint64_t i = begin; i < end; i++) {
+        bvxi_slab *const slab = &job->slab[i];
+        const uint64_t *const below = slab->plane[0]->inside, *const above = slab->plane[1]->inside;
+        uint64_t rings = 0, heights;
+
+        slab->lines = 0;
+        for (uint64_t k = 0; k < words; k++) slab->lines += bvxi_popcount(below[k] ^ above[k]);
+        heights = (uint64_t)slab->lines + slab->hanging_count;
+        /* Places of the ring and crossings; of a nesting level about those of its own loops, of which each arc ends
+         * at one crossing. */
+        for (int k = 0; k < 2; k++) {
+            const bvxi_plane *const p = slab->plane[k];
+            rings += p->whole == NULL ? (uint64_t)p->ring_count + p->cut_count
+                                      : (uint64_t)p->segment_count + 2 * (uint64_t)p->arc_count;
+        }
+        job->room[2 * i] = heights + rings / 16 + SLAB_SPARE;
+        job->room[2 * i + 1] = rings + 4 * heights + SLAB_SPARE;
+    }
 }
 
 static bvx_status open_slab_meshes(slabs_job *job)
@@ -76,10 +69,8 @@ static bvx_status open_slab_meshes(slabs_job *job)
         all->vertex_room += job->room[2 * (size_t)i];
         all->triangle_room += job->room[2 * (size_t)i + 1];
     }
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->vertex_room * 24, "the vertices of a body",
-                        &all->position));
-    BVXI_TRY(bvxi_alloc(job->s->ctx, BVXI_SCRATCH, all->triangle_room * 12, "the triangles of a body",
-                        &all->triangle));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->vertex_room, "the vertices of a body", all->position));
+    BVXI_TRY(BVXI_ARRAY(job->s->ctx, 3 * all->triangle_room, "the triangles of a body", all->triangle));
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_section_mesh *const m = &job->slab[i].mesh;
         m->position = all->position + 3 * vertex;
@@ -117,7 +108,6 @@ static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
 
-    /* Afterwards, in order, with arrays that grow. */
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -156,32 +146,20 @@ static bvx_status open_workers(slabs_job *job)
 static bvx_status fill_side_by_side(slabs_job *job)
 {
     bvxi_stack *const s = job->s;
-    uint64_t const words = (uint64_t)job->count * (uint64_t)(s->size[1] + 1) * (uint64_t)s->words;
 
-    job->pieces = bvxi_section_pieces(job->count, words, SLAB_COUNT_GRAIN);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->count, "the slabs' scratch", job->again));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * (uint64_t)job->count, "the slabs' scratch", job->room));
+    job->pieces = bvxi_section_pieces(job->count, job->count * bvxi_grid_words(s), SLAB_COUNT_GRAIN);
     BVXI_TRY(bvxi_for_ranges(s->ctx, "surface", 0.0, 0.02, job->pieces, job->count, count_slab_piece, job));
     /* Room for all slabs is made before the first is filled, so that workers never allocate. */
     BVXI_TRY(open_slab_meshes(job));
     job->pieces = bvxi_section_pieces(job->count, s->slab_mesh.triangle_room, SLAB_GRAIN);
     job->workers = bvxi_threads(s->ctx) < job->pieces ? bvxi_threads(s->ctx) : job->pieces;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)job->workers * sizeof *job->worker,
-                             "the slabs' scratch", &job->worker));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, job->workers, "the slabs' scratch", job->worker));
     BVXI_TRY(open_workers(job));
     BVXI_TRY(bvxi_parallel(s->ctx, "surface", 0.02, 0.8, job->pieces, fill_slab_piece, job));
     return BVXI_SHARE(s->ctx, 0.8, 1.0, fill_again(job));
 }
-
-static bvx_status fill_in_job(slabs_job *job)
-{
-    bvxi_stack *const s = job->s;
-    uint64_t const rooms = (uint64_t)job->count * 16;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, job->count, "the slabs' scratch", &job->again));
-
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, rooms, "the slabs' scratch", &job->room));
-    return fill_side_by_side(job);
-}
-
-/* ---- one after the other ---- */
 
 /* Slabs share the vertices of the planes between them, which the field makes as it comes to them. */
 static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
@@ -199,15 +177,10 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
-    slabs_job job;
+    slabs_job job = {.s = s, .slab = slabs, .count = count};
 
-    /* Other ways share vertices of planes as they come, so their slabs are made in order. */
-    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return fill_in_order(s, slabs, count);
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.slab = slabs;
-    job.count = count;
-    return fill_in_job(&job);
+    return s->options.slabs.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
+                                                             : fill_in_order(s, slabs, count);
 }
 
 /* ---- joining ---- */
@@ -222,7 +195,6 @@ static void give_positions(const bvxi_stack *s, const double *from, uint64_t cou
         for (uint64_t i = 0; i < 3 * count; i++) narrow[i] = (float)from[i];
 }
 
-/* A piece of the rings' positions, and whole slabs. */
 static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const slabs_job *const job = user;
@@ -243,13 +215,16 @@ static void join_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status join_in_job(slabs_job *job)
+bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh)
 {
-    bvxi_stack *const s = job->s;
+    slabs_job made = {.s = s, .slab = (bvxi_slab *)slabs, .count = count, .mesh = mesh}, *const job = &made;
     const bvxi_section_mesh *const own = &s->mesh;
     uint64_t vertices = own->vertex_count, triangles = 0;
     bvx_status status;
 
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->vertex));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the slabs' places", job->triangle));
+    job->pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
     for (uint32_t i = 0; i < job->count; i++) {
         job->vertex[i] = vertices;
         job->triangle[i] = triangles;
@@ -276,20 +251,4 @@ static bvx_status join_in_job(slabs_job *job)
                              job);
     if (status != BVX_OK) bvx_mesh_free(s->ctx, job->mesh);
     return status;
-}
-
-bvx_status bvxi_slabs_join(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, bvx_mesh *mesh)
-{
-    uint64_t const firsts = (uint64_t)count * 8;
-    slabs_job job;
-
-    memset(&job, 0, sizeof job);
-    job.s = s;
-    job.slab = (bvxi_slab *)slabs;
-    job.count = count;
-    job.pieces = bvxi_section_pieces(count, s->mesh.vertex_count + s->slab_mesh.triangle_room, SLAB_GRAIN);
-    job.mesh = mesh;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.vertex));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the slabs' places", &job.triangle));
-    return join_in_job(&job);
 }

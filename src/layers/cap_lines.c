@@ -5,15 +5,11 @@
  * there it is a section like others, whose points are vertices and whose segments nothing crosses. */
 #include "contours/section.h"
 
-#include <math.h>
-
 /* Follow the lines into loops: points in order, contours, directions of
  * holes. behind: [vertices] the next one, or none. */
 static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*edge)[2], uint32_t count,
                                uint32_t *behind)
 {
-    double const unit = (double)(1 << (s->fine - 1));
-
     for (uint32_t i = 0; i < count; i++) behind[edge[i][0]] = edge[i][1];
     for (uint32_t i = 0; i < count; i++) {
         bvxi_contour *const c = &p->contour[p->contour_count];
@@ -23,17 +19,13 @@ static bvx_status follow_lines(bvxi_stack *s, bvxi_plane *p, const uint32_t (*ed
         while (behind[v] != BVXI_NONE) {
             const double *const at = s->mesh.position + 3 * (uint64_t)v;
             uint32_t const n = p->point_count++, next = behind[v];
-            for (int k = 0; k < 2; k++) {
-                double const u = (s->axis[k][0] * at[0] + s->axis[k][1] * at[1]) + s->axis[k][2] * at[2];
-                /* The vertex in fixed point, odd as the points of sections are. */
-                p->q[n][k] = 2 * (int32_t)floor((u - s->origin[k]) / s->step[k] * unit) + 1;
-            }
+            for (int k = 0; k < 2; k++)
+                p->q[n][k] = 2 * bvxi_snap_steps(s, k, bvxi_along_axis(s->axis[k], at)) + 1;
             p->ring[n] = v;
             p->next[n] = n + 1;
             behind[v] = BVXI_NONE;
             v = next;
         }
-        /* Lines that end elsewhere than they began bound no region. */
         if (v != edge[i][0])
             return bvxi_fail(s->ctx, BVX_ERR_FORMAT, "%s: the lines of a flat cap do not close", s->function);
         c->count = p->point_count - c->first;
@@ -48,17 +40,15 @@ bvx_status bvxi_cap_fill_edges(bvxi_stack *s, const uint32_t (*edge)[2], uint32_
 {
     uint64_t const vertices = s->mesh.vertex_count;
     uint32_t *behind = NULL;
-    bvxi_plane p;
+    bvxi_plane p = {0};
 
-    memset(&p, 0, sizeof p);
     if (count == 0) return BVX_OK;
     p.lines = 1;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 4, "the lines of a cap", &behind));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 8, "the lines of a cap", &p.q));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * 4, "the lines of a cap", &p.ring));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)count * sizeof *p.contour, "the lines of a cap",
-                        &p.contour));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, vertices, "the lines of a cap", behind));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.q));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.next));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.ring));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, count, "the lines of a cap", p.contour));
     memset(behind, 0xff, (size_t)vertices * 4);
     BVXI_TRY(follow_lines(s, &p, edge, count, behind));
     return bvxi_cap_fill(s, &p, side);

@@ -30,53 +30,22 @@ typedef struct cap_work {
 
 /* ---- bridges ---- */
 
-static int64_t cap_turn(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    return ((int64_t)b[0] - a[0]) * ((int64_t)c[1] - a[1]) - ((int64_t)b[1] - a[1]) * ((int64_t)c[0] - a[0]);
-}
-
-static int cap_on(const int32_t *a, const int32_t *b, const int32_t *c)
-{
-    for (int k = 0; k < 2; k++)
-        if ((c[k] < a[k] && c[k] < b[k]) || (c[k] > a[k] && c[k] > b[k])) return 0;
-    return 1;
-}
-
 /* 1 when two closed segments meet anywhere but at an end that both share as a point. */
 static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
-    const int32_t *const p = w->plane->q[a];
-    const int32_t *const q = w->plane->q[b];
-    const int32_t *const r = w->plane->q[c];
-    const int32_t *const t = w->plane->q[d];
-    int64_t const pr = cap_turn(p, q, r);
-    int64_t const pt = cap_turn(p, q, t);
-    int64_t const rp = cap_turn(r, t, p);
-    int64_t const rq = cap_turn(r, t, q);
+    int32_t(*const q)[2] = w->plane->q;
 
     if (a == c || a == d || b == c || b == d) { /* a common end: the other one may not lie on the segment */
-        uint32_t const common = a == c || a == d ? a : b;
-        uint32_t const mine = common == a ? b : a;
-        uint32_t const other = common == c ? d : c;
-        const int32_t *const o = w->plane->q[common];
-        const int32_t *const m = w->plane->q[mine];
-        const int32_t *const n = w->plane->q[other];
-        int64_t dot;
-        if (mine == other) return 1;
-        dot = ((int64_t)m[0] - o[0]) * ((int64_t)n[0] - o[0]) +
-              ((int64_t)m[1] - o[1]) * ((int64_t)n[1] - o[1]);
-        return cap_turn(o, m, n) == 0 && dot > 0;
+        uint32_t const common = a == c || a == d ? a : b, mine = common == a ? b : a,
+                       other = common == c ? d : c;
+        return mine == other || bvxi_folds_back(q[common], q[mine], q[other]);
     }
-    /* Proper crossings first; then ends that lie on the other segment. */
-    if (((pr > 0 && pt < 0) || (pr < 0 && pt > 0)) && ((rp > 0 && rq < 0) || (rp < 0 && rq > 0))) return 1;
-    return (pr == 0 && cap_on(p, q, r)) || (pt == 0 && cap_on(p, q, t)) || (rp == 0 && cap_on(r, t, p)) ||
-           (rq == 0 && cap_on(r, t, q));
+    return bvxi_segments_meet(q[a], q[b], q[c], q[d]);
 }
 
 static int is_free(const cap_work *w, uint32_t a, uint32_t b)
 {
     const bvxi_plane *const p = w->plane;
-    /* Contours first, then bridges that were made before: a bridge may meet neither. */
     for (uint32_t i = 0; i < p->point_count; i++)
         if (cap_meets(w, a, b, i, p->next[i])) return 0;
     for (uint32_t i = 0; i < w->bridge_count; i++)
@@ -84,22 +53,14 @@ static int is_free(const cap_work *w, uint32_t a, uint32_t b)
     return 1;
 }
 
-static uint64_t cap_square(const cap_work *w, uint32_t a, uint32_t b)
-{
-    int64_t const x = (int64_t)w->plane->q[a][0] - w->plane->q[b][0];
-    int64_t const y = (int64_t)w->plane->q[a][1] - w->plane->q[b][1];
-    return (uint64_t)(x * x) + (uint64_t)(y * y);
-}
-
-/* 1 when a point lies within the angle of a corner. */
 static int is_in_corner(const cap_work *w, uint32_t i, uint32_t point)
 {
     const int32_t *const o = w->plane->q[w->corner[i]];
     const int32_t *const a = w->plane->q[w->corner[(i + w->count - 1) % w->count]];
     const int32_t *const b = w->plane->q[w->corner[(i + 1) % w->count]], *const m = w->plane->q[point];
     /* At a left turn the angle is what both edges have on their left; at a reflex corner, what either has. */
-    int const left_of_a = cap_turn(a, o, m) > 0, left_of_b = cap_turn(o, b, m) > 0;
-    return cap_turn(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
+    int const left_of_a = bvxi_turn_sign(a, o, m) > 0, left_of_b = bvxi_turn_sign(o, b, m) > 0;
+    return bvxi_turn_sign(a, o, b) > 0 ? left_of_a && left_of_b : left_of_a || left_of_b;
 }
 
 /* The nearest corner that a hole's point sees; corners are tried by their distance. */
@@ -112,7 +73,9 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
         uint64_t best = UINT64_MAX;
         uint32_t at = BVXI_NONE;
         for (uint32_t i = 0; i < w->count; i++) {
-            uint64_t const d = cap_square(w, from, w->corner[i]);
+            const int32_t *const a = w->plane->q[from], *const b = w->plane->q[w->corner[i]];
+            int64_t const x = (int64_t)a[0] - b[0], y = (int64_t)a[1] - b[1];
+            uint64_t const d = (uint64_t)(x * x) + (uint64_t)(y * y);
             if (d < last || (d == last && last_at != BVXI_NONE && i <= last_at)) continue;
             if (d < best) {
                 best = d;
@@ -123,7 +86,6 @@ static bvx_status find_bridge(cap_work *w, uint32_t from, uint32_t *corner)
             return bvxi_fail(w->s->ctx, BVX_ERR_FORMAT,
                              "%s: a hole of section %i cannot be joined to its loop", w->s->function,
                              (uint64_t)w->plane->section);
-        /* It must see the corner from within the polygon, and nothing may lie between. */
         if (is_in_corner(w, at, from) && is_free(w, from, w->corner[at])) {
             *corner = at;
             return BVX_OK;
@@ -154,18 +116,6 @@ static void insert_hole(cap_work *w, const bvxi_contour *hole, uint32_t from, ui
 
 /* ---- which holes ---- */
 
-static int cap_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
-{
-    int odd = 0;
-    for (uint32_t i = c->first; i < c->first + c->count; i++) {
-        const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-        /* Of the segments that pass the place's height, the parity of those to its right decides. */
-        if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
-        odd ^= (cap_turn(a, b, at) < 0) == (b[1] < a[1]);
-    }
-    return odd;
-}
-
 void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
 {
     for (uint32_t h = 0; h < p->contour_count; h++) {
@@ -174,23 +124,14 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
         if (!p->contour[h].hole) continue;
         for (uint32_t o = 0; o < p->contour_count; o++) {
             double area;
-            if (p->contour[o].hole || !cap_contains(p, &p->contour[o], p->q[p->contour[h].first])) continue;
+            if (p->contour[o].hole || !bvxi_loop_contains(p, &p->contour[o], p->q[p->contour[h].first]))
+                continue;
             area = bvxi_cap_area(p, &p->contour[o]);
             if (owner[h] != BVXI_NONE && area >= best) continue;
             owner[h] = o;
             best = area;
         }
     }
-}
-
-/* The corner with the highest u. */
-static uint32_t rightmost(const cap_work *w, const bvxi_contour *c)
-{
-    uint32_t best = BVXI_NONE;
-    for (uint32_t i = c->first; i < c->first + c->count; i++)
-        if (w->after[i] != BVXI_NONE && (best == BVXI_NONE || w->plane->q[i][0] > w->plane->q[best][0]))
-            best = i;
-    return best;
 }
 
 /* 1 when a point lies on the straight line from the one before it to the
@@ -250,10 +191,11 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
         for (uint32_t h = 0; h < p->contour_count; h++) {
             uint32_t r;
             if (owner[h] != outer) continue;
-            r = rightmost(w, &p->contour[h]);
-            if (next != BVXI_NONE && p->q[r][0] <= p->q[from][0]) continue;
-            next = h;
-            from = r;
+            for (r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
+                if (w->after[r] != BVXI_NONE && (next == BVXI_NONE || p->q[r][0] > p->q[from][0])) {
+                    next = h;
+                    from = r;
+                }
         }
         if (next == BVXI_NONE) return BVX_OK;
         owner[next] = BVXI_NONE;
@@ -282,24 +224,15 @@ static uint32_t side_vertex(const bvxi_plane *p, const cap_side *side, uint32_t 
     return p->vertex + (at < side->end ? at : at - (side->end - side->low));
 }
 
-/* None between corners that do not follow each other. */
 static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
 {
     const bvxi_plane *const p = w->plane;
-    uint32_t low = 0, high = p->contour_count;
 
     memset(side, 0, sizeof *side);
     /* Only corners that follow each other have a stretch of the ring between them; bridges have none. */
     if (p->lines || w->after[a] != b) return;
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->contour[middle].first <= a) low = middle;
-        else high = middle;
-    }
-    side->low = p->ring[p->contour[low].first];
-    side->end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
+    bvxi_ring_stretch(p, bvxi_contour_of(p, a), &side->low, &side->end);
     side->start = p->ring[a] + 1;
-    /* The stretch may go over the end of its loop. */
     side->count = (p->ring[b] > p->ring[a] ? p->ring[b] : p->ring[b] + (side->end - side->low)) - p->ring[a] -
                   1;
 }
@@ -325,7 +258,6 @@ static bvx_status divide_triangle(const cap_work *w, const uint32_t point[3])
     cap_side side[3];
     int turn = 0;
 
-    /* Turned so that the first side is one that has vertices, where there is one. */
     for (int i = 0; i < 3; i++) find_side(w, point[i], point[(i + 1) % 3], &side[i]);
     while (turn < 2 && side[turn].count == 0) turn++;
     for (int i = 0; i < 3; i++) {
@@ -384,22 +316,16 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
 {
     uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
     uint32_t *owner = NULL;
-    cap_work w;
+    cap_work w = {.s = s, .plane = plane, .side = side};
 
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    w.plane = plane;
-    w.side = side;
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * 4, "the holes of a cap", &owner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.after));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 4, "the corners of a cap", &w.corner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->contour_count * sizeof *w.bridge,
-                        "the bridges of a cap", &w.bridge));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * sizeof *w.at, "the corners of a cap", &w.at));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, corners * 12, "the triangles of a cap", &w.cut));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.after));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.corner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the bridges of a cap", w.bridge));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, corners, "the corners of a cap", w.at));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * corners, "the triangles of a cap", w.cut));
     return fill_regions(&w, owner);
 }
 

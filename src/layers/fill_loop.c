@@ -8,7 +8,7 @@
  * a vertex inside the cell is joined to the whole loop.
  *
  * Source: Klincsek. Minimal triangulations of polygonal domains. 1980 (the dynamic program). */
-#include "contours/section.h"
+#include "layers/trace.h"
 
 #include <math.h>
 
@@ -29,7 +29,7 @@ typedef struct fill_table {
     uint8_t split[FILL_EXACT][FILL_EXACT];
 } fill_table;
 
-static bvx_status emit_table(bvxi_stack *s, const bvxi_loop_fill *l, const fill_table *t)
+static bvx_status emit_table(const bvxi_trace *l, const fill_table *t)
 {
     uint8_t stack[2 * FILL_EXACT];
     uint32_t top = 0;
@@ -39,7 +39,7 @@ static bvx_status emit_table(bvxi_stack *s, const bvxi_loop_fill *l, const fill_
     while (top > 0) {
         uint8_t const j = stack[--top], i = stack[--top], k = j - i < 2 ? 0 : t->split[i][j];
         if (j - i < 2) continue;
-        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[i], l->vertex[k], l->vertex[j]));
+        BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[k], l->vertex[j]));
         stack[top++] = i;
         stack[top++] = k;
         stack[top++] = k;
@@ -49,7 +49,7 @@ static bvx_status emit_table(bvxi_stack *s, const bvxi_loop_fill *l, const fill_
 }
 
 /* cost: of the inner edges between i and j, and of the edge i j itself. */
-static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_table *t)
+static int fill_by_table(const bvxi_trace *l, fill_table *t)
 {
     uint32_t const n = l->count;
 
@@ -68,19 +68,18 @@ static int fill_by_table(const bvxi_loop_fill *l, const double *const *at, fill_
                     best = c;
                     t->split[i][j] = (uint8_t)k;
                 }
-                if (best < FILL_NEVER && gap < n - 1) best += fill_length(at[i], at[j]);
+                if (best < FILL_NEVER && gap < n - 1) best += fill_length(l->at[i], l->at[j]);
             }
             t->cost[i][j] = best;
         }
     return t->cost[0][n - 1] < FILL_NEVER;
 }
 
-/* Four corners: one of two inner edges. */
-static int fill_four(const bvxi_loop_fill *l, const double *const *at, uint32_t *first)
+static int fill_four(const bvxi_trace *l, uint32_t *first)
 {
     int const even = (l->faces[0] & l->faces[2]) == 0, odd = (l->faces[1] & l->faces[3]) == 0;
     if (!even && !odd) return 0;
-    *first = even && (!odd || fill_length(at[0], at[2]) <= fill_length(at[1], at[3])) ? 0 : 1;
+    *first = even && (!odd || fill_length(l->at[0], l->at[2]) <= fill_length(l->at[1], l->at[3])) ? 0 : 1;
     return 1;
 }
 
@@ -88,12 +87,11 @@ static int fill_four(const bvxi_loop_fill *l, const double *const *at, uint32_t 
 
 /* A loop of one stretch below and one above: below and above hold their
  * corners, side by side. Returns how many lie below, 0 for another loop. */
-static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_t *above)
+static uint32_t find_stretches(const bvxi_trace *l, uint32_t *below, uint32_t *above)
 {
     uint32_t const n = l->count;
     uint32_t start = 0, m = 0;
 
-    /* Where the loop goes over from above to below, the lower stretch begins. */
     while (start < n && !((l->faces[start] & FILL_BELOW) != 0 &&
                           (l->faces[start == 0 ? n - 1 : start - 1] & FILL_ABOVE) != 0))
         start++;
@@ -108,27 +106,26 @@ static uint32_t find_stretches(const bvxi_loop_fill *l, uint32_t *below, uint32_
 
 /* A strip between two stretches, always over the shorter next edge. Returns BVX_ERR_EMPTY, and makes nothing,
  * for another loop and where an edge would lie on a face. */
-static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at,
-                                uint32_t *below, uint32_t *above)
+static bvx_status fill_as_strip(const bvxi_trace *l)
 {
-    uint32_t const m = find_stretches(l, below, above), end = l->count - m;
-    uint64_t const start = s->mesh.triangle_count;
+    uint32_t const m = find_stretches(l, l->next, l->before), end = l->count - m;
+    uint64_t const start = l->s->mesh.triangle_count;
 
     if (m == 0) return BVX_ERR_EMPTY;
     for (uint32_t i = 0, j = 0; i + 1 < m || j + 1 < end;) {
-        /* The next triangle goes on along one of both stretches, over the shorter inner edge. */
-        uint32_t const a = below[i], b = above[j];
-        uint32_t const on = below[i + 1 < m ? i + 1 : i], beside = above[j + 1 < end ? j + 1 : j];
-        uint32_t const shorter = (uint32_t)(fill_length(at[on], at[b]) <= fill_length(at[a], at[beside]));
+        uint32_t const a = l->next[i], b = l->before[j];
+        uint32_t const on = l->next[i + 1 < m ? i + 1 : i], beside = l->before[j + 1 < end ? j + 1 : j];
+        uint32_t const shorter = (uint32_t)(fill_length(l->at[on], l->at[b]) <=
+                                            fill_length(l->at[a], l->at[beside]));
         /* no branch: which one comes next is a toss */
         uint32_t const up = ((uint32_t)(j + 1 == end) | shorter) & (uint32_t)(i + 1 < m);
-        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[a], l->vertex[beside + (up * (on - beside))],
+        BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[a], l->vertex[beside + (up * (on - beside))],
                                            l->vertex[b]));
         i += up;
         j += 1 - up;
         /* An inner edge within one face: the strip is taken off again, and another way is tried. */
-        if ((i + 1 < m || j + 1 < end) && (l->faces[below[i]] & l->faces[above[j]]) != 0) {
-            s->mesh.triangle_count = start;
+        if ((i + 1 < m || j + 1 < end) && (l->faces[l->next[i]] & l->faces[l->before[j]]) != 0) {
+            l->s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
         }
     }
@@ -138,60 +135,58 @@ static bvx_status fill_as_strip(bvxi_stack *s, const bvxi_loop_fill *l, const do
 /* ---- ears ---- */
 
 /* The corners between left, as a ring of numbers. Returns BVX_ERR_EMPTY when no ear may be cut off. */
-static bvx_status fill_by_ears(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at,
-                               uint32_t *next, uint32_t *before)
+static bvx_status fill_by_ears(const bvxi_trace *l)
 {
     uint32_t const n = l->count;
     uint32_t left = n, from = 0;
-    uint64_t const start = s->mesh.triangle_count;
+    uint64_t const start = l->s->mesh.triangle_count;
 
-    /* A ring of numbers, so that an ear is cut off in constant time. */
     for (uint32_t i = 0; i < n; i++) {
-        next[i] = i + 1 == n ? 0 : i + 1;
-        before[i] = i == 0 ? n - 1 : i - 1;
+        l->next[i] = i + 1 == n ? 0 : i + 1;
+        l->before[i] = i == 0 ? n - 1 : i - 1;
     }
     for (; left > 3; left--) {
         double best = FILL_NEVER;
         uint32_t ear = BVXI_NONE, i = from;
         do {
-            if ((l->faces[before[i]] & l->faces[next[i]]) == 0) {
-                double const c = fill_length(at[before[i]], at[next[i]]);
+            if ((l->faces[l->before[i]] & l->faces[l->next[i]]) == 0) {
+                double const c = fill_length(l->at[l->before[i]], l->at[l->next[i]]);
                 if (c < best) {
                     best = c;
                     ear = i;
                 }
             }
-            i = next[i];
+            i = l->next[i];
         } while (i != from);
         /* No ear is left that may be cut: what was made is taken off again. */
         if (ear == BVXI_NONE) {
-            s->mesh.triangle_count = start;
+            l->s->mesh.triangle_count = start;
             return BVX_ERR_EMPTY;
         }
-        BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[before[ear]], l->vertex[ear], l->vertex[next[ear]]));
-        next[before[ear]] = next[ear];
-        before[next[ear]] = before[ear];
-        from = next[ear];
+        BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[l->before[ear]], l->vertex[ear],
+                                           l->vertex[l->next[ear]]));
+        l->next[l->before[ear]] = l->next[ear];
+        l->before[l->next[ear]] = l->before[ear];
+        from = l->next[ear];
     }
-    return bvxi_section_add_triangle(s, l->vertex[before[from]], l->vertex[from], l->vertex[next[from]]);
+    return bvxi_section_add_triangle(l->s, l->vertex[l->before[from]], l->vertex[from],
+                                     l->vertex[l->next[from]]);
 }
 
-/* ---- around a vertex inside ---- */
-
-static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const double *const *at)
+static bvx_status fill_by_vertex(const bvxi_trace *l)
 {
     double middle[3] = {0.0, 0.0, 0.0}, centre[3], uv[2];
     uint32_t faces = 0xff, number;
 
     for (uint32_t i = 0; i < l->count; i++) {
         faces &= l->faces[i];
-        for (int k = 0; k < 3; k++) middle[k] += at[i][k];
+        for (int k = 0; k < 3; k++) middle[k] += l->at[i][k];
     }
     for (int k = 0; k < 3; k++) middle[k] /= l->count;
     /* The cell's middle, towards which the vertex moves where the mean lies on a face. */
     for (int k = 0; k < 2; k++)
-        uv[k] = s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << s->fine) * s->step[k];
-    bvxi_section_place(s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
+        uv[k] = l->s->origin[k] + (l->low[k] + 0.5 * l->size) / (double)(1 << l->s->fine) * l->s->step[k];
+    bvxi_section_place(l->s, uv[0], uv[1], 0.5 * (l->low_w + l->high_w), centre);
     if (l->cone == 2) {
         for (int k = 0; k < 3; k++) middle[k] += 0.5 * (centre[k] - middle[k]);
     } else if (
@@ -199,54 +194,52 @@ static bvx_status fill_by_vertex(bvxi_stack *s, const bvxi_loop_fill *l, const d
         0) { /* off that face, by less for smaller loops: the cone over a hole stays inside that of the loop round it */
         double reach = 0.0, share;
         for (uint32_t i = 0; i < l->count; i++) {
-            double const d = fill_length(at[i], middle);
+            double const d = fill_length(l->at[i], middle);
             if (d > reach) reach = d;
         }
         reach = sqrt(reach);
         share = 0.5 * reach / (reach + sqrt(fill_length(centre, middle)));
         for (int k = 0; k < 3; k++) middle[k] += share * (centre[k] - middle[k]);
     }
-    BVXI_TRY(bvxi_section_add_vertex(s, middle, &number));
+    BVXI_TRY(bvxi_section_add_vertex(l->s, middle, &number));
     for (uint32_t i = 0; i < l->count; i++)
         BVXI_TRY(
-            bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 1 == l->count ? 0 : i + 1], number));
+            bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 1 == l->count ? 0 : i + 1], number));
     return BVX_OK;
 }
 
-bvx_status bvxi_fill_loop(bvxi_stack *s, bvxi_loop_fill *l)
+bvx_status bvxi_fill_loop(bvxi_trace *l)
 {
     bvx_status status = BVX_ERR_EMPTY;
     uint32_t common = 0xff;
 
     l->strip = 0;
 
-    /* A face that all corners share decides whether the loop lies flat on it. */
     for (uint32_t i = 0; i < l->count; i++) common &= l->faces[i];
     if (l->count == 3 && common == 0 && !l->cone)
-        return bvxi_section_add_triangle(s, l->vertex[0], l->vertex[1], l->vertex[2]);
-    for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(s, l->vertex[i]);
+        return bvxi_section_add_triangle(l->s, l->vertex[0], l->vertex[1], l->vertex[2]);
+    for (uint32_t i = 0; i < l->count; i++) l->at[i] = bvxi_section_vertex(l->s, l->vertex[i]);
     /* common: flat on one face, where the neighbour has the same loop */
-    if (common != 0 || l->cone) return fill_by_vertex(s, l, l->at);
+    if (common != 0 || l->cone) return fill_by_vertex(l);
     /* Loops of four are frequent, and have two ways only. */
     if (l->count == 4) {
         uint32_t i;
-        if (fill_four(l, l->at, &i)) {
-            BVXI_TRY(bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 1], l->vertex[i + 2]));
-            return bvxi_section_add_triangle(s, l->vertex[i], l->vertex[i + 2], l->vertex[(i + 3) & 3]);
+        if (fill_four(l, &i)) {
+            BVXI_TRY(bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 1], l->vertex[i + 2]));
+            return bvxi_section_add_triangle(l->s, l->vertex[i], l->vertex[i + 2], l->vertex[(i + 3) & 3]);
         }
-        return fill_by_vertex(s, l, l->at);
+        return fill_by_vertex(l);
     }
-    /* Long loops between two planes are strips as a rule. */
     if (l->count > FILL_FEW) {
-        status = fill_as_strip(s, l, l->at, l->next, l->before);
+        status = fill_as_strip(l);
         l->strip = status == BVX_OK;
         if (status != BVX_ERR_EMPTY) return status;
     }
     if (l->count <= FILL_EXACT) {
         fill_table t;
-        if (fill_by_table(l, l->at, &t)) return emit_table(s, l, &t);
+        if (fill_by_table(l, &t)) return emit_table(l, &t);
     } else if (l->count <= FILL_MOST) {
-        status = fill_by_ears(s, l, l->at, l->next, l->before);
+        status = fill_by_ears(l);
     }
-    return status == BVX_ERR_EMPTY ? fill_by_vertex(s, l, l->at) : status;
+    return status == BVX_ERR_EMPTY ? fill_by_vertex(l) : status;
 }

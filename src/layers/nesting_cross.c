@@ -20,19 +20,12 @@ typedef struct nest_mesh {
     uint64_t triangles, position_room, owner_room;
 } nest_mesh;
 
-static int nest_is_level(const bvxi_slab *slab)
-{
-    return slab->plane[0]->whole != NULL;
-}
-
 static const double *nest_slab_vertex(const nest_mesh *m, const bvxi_slab *slab, uint32_t v)
 {
     uint64_t const rings = m->s->mesh.vertex_count;
 
     return v < rings ? m->s->mesh.position + 3 * (uint64_t)v : slab->mesh.position + 3 * (v - rings);
 }
-
-/* ---- cells ---- */
 
 /* The cells that a triangle lies in or touches: first and last of both axes. */
 static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, uint64_t triangle,
@@ -45,11 +38,8 @@ static void nest_cells_of_triangle(const nest_mesh *m, const bvxi_slab *slab, ui
         for (int c = 0; c < 3; c++) {
             const double *const p = nest_slab_vertex(m, slab,
                                                      slab->mesh.triangle[3 * triangle + (uint64_t)c]);
-            double const at = ((s->axis[k][0] * p[0] + s->axis[k][1] * p[1]) + s->axis[k][2] * p[2] -
-                               s->origin[k]) /
-                              s->step[k];
-            if (at < low) low = at;
-            if (at > high) high = at;
+            double const at = (bvxi_along_axis(s->axis[k], p) - s->origin[k]) / s->step[k];
+            bvxi_widen(&low, &high, &at, 1);
         }
         /* A little wider, as vertices on a border belong to both cells. */
         low = floor(low - NEST_SPARE);
@@ -90,28 +80,12 @@ static int nest_is_shared(const nest_mesh *m, const bvxi_slab *slab, uint64_t tr
     return 0;
 }
 
-/* ---- triangles ---- */
-
-static bvx_status nest_more_room(nest_mesh *m, void *block, uint64_t item, uint64_t *room)
-{
-    uint64_t const larger = *room < 256 ? 256 : 2 * *room;
-
-    if (m->triangles < *room) return BVX_OK;
-    if (larger > INT32_MAX)
-        return bvxi_fail_for(m->s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: the surface has more than 2^31 triangles", m->s->function);
-    BVXI_TRY(
-        bvxi_resize(m->s->ctx, BVXI_SCRATCH, block, *room * item, larger * item, "the surfaces of levels"));
-    *room = larger;
-    return BVX_OK;
-}
-
 static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t triangle)
 {
     const bvxi_slab *const slab = &m->slab[number];
 
-    BVXI_TRY(nest_more_room(m, &m->position, 72, &m->position_room));
-    BVXI_TRY(nest_more_room(m, &m->owner, 4, &m->owner_room));
+    BVXI_TRY(BVXI_GROW_BY(m->s, m->position, m->triangles, m->position_room, 72, "the surfaces of levels"));
+    BVXI_TRY(BVXI_GROW(m->s, m->owner, m->triangles, m->owner_room, "the surfaces of levels"));
     /* Corners are copied, since slabs number their vertices apart. */
     for (int c = 0; c < 3; c++)
         memcpy(m->position + 9 * m->triangles + 3 * c,
@@ -120,14 +94,13 @@ static bvx_status nest_keep_triangle(nest_mesh *m, uint32_t number, uint64_t tri
     return BVX_OK;
 }
 
-/* Levels of one slab follow each other. */
 static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
 {
     uint64_t const bytes = (uint64_t)m->s->size[1] * (uint64_t)m->s->words * 8;
 
     for (uint32_t i = 0, end; i < m->count; i = end) {
         end = i + 1;
-        if (!nest_is_level(&m->slab[i])) continue;
+        if (m->slab[i].plane[0]->whole == NULL) continue;
         while (end < m->count && m->slab[end].below == m->slab[i].below) end++;
 
         BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
@@ -152,7 +125,6 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
         const bvxi_slab *const a = &m->slab[m->owner[pairs[2 * i]]];
         const bvxi_slab *const b = &m->slab[m->owner[pairs[2 * i + 1]]];
 
-        /* Other slabs, the same level, or a slab that is known already. */
         if (a->below != b->below || a->level == b->level || joined[a->below] >= BVXI_LEVELS_CROSSED) continue;
         joined[a->below] |= BVXI_LEVELS_CROSSED;
         ++*found;
@@ -166,45 +138,31 @@ static void nest_mark_pairs(const nest_mesh *m, const uint32_t *pairs, uint64_t 
     }
 }
 
-static bvx_status nest_find_crossed(nest_mesh *m, uint32_t *found)
-{
-    bvx_context *const ctx = m->s->ctx;
-    uint32_t *pairs = NULL;
-    uint64_t count, room;
-    bvx_mesh_view view;
-
-    if (m->triangles == 0) return BVX_OK;
-    memset(&view, 0, sizeof view); /* corner by corner: vertices at one place are one there */
-    view.positions = m->position;
-    view.vertex_count = 3 * m->triangles;
-    view.triangle_count = m->triangles;
-    view.position_type = BVX_F64;
-
-    /* Counted first: nearly always there is none, and no list is needed. */
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 0.9, bvx_mesh_crossings(ctx, &view, &count, NULL, 0)));
-    if (count == 0) return BVX_OK;
-    room = count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, room * 8, "the crossings of levels", &pairs));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.9, 1.0, bvx_mesh_crossings(ctx, &view, &count, pairs, room)));
-    nest_mark_pairs(m, pairs, count, found);
-    return BVX_OK;
-}
-
 bvx_status bvxi_nesting_crossed(bvxi_stack *s, const bvxi_slab *slabs, uint32_t count, uint32_t *found)
 {
-    uint64_t const cells = (uint64_t)s->size[1] * (uint64_t)s->words * 8;
-    uint64_t *own = NULL;
-    nest_mesh m;
+    uint64_t const cells = (uint64_t)s->size[1] * (uint64_t)s->words;
+    nest_mesh m = {.s = s, .slab = slabs, .count = count};
+    bvx_mesh_view view = {0}; /* corner by corner: vertices at one place are one there */
+    uint32_t *pairs;
+    uint64_t *own, crossings;
 
     *found = 0;
     if (s->nesting.plane_count == 0) return BVX_OK;
-    memset(&m, 0, sizeof m);
-    m.s = s;
-    m.slab = slabs;
-    m.count = count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.seen));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &m.shared));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cells, "the cells of levels", &own));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.seen));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", m.shared));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cells, "the cells of levels", own));
     BVXI_TRY(nest_gather_shared(&m, own));
-    return nest_find_crossed(&m, found);
+    if (m.triangles == 0) return BVX_OK;
+    view.positions = m.position;
+    view.vertex_count = 3 * m.triangles;
+    view.triangle_count = m.triangles;
+    view.position_type = BVX_F64;
+
+    /* Counted first: nearly always there is none, and no list is needed. */
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.5, 0.9, bvx_mesh_crossings(s->ctx, &view, &crossings, NULL, 0)));
+    if (crossings == 0) return BVX_OK;
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 2 * crossings, "the crossings of levels", pairs));
+    BVXI_TRY(BVXI_SHARE(s->ctx, 0.9, 1.0, bvx_mesh_crossings(s->ctx, &view, &crossings, pairs, crossings)));
+    nest_mark_pairs(&m, pairs, crossings, found);
+    return BVX_OK;
 }

@@ -13,29 +13,22 @@ typedef struct nest_sizes {
     uint64_t groups, boxes, inside, bytes;
 } nest_sizes;
 
-/* The loop that an arc is a part of. */
 static uint32_t nest_contour_of_arc(const bvxi_plane *p, const bvxi_arc *arc)
 {
     return bvxi_contour_of(p, arc->from == BVXI_NONE ? arc->point : p->cut[arc->from].segment);
-}
-
-static uint64_t level_inside_words(const bvxi_stack *s)
-{
-    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
 }
 
 static void nest_measure_level(const bvxi_stack *s, const bvxi_plane *whole, const uint8_t *level,
                                uint32_t number, nest_sizes *size)
 {
     memset(size, 0, sizeof *size);
-    /* Sizes of what depends on which loops there are; points and crossings are the section's. */
     for (uint32_t c = 0; c < whole->contour_count; c++)
         if (level[c] == number) size->segments += whole->contour[c].count;
     for (uint32_t i = 0; i < whole->arc_count; i++)
         size->arcs += level[nest_contour_of_arc(whole, &whole->arc[i])] == number;
 
     bvxi_plane_tree_size(size->segments, &size->groups, &size->boxes);
-    size->inside = level_inside_words(s);
+    size->inside = bvxi_grid_words(s);
     size->bytes = whole->contour_count * sizeof *whole->contour + size->groups * sizeof *whole->group +
                   size->boxes * sizeof *whole->box + size->inside * sizeof *whole->inside +
                   size->arcs * (sizeof *whole->arc + sizeof *whole->ring_arc + sizeof *whole->arc_cell +
@@ -76,7 +69,6 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
     if (!whole->ends[0] && !whole->ends[1]) return;
 
     bvxi_plane_parts(whole, part);
-    /* A loop on another level than its part goes on: then the part does not end here. */
     for (uint32_t c = 0; c < p->contour_count; c++) {
         if (level[c] == level[part[c]]) continue;
         for (uint32_t i = 0; i < p->contour_count; i++)
@@ -89,7 +81,7 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
 /* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
 static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
 {
-    memset(p->inside, 0, (size_t)level_inside_words(s) * 8);
+    memset(p->inside, 0, (size_t)bvxi_grid_words(s) * 8);
     for (uint32_t i = 0; i < p->arc_count; i++) {
         const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
         uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
@@ -99,8 +91,7 @@ static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
         p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
     }
     bvxi_plane_fill_rows(s, p->inside);
-    /* A level of holes is inside where its loops are not. */
-    for (uint64_t i = 0; i < level_inside_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
+    for (uint64_t i = 0; i < bvxi_grid_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
 }
 
 static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
@@ -141,22 +132,10 @@ static bvx_status nest_make_level(bvxi_stack *s, bvxi_plane *whole, int side, ui
 
     *p = *whole;
     p->whole = whole;
-    p->level_bytes = size.bytes;
     p->turned = (int)(number & 1);
     nest_place_level(p, block, &size, &segment);
     nest_copy_loops(p, level, number, part);
     nest_fill_level(s, p, level, number, segment);
-    return BVX_OK;
-}
-
-static bvx_status nest_make_levels(bvxi_stack *s, uint32_t *part)
-{
-    bvxi_nesting *const n = &s->nesting;
-
-    for (uint32_t i = 0; i + 1 < s->plane_count; i++)
-        for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
-            for (int k = 0; k < 2; k++)
-                BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
     return BVX_OK;
 }
 
@@ -173,10 +152,13 @@ bvx_status bvxi_nesting_make(bvxi_stack *s)
     }
     if (n->plane_room == 0) return BVX_OK;
 
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, n->plane_room * sizeof *n->plane, "the levels of loops", &n->plane));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &part));
-    return nest_make_levels(s, part);
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n->plane_room, "the levels of loops", n->plane));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", part));
+    for (uint32_t i = 0; i + 1 < s->plane_count; i++)
+        for (uint32_t level = 0; level < n->count[i] && n->count[i] > 1; level++)
+            for (int k = 0; k < 2; k++)
+                BVXI_TRY(nest_make_level(s, &s->plane[i + (uint32_t)k], k, level, part));
+    return BVX_OK;
 }
 
 void bvxi_nesting_refresh(bvxi_plane *p)

@@ -57,7 +57,6 @@ static void meet_by_grid(ends_work *w)
             int const inside = i <= s->size[0] && bvxi_grid_bit(s, w->plane, i, j) &&
                                bvxi_grid_bit(s, w->other, i, j);
             double d;
-            /* Only the ends of runs are looked at. What a run passes over is left to is_met_by_points. */
             if (inside != was_inside)
                 meet_part(w, part_of_place(w, s->origin[0] + (inside ? i : i - 1) * s->step[0],
                                            s->origin[1] + j * s->step[1], &d));
@@ -66,18 +65,13 @@ static void meet_by_grid(ends_work *w)
     }
 }
 
-/* Contour points: of the part inside the other plane, of the other plane inside the part. */
 static int is_met_by_points(ends_work *w, uint32_t part)
 {
     const bvxi_plane *const p = w->plane, *const other = w->other;
     const bvxi_contour *const outer = &p->contour[part];
     double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300}, d;
 
-    for (uint32_t i = outer->first; i < outer->first + outer->count; i++)
-        for (int k = 0; k < 2; k++) {
-            if (p->uv[i][k] < low[k]) low[k] = p->uv[i][k];
-            if (p->uv[i][k] > high[k]) high[k] = p->uv[i][k];
-        }
+    for (uint32_t i = outer->first; i < outer->first + outer->count; i++) bvxi_widen(low, high, p->uv[i], 2);
     for (uint32_t i = 0; i < other->point_count; i++) {
         const double *const at = other->uv[i];
         if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1]) continue;
@@ -91,7 +85,6 @@ static int is_met_by_points(ends_work *w, uint32_t part)
     return 0;
 }
 
-/* The rows and columns of the grid that parts reach which are not met yet. */
 static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
 {
     const bvxi_plane *const p = w->plane;
@@ -102,7 +95,6 @@ static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
         if (w->met[w->owner[c]]) continue;
         for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++)
             for (int k = 0; k < 2; k++) {
-                /* q: fixed point; >> fine: the grid line below it. */
                 int32_t const line = p->q[i][k] >> w->s->fine;
 
                 if (line < low[k]) low[k] = line;
@@ -111,7 +103,6 @@ static void box_of_unmet(const ends_work *w, int32_t low[2], int32_t high[2])
     }
 }
 
-/* Only grid points inside count; each deepens the part it lies in. */
 static void depth_by_grid(ends_work *w, double *depth)
 {
     const bvxi_stack *const s = w->s;
@@ -151,13 +142,6 @@ static void depth_by_area(const ends_work *w, double *depth)
     }
 }
 
-/* How deep inside their part the grid's points lie at most; for a part that holds none, an estimate. */
-static void measure_depths(ends_work *w, double *depth)
-{
-    depth_by_grid(w, depth);
-    depth_by_area(w, depth);
-}
-
 void bvxi_plane_parts(const bvxi_plane *p, uint32_t *part)
 {
     bvxi_plane_owners(p, part);
@@ -186,42 +170,41 @@ static void mark_part_ends(ends_work *w, int side, const bvxi_plane *other, doub
             if (w->owner[c] == c && !w->met[c] && is_met_by_points(w, c)) meet_part(w, c);
     }
     if (w->left == 0) return;
-    measure_depths(w, depth);
+    depth_by_grid(w, depth);
+    depth_by_area(w, depth);
     for (uint32_t c = 0; c < p->contour_count; c++)
         if (!w->met[w->owner[c]]) p->contour[c].end[side] = depth[w->owner[c]];
     p->ends[side] = 1;
 }
 
-/* side: 0 below, 1 above. */
-static void mark_parts_on(ends_work *w, uint32_t number, int side, double *depth)
+static bvx_status mark_all_ends(bvxi_stack *s)
 {
-    bvxi_stack *const s = w->s;
-    int const taper = s->options.caps == BVX_CAPS_TAPER, last = number == (side ? s->plane_count - 1 : 0);
-    const bvxi_plane *const other = last ? NULL : &s->plane[side ? number + 1 : number - 1];
-    w->plane = &s->plane[number];
-    if (w->plane->contour_count == 0) return;
-    /* All parts end towards a section without loops; towards others only where ends taper. */
-    if (!last && other->contour_count == 0) mark_part_ends(w, side, NULL, depth);
-    else if (taper) mark_part_ends(w, side, other, depth);
+    int const taper = s->options.caps == BVX_CAPS_TAPER;
+    ends_work w = {.s = s};
+    uint64_t most = 0;
+    double *depth;
+
+    for (uint32_t i = 0; i < s->plane_count; i++)
+        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", w.owner));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", w.met));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, most, "the parts of sections", depth));
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "ends", (double)i / s->plane_count));
+        w.plane = &s->plane[i];
+        for (int side = 0; side < 2 && w.plane->contour_count != 0; side++) {
+            const bvxi_plane *const other = i == (side ? s->plane_count - 1 : 0)
+                                                ? NULL
+                                                : &s->plane[side ? i + 1 : i - 1];
+            /* All parts end towards a section without loops; towards others only where ends taper. */
+            if (other != NULL && other->contour_count == 0) mark_part_ends(&w, side, NULL, depth);
+            else if (taper) mark_part_ends(&w, side, other, depth);
+        }
+    }
+    return BVX_OK;
 }
 
 bvx_status bvxi_stack_ends(bvxi_stack *s)
 {
-    uint64_t const mark = bvxi_scratch_begin(s->ctx);
-    uint64_t most = 0;
-    double *depth = NULL;
-    ends_work w;
-
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    for (uint32_t i = 0; i < s->plane_count; i++)
-        if (s->plane[i].contour_count > most) most = s->plane[i].contour_count;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 4, "the parts of sections", &w.owner));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most, "the parts of sections", &w.met));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, most * 8, "the parts of sections", &depth));
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "ends", (double)i / s->plane_count));
-        for (int side = 0; side < 2; side++) mark_parts_on(&w, i, side, depth);
-    }
-    return bvxi_scratch_end(s->ctx, mark, BVX_OK);
+    return BVXI_SCOPE(s->ctx, mark_all_ends(s));
 }

@@ -6,14 +6,11 @@
 
 enum { RINGS_GRAIN = 4096 };
 
-/* ---- order ---- */
-
 /* Order of two crossings on one segment: -1, 0 (they are one), 1. */
 static int order_on_segment(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_line_cut *d)
 {
     const int32_t *const a = p->q[c->segment], *const b = p->q[p->next[c->segment]];
     if (c->axis == d->axis) {
-        /* Lines of one axis come in the order in which the segment runs. */
         if (c->line == d->line) return 0;
         return (c->line < d->line) == (b[c->axis] > a[c->axis]) ? -1 : 1;
     }
@@ -27,7 +24,6 @@ static void sort_cuts(const bvxi_plane *p, uint32_t *start, uint32_t *sorted)
     for (uint32_t i = 0; i < p->cut_count; i++) start[p->cut[i].segment]++;
     bvxi_place_counts32(start, p->point_count);
     for (uint32_t i = 0; i < p->cut_count; i++) sorted[start[p->cut[i].segment]++] = i;
-    /* Filling moved each start to its segment's end; they are moved back by one segment. */
     for (uint32_t i = p->point_count; i-- > 0;) start[i] = i == 0 ? 0 : start[i - 1];
     for (uint32_t k = 0; k < p->point_count; k++) {
         uint32_t const end = k + 1 < p->point_count ? start[k + 1] : p->cut_count;
@@ -71,8 +67,6 @@ void bvxi_plane_ring_arcs(bvxi_plane *p)
     }
 }
 
-/* ---- places ---- */
-
 /* Where a crossing lies, on the segment as given. One through a meeting of two lines, which are two crossings
  * at one place, is moved a little along the segment, as the lines are thought to be. */
 static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_cut *c, double at[3])
@@ -94,17 +88,6 @@ static void cut_place(const bvxi_stack *s, const bvxi_plane *p, const bvxi_line_
     }
     for (int k = 0; k < 3; k++) at[k] = from[k] + t * (to[k] - from[k]);
 }
-
-static void place_ring(const bvxi_stack *s, const bvxi_plane *p)
-{
-    double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
-    for (uint32_t i = 0; i < p->point_count; i++)
-        memcpy(position + 3 * (uint64_t)p->ring[i], s->given->points + 3 * (uint64_t)p->given[i], 24);
-    for (uint32_t i = 0; i < p->cut_count; i++)
-        cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
-}
-
-/* ---- all planes ---- */
 
 typedef struct ring_job {
     bvxi_stack *s;
@@ -130,17 +113,34 @@ static void ring_count_piece(void *user, uint64_t begin, uint64_t end)
 
 static void ring_place_piece(void *user, uint64_t begin, uint64_t end)
 {
-    const ring_job *const job = user;
-    for (uint64_t i = begin; i < end; i++) place_ring(job->s, &job->s->plane[i]);
+    const bvxi_stack *const s = ((const ring_job *)user)->s;
+
+    for (const bvxi_plane *p = s->plane + begin; p < s->plane + end; p++) {
+        double *const position = s->mesh.position + 3 * (uint64_t)p->vertex;
+        for (uint32_t i = 0; i < p->point_count; i++)
+            memcpy(position + 3 * (uint64_t)p->ring[i], s->given->points + 3 * (uint64_t)p->given[i], 24);
+        for (uint32_t i = 0; i < p->cut_count; i++)
+            cut_place(s, p, &p->cut[i], position + 3 * (uint64_t)p->cut[i].ring);
+    }
 }
 
-static bvx_status make_in_job(ring_job *job)
+bvx_status bvxi_rings_make(bvxi_stack *s)
 {
-    bvxi_stack *const s = job->s;
-    uint64_t vertices = 0;
+    ring_job job = {.s = s};
+    uint64_t cuts = 0, vertices = 0;
 
-    BVXI_TRY(
-        bvxi_for_ranges(s->ctx, "rings", 0.0, 0.5, job->pieces, job->s->plane_count, ring_count_piece, job));
+    /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
+    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
+    job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
+    BVXI_TRY(BVXI_ZEROS(s->ctx, s->all.point_room, "the crossings of segments", job.start));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, cuts, "the crossings in order", job.sorted));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->plane_count, "the crossings in order", job.first));
+    cuts = 0;
+    for (uint32_t i = 0; i < s->plane_count; i++) {
+        job.first[i] = cuts;
+        cuts += s->plane[i].cut_count;
+    }
+    BVXI_TRY(bvxi_for_ranges(s->ctx, "rings", 0.0, 0.5, job.pieces, s->plane_count, ring_count_piece, &job));
 
     /* Rings lie one after the other, so a vertex is a plane's first and its place in the ring. */
     for (uint32_t i = 0; i < s->plane_count; i++) {
@@ -150,36 +150,12 @@ static bvx_status make_in_job(ring_job *job)
             return bvxi_fail_for(s->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: the surface has more than 2^32 vertices", s->function);
     }
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, vertices * 24, "the vertices of a body", &s->mesh.position));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, 3 * vertices, "the vertices of a body", s->mesh.position));
     s->mesh.vertex_room = s->mesh.vertex_count = vertices;
     /* Copies of planes for levels hold rings of their own, which follow the crossings just numbered. */
     for (uint32_t i = 0; i < s->nesting.plane_count; i++) {
         bvxi_nesting_refresh(&s->nesting.plane[i]);
         bvxi_plane_ring_arcs(&s->nesting.plane[i]);
     }
-    return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job->pieces, job->s->plane_count, ring_place_piece,
-                           job);
-}
-
-bvx_status bvxi_rings_make(bvxi_stack *s)
-{
-    uint64_t const starts = s->all.point_room * 4, firsts = (uint64_t)s->plane_count * 8;
-    uint64_t cuts = 0;
-    ring_job job;
-
-    memset(&job, 0, sizeof job);
-    job.s = s;
-
-    /* Scratch as large as all planes' cuts, so that planes need not wait for each other. */
-    for (uint32_t i = 0; i < s->plane_count; i++) cuts += s->plane[i].cut_count;
-    job.pieces = bvxi_section_pieces(s->plane_count, s->all.point_room + cuts, RINGS_GRAIN);
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, starts, "the crossings of segments", &job.start));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, cuts * 4, "the crossings in order", &job.sorted));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, firsts, "the crossings in order", &job.first));
-    cuts = 0;
-    for (uint32_t i = 0; i < s->plane_count; i++) {
-        job.first[i] = cuts;
-        cuts += s->plane[i].cut_count;
-    }
-    return make_in_job(&job);
+    return bvxi_for_ranges(s->ctx, "rings", 0.5, 1.0, job.pieces, s->plane_count, ring_place_piece, &job);
 }

@@ -14,16 +14,10 @@
 
 /* ---- distances ---- */
 
-double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q)
-{
-    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
-}
-
 static double grid_distance(bvxi_field *f, bvxi_plane_field *p, int32_t i, int32_t j)
 {
     size_t const n = (size_t)j * (size_t)(f->s->size[0] + 1) + (size_t)i;
 
-    /* Without an array of distances each is measured when it is needed. */
     if (p->distance == NULL)
         return bvxi_plane_distance(p->plane, f->s->origin[0] + i * f->s->step[0],
                                    f->s->origin[1] + j * f->s->step[1], &p->hint);
@@ -41,7 +35,6 @@ static double corner_distance(bvxi_field *f, const int32_t at[2], int k)
 {
     bvxi_plane_field *const p = &f->plane[k];
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
-    /* Grid points share what is known; corners of subdivided cells lie between them. */
     if ((at[0] & part) == 0 && (at[1] & part) == 0) return grid_distance(f, p, at[0] >> fine, at[1] >> fine);
     return bvxi_plane_distance(p->plane, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]),
                                &p->hint);
@@ -58,7 +51,6 @@ static double ending_part(bvxi_field *f, int k, double u, double v, double *dist
 {
     const bvxi_plane *const p = f->slab->plane[k];
     uint32_t contour;
-    /* Most planes have no part that ends on this side, and need no search. */
     if (!p->ends[1 - k]) return 0.0;
     *distance = bvxi_contour_distance(p, u, v, &f->plane[k].hint, &contour);
     return p->contour[contour].end[1 - k];
@@ -125,7 +117,6 @@ double bvxi_field_between(bvxi_field *f, const int32_t at[2], const uint8_t insi
     double value[BVXI_BLEND_SECTIONS];
 
     for (int k = 0; k < 2; k++) value[k] = bvxi_field_corner(f, at, k, inside[k]);
-    /* The linear blend needs no plane beyond, and stays as it always was. */
     if (!f->cubic) return (1.0 - t) * value[0] + t * value[1];
     for (int k = BVXI_BLEND_FAR_BELOW; k < BVXI_BLEND_SECTIONS; k++) value[k] = far_corner(f, at, k);
     return bvxi_blend_value(&f->blend, value, t);
@@ -165,7 +156,6 @@ static double line_zero(const bvxi_field *f, int from, const double d[BVXI_BLEND
     if (!f->cubic) return d[0] + d[1] > 0.0 ? d[0] / (d[0] + d[1]) : 0.5;
     memcpy(value, d, sizeof value);
 
-    /* The place is inside on one plane and outside on the other, so one distance is negative. */
     value[1 - from] = -value[1 - from];
     return bvxi_blend_zero(&f->blend, value);
 }
@@ -212,7 +202,6 @@ static void measure_ends(bvxi_field *f)
     bvxi_stack *const s = f->s;
     uint32_t n = 0;
 
-    /* Only set bits are gone over; n counts them, since arrays hold crossed lines alone. */
     for (int32_t j = 0; j <= s->size[1]; j++)
         for (int32_t word = 0; word < s->words; word++)
             for (uint64_t bits = f->crossed[(size_t)j * (size_t)s->words + (size_t)word]; bits != 0;
@@ -324,21 +313,16 @@ static bvx_status cross_lines(bvxi_field *f)
 
 /* ---- slabs ---- */
 
-static uint64_t known_bytes(const bvxi_stack *s)
+static uint64_t known_words(const bvxi_stack *s)
 {
-    return (((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1) + 63) / 64 * 8;
-}
-
-static uint64_t column_bytes(const bvxi_stack *s)
-{
-    return ((uint64_t)s->size[0] + 3) * sizeof(bvxi_column_hint);
+    return (((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1) + 63) / 64;
 }
 
 static void set_plane(bvxi_field *f, bvxi_plane_field *p, const bvxi_plane *plane)
 {
     p->plane = plane;
     p->hint = 0;
-    if (p->known != NULL) memset(p->known, 0, (size_t)known_bytes(f->s));
+    if (p->known != NULL) memset(p->known, 0, (size_t)known_words(f->s) * 8);
 }
 
 static void index_hanging(bvxi_field *f)
@@ -368,7 +352,6 @@ static void set_blend(bvxi_field *f)
         f->cubic = 0;
     if (!f->cubic) return;
 
-    /* Heights of the planes beyond, from those of the slab; 0 stands for none. */
     f->blend.height = slab->plane[1]->w - slab->plane[0]->w;
     f->blend.below = slab->far[0] == NULL ? 0.0 : slab->plane[0]->w - slab->far[0]->w;
     f->blend.above = slab->far[1] == NULL ? 0.0 : slab->far[1]->w - slab->plane[1]->w;
@@ -398,29 +381,22 @@ bvx_status bvxi_field_set(bvxi_field *f, bvxi_slab *slab)
 bvx_status bvxi_field_open(bvxi_stack *s, bvxi_field *f, uint32_t lines)
 {
     uint64_t const points = ((uint64_t)s->size[0] + 1) * ((uint64_t)s->size[1] + 1);
-    uint64_t const words = ((uint64_t)s->size[1] + 1) * (uint64_t)s->words;
+    uint64_t const words = bvxi_grid_words(s);
 
     memset(f, 0, sizeof *f);
     f->s = s;
     f->line_room = lines;
     for (int k = 0; k < (s->options.slabs.blend == BVX_BLEND_CUBIC ? BVXI_BLEND_SECTIONS : 2); k++) {
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, column_bytes(s), "the distances of a section",
-                            &f->plane[k].column));
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, (uint64_t)lines * 8, "the distances of a section",
-                                 &f->line[k]));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, s->size[0] + 3, "the distances of a section", f->plane[k].column));
+        BVXI_TRY(BVXI_ZEROS(s->ctx, lines, "the distances of a section", f->line[k]));
         /* Each line is measured once then; keeping distances would only cost memory. */
         if (s->options.slabs.crossings == BVX_CROSSINGS_EXACT && s->options.slabs.layers == 1) continue;
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "the distances of a section",
-                            &f->plane[k].distance));
-        BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, known_bytes(s), "the distances of a section",
-                                 &f->plane[k].known));
+        BVXI_TRY(BVXI_ARRAY(s->ctx, points, "the distances of a section", f->plane[k].distance));
+        BVXI_TRY(BVXI_ZEROS(s->ctx, known_words(s), "the distances of a section", f->plane[k].known));
     }
-    if (s->options.slabs.layers > 1)
-        BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, lines, "the crossings of lines", &f->layer));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[0] + 2) * 4, "the corners of cells",
-                        &f->hanging_column));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 2) * 4, "the corners of cells",
-                        &f->hanging_row));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 4, "the crossed lines", &f->before));
-    return bvxi_alloc(s->ctx, BVXI_SCRATCH, words * 8, "the crossed lines", &f->crossed);
+    if (s->options.slabs.layers > 1) BVXI_TRY(BVXI_ARRAY(s->ctx, lines, "the crossings of lines", f->layer));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[0] + 2, "the corners of cells", f->hanging_column));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (uint64_t)s->size[1] + 2, "the corners of cells", f->hanging_row));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, words, "the crossed lines", f->before));
+    return BVXI_ARRAY(s->ctx, words, "the crossed lines", f->crossed);
 }

@@ -7,8 +7,6 @@
 #include "bits/bits.h"
 #include "layers/slab.h"
 
-/* ---- What a signed distance is between two sections, from it on these and on the ones beyond ---- */
-
 /* Sections that a blend looks at: the two it lies between, and those beyond them. */
 enum { BVXI_BLEND_BELOW, BVXI_BLEND_ABOVE, BVXI_BLEND_FAR_BELOW, BVXI_BLEND_FAR_ABOVE, BVXI_BLEND_SECTIONS };
 
@@ -77,7 +75,5 @@ static inline uint32_t bvxi_line_number(const bvxi_field *f, int32_t i, int32_t 
     size_t const word = (size_t)j * (size_t)f->s->words + (size_t)(i >> 6);
     return f->before[word] + bvxi_popcount(f->crossed[word] & ((UINT64_C(1) << (i & 63)) - 1));
 }
-
-double bvxi_fixed_u(const bvxi_stack *s, int axis, int32_t q);
 
 #endif

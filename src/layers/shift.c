@@ -8,14 +8,13 @@
  * nothing is put in. */
 #include "layers/shift.h"
 
-/* A given plane's loops, with the steps that mending moved their points by. */
 static bvx_status copy_plane(const bvxi_stack *s, const bvxi_plane *p, uint32_t number, bvxi_mended *to)
 {
     for (uint32_t c = 0; c < p->contour_count; c++) {
-        BVXI_TRY(bvxi_mended_add_loop(s->ctx, to, number, s->options.label));
+        BVXI_TRY(bvxi_mended_add_loop(to, number, s->options.label));
         for (uint32_t i = p->contour[c].first; i < p->contour[c].first + p->contour[c].count; i++) {
             uint64_t const at = p->given[i];
-            BVXI_TRY(bvxi_mended_add_point(s->ctx, to, s->given->points + 3 * at,
+            BVXI_TRY(bvxi_mended_add_point(to, s->given->points + 3 * at,
                                            s->nudge == NULL ? 0 : s->nudge[at][0],
                                            s->nudge == NULL ? 0 : s->nudge[at][1]));
         }
@@ -43,58 +42,43 @@ static void keep_points_near(const bvxi_stack *s, const bvxi_plane *pair, bvxi_d
     while (g->steps > 1 && 0.2 * gap / g->steps < most) g->steps--;
 }
 
-static bvx_status add_shift_position(bvx_context *ctx, bvxi_shifted *to, double w)
+static bvx_status add_shift_position(bvxi_shifted *to, double w)
 {
     bvx_sections *const body = &to->body.sections;
-    uint64_t const room = to->position_room < 16 ? 16 : 2 * to->position_room;
 
-    if (body->section_count == to->position_room) {
-        BVXI_TRY(bvxi_resize(ctx, BVXI_SCRATCH, &to->positions, to->position_room * 8, room * 8,
-                             "the positions of sections"));
-        to->position_room = room;
-    }
+    BVXI_TRY(BVXI_GROW(&to->body, to->positions, body->section_count, to->position_room,
+                       "the positions of sections"));
     to->positions[body->section_count++] = w;
-    return BVX_OK;
-}
-
-/* What lies between a plane and the next one. */
-static bvx_status put_between(const bvxi_stack *s, const bvxi_plane *pair, bvxi_discs on[2], bvxi_shifted *to)
-{
-    uint32_t const number = (uint32_t)to->body.sections.section_count;
-    bvxi_disc_groups g;
-
-    /* Positions first, as the loops are numbered by them. */
-    BVXI_TRY(bvxi_disc_groups_open(s, on, &g));
-    keep_points_near(s, pair, &g);
-    for (uint32_t n = 1; n < g.steps; n++)
-        BVXI_TRY(add_shift_position(s->ctx, to, pair[0].w + (double)n / g.steps * (pair[1].w - pair[0].w)));
-    if (g.steps > 1) {
-        to->sections += g.steps - 1;
-        to->parts += g.shifted;
-        BVXI_TRY(bvxi_shift_between(s, on, &g, number, &to->body));
-    }
     return BVX_OK;
 }
 
 static bvx_status shift_pair(const bvxi_stack *s, const bvxi_plane *pair, bvxi_shifted *to)
 {
+    uint32_t const number = (uint32_t)to->body.sections.section_count;
+    bvxi_disc_groups g;
     bvxi_discs on[2];
 
-    memset(on, 0, sizeof on);
-    BVXI_TRY(bvxi_discs_open(s, &pair[0], &on[0]));
-    BVXI_TRY(bvxi_discs_open(s, &pair[1], &on[1]));
-    return put_between(s, pair, on, to);
+    for (int k = 0; k < 2; k++) BVXI_TRY(bvxi_discs_open(s, &pair[k], &on[k]));
+    /* Positions first, as the loops are numbered by them. */
+    BVXI_TRY(bvxi_disc_groups_open(s, on, &g));
+    keep_points_near(s, pair, &g);
+    for (uint32_t n = 1; n < g.steps; n++)
+        BVXI_TRY(add_shift_position(to, pair[0].w + (double)n / g.steps * (pair[1].w - pair[0].w)));
+    if (g.steps == 1) return BVX_OK;
+    to->sections += g.steps - 1;
+    to->parts += g.shifted;
+    return bvxi_shift_between(s, on, &g, number, &to->body);
 }
 
 bvx_status bvxi_shift_stack(const bvxi_stack *s, bvxi_shifted *to)
 {
-    memset(to, 0, sizeof *to);
+    *to = (bvxi_shifted){.body = {.ctx = s->ctx, .function = s->function}};
     memcpy(to->body.sections.normal, s->given->normal, sizeof s->given->normal);
     bvxi_stack_give_grid(s, &to->body.grid);
 
     for (uint32_t i = 0; i < s->plane_count; i++) {
         double const done = (double)i / s->plane_count;
-        BVXI_TRY(add_shift_position(s->ctx, to, s->plane[i].w));
+        BVXI_TRY(add_shift_position(to, s->plane[i].w));
         BVXI_TRY(copy_plane(s, &s->plane[i], (uint32_t)to->body.sections.section_count - 1, &to->body));
         /* Towards a section without loops the body ends, whatever is beyond. */
         if (i + 1 < s->plane_count && s->plane[i].contour_count != 0 && s->plane[i + 1].contour_count != 0)

@@ -13,8 +13,8 @@ typedef struct bvxi_disc {
     double area, width; /* width: four areas over the border, the diameter of a circle */
     uint32_t hint;      /* a segment near to the last place */
     uint32_t depth;     /* how many loops it lies in */
-    uint32_t root;      /* of its group while groups are found, then the group */
-    uint32_t next;      /* disc of its group on its plane, or BVXI_NONE */
+    uint32_t group;
+    uint32_t next; /* disc of its group on its plane, or BVXI_NONE */
 } bvxi_disc;
 
 /* The discs of a plane. */

@@ -58,7 +58,6 @@ static double group_value(shift_lattice *l, const bvxi_disc_group *g, double t, 
     return (1.0 - t) * value[0] + t * value[1];
 }
 
-/* Lattice points from one before the box to one after it, as far as there are any. */
 static void lattice_range(const shift_lattice *l, const bvxi_disc_group *g, double t, int32_t range[2][2])
 {
     for (int k = 0; k < 2; k++) {
@@ -72,8 +71,6 @@ static void lattice_range(const shift_lattice *l, const bvxi_disc_group *g, doub
     }
 }
 
-/* The greatest value of all groups of a depth. Along a row the points within the value found are passed over:
- * they have its sign, and none of their edges is crossed. */
 static void fill_group_values(shift_lattice *l, const bvxi_disc_group *g, double t)
 {
     double const edge = l->step[0] > l->step[1] ? l->step[0] : l->step[1];
@@ -97,20 +94,14 @@ static void fill_group_values(shift_lattice *l, const bvxi_disc_group *g, double
         }
 }
 
-static void clear_values(const shift_lattice *l, double *value)
-{
-    size_t const n = (size_t)l->size[0] * (size_t)l->size[1];
-    for (size_t i = 0; i < n; i++) value[i] = -1e300;
-}
-
 /* Outlines, less holes, with islands, and so on. */
 static void fill_values(shift_lattice *l, double t)
 {
     size_t const n = (size_t)l->size[0] * (size_t)l->size[1];
 
-    clear_values(l, l->value);
+    for (size_t i = 0; i < n; i++) l->value[i] = -1e300;
     for (uint32_t depth = 0; depth < l->g->depths; depth++) {
-        clear_values(l, l->level);
+        for (size_t i = 0; i < n; i++) l->level[i] = -1e300;
         for (uint32_t i = 0; i < l->g->count; i++)
             if (l->g->group[i].depth == depth) fill_group_values(l, &l->g->group[i], t);
         for (size_t i = 0; i < n; i++) {
@@ -128,7 +119,6 @@ static void find_deep(shift_lattice *l, bvxi_disc_group *g)
     int const k = g->count[0] == 0;
     int32_t range[2][2];
 
-    /* At its own plane, where nothing of it has sunk yet. */
     lattice_range(l, g, k, range);
     for (int32_t j = range[1][0]; j <= range[1][1]; j++)
         for (int32_t i = range[0][0]; i <= range[0][1]; i++) {
@@ -146,7 +136,6 @@ static int value_inside(shift_lattice *l, int32_t i, int32_t j)
     return *shift_value(l->value, l, i, j) > 0.0;
 }
 
-/* The crossing of the edge from a point to the next one along an axis. */
 static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
 {
     double const a = *shift_value(l->value, l, i, j),
@@ -159,27 +148,19 @@ static bvx_status add_crossing(shift_lattice *l, int32_t i, int32_t j, int axis)
     at[0] = l->origin[0] + (i + (axis == 0 ? share : 0.0)) * l->step[0];
     at[1] = l->origin[1] + (j + (axis == 1 ? share : 0.0)) * l->step[1];
     bvxi_section_place(l->s, at[0], at[1], l->w, place);
-    return bvxi_mended_add_point(l->s->ctx, l->to, place, 0, 0);
+    return bvxi_mended_add_point(l->to, place, 0, 0);
 }
 
 /* Sides of a cell are 0 low v, 1 high u, 2 high v, 3 low u, its corners 0 to 3 counter-clockwise from the
  * low one; side n runs from corner n to the next one. */
-static void cell_corners(shift_lattice *l, int32_t i, int32_t j, int inside[4])
-{
-    inside[0] = value_inside(l, i, j);
-    inside[1] = value_inside(l, i + 1, j);
-    inside[2] = value_inside(l, i + 1, j + 1);
-    inside[3] = value_inside(l, i, j + 1);
-}
-
 /* The side by which a border leaves that came in by one, inside on its left. Where all four sides are
  * crossed it turns right around the corner outside when the middle is inside, else left. */
 static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
 {
-    int inside[4];
+    int const inside[4] = {value_inside(l, i, j), value_inside(l, i + 1, j), value_inside(l, i + 1, j + 1),
+                           value_inside(l, i, j + 1)};
     double middle;
 
-    cell_corners(l, i, j, inside);
     if (inside[0] != inside[1] && inside[1] != inside[2] && inside[2] != inside[3]) {
         middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
                  (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
@@ -209,7 +190,7 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     int32_t const start[2] = {i, j};
     int from = up ? 0 : 2;
 
-    BVXI_TRY(bvxi_mended_add_loop(l->s->ctx, l->to, l->section, l->s->options.label));
+    BVXI_TRY(bvxi_mended_add_loop(l->to, l->section, l->s->options.label));
 
     /* Inside is on the left of the way, so that it comes into the cell below from its upper side. */
     if (!up) j--;
@@ -269,7 +250,6 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
 {
     double const below = l->on[0].plane->w, above = l->on[1].plane->w;
 
-    /* How deep what ends is must be known before the first section, and is the same for all. */
     for (uint32_t i = 0; i < l->g->count; i++)
         if (l->g->group[i].count[0] == 0 || l->g->group[i].count[1] == 0) find_deep(l, &l->g->group[i]);
     for (uint32_t n = 1; n < l->g->steps; n++) {
@@ -286,21 +266,15 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
 bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_groups *g, uint32_t number,
                               bvxi_mended *to)
 {
-    shift_lattice l;
+    shift_lattice l = {.s = s, .on = on, .g = g, .to = to};
     uint64_t points;
 
-    /* The lattice follows from the thinnest part that moves, so each pair of sections has its own. */
-    memset(&l, 0, sizeof l);
-    l.s = s;
-    l.on = on;
-    l.g = g;
-    l.to = to;
     lay_shift_lattice(&l);
     points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
 
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.value));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, points * 8, "a section between two", &l.level));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (points + 63) / 64 * 8, "a section between two", &l.seen));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, (points + 63) / 64, "a section between two", l.seen));
     BVXI_TRY(add_sections(&l, number));
     bvxi_drop(s->ctx, l.seen);
     bvxi_drop(s->ctx, l.level);

@@ -19,11 +19,7 @@ enum { SHIFT_MOST_STEPS = 64, SHIFT_STEPS_A_WIDTH = 8 };
 static void disc_box(const bvxi_plane *p, const bvxi_contour *c, double box[4])
 {
     for (int k = 0; k < 2; k++) box[k] = box[k + 2] = p->uv[c->first][k];
-    for (uint32_t i = c->first; i < c->first + c->count; i++)
-        for (int k = 0; k < 2; k++) {
-            if (p->uv[i][k] < box[k]) box[k] = p->uv[i][k];
-            if (p->uv[i][k] > box[k + 2]) box[k + 2] = p->uv[i][k];
-        }
+    for (uint32_t i = c->first; i < c->first + c->count; i++) bvxi_widen(box, box + 2, p->uv[i], 2);
 }
 
 /* Area, centre and width, from the loop's first point, so that far coordinates cost no digits. */
@@ -76,7 +72,6 @@ static void make_discs(bvxi_discs *d)
     const bvxi_plane *const p = d->plane;
     uint64_t group = 0, box = 0;
 
-    /* A view takes its segments by number; the numbers of a loop follow each other. */
     for (uint32_t i = 0; i < p->point_count; i++) d->segment[i] = i;
     for (uint32_t c = 0; c < d->count; c++) {
         bvxi_disc *const disc = &d->disc[c];
@@ -114,13 +109,10 @@ bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_di
         groups += g;
         boxes += b;
     }
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, d->count * sizeof *d->disc, "the parts of a section",
-                             &d->disc));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)plane->point_count * 4, "the parts of a section",
-                        &d->segment));
-    BVXI_TRY(
-        bvxi_alloc(s->ctx, BVXI_SCRATCH, groups * sizeof *d->group, "the parts of a section", &d->group));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, boxes * sizeof *d->box, "the parts of a section", &d->box));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, d->count, "the parts of a section", d->disc));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, plane->point_count, "the parts of a section", d->segment));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, groups, "the parts of a section", d->group));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, boxes, "the parts of a section", d->box));
     make_discs(d);
     return BVX_OK;
 }
@@ -131,23 +123,6 @@ bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_di
 static bvxi_disc *disc_at(bvxi_discs on[2], uint32_t i)
 {
     return i < on[0].count ? &on[0].disc[i] : &on[1].disc[i - on[0].count];
-}
-
-static uint32_t find_root(bvxi_discs on[2], uint32_t i)
-{
-    while (disc_at(on, i)->root != i) {
-        disc_at(on, i)->root = disc_at(on, disc_at(on, i)->root)->root;
-        i = disc_at(on, i)->root;
-    }
-    return i;
-}
-
-static void join_discs(bvxi_discs on[2], uint32_t i, uint32_t j)
-{
-    uint32_t const a = find_root(on, i), b = find_root(on, j);
-
-    if (a < b) disc_at(on, b)->root = a;
-    else disc_at(on, a)->root = b;
 }
 
 static int has_point_in(const bvxi_disc *a, const bvxi_disc *b)
@@ -168,7 +143,7 @@ static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
     return has_point_in(a, b) || has_point_in(b, a);
 }
 
-static void join_overlapping(bvxi_discs on[2], uint8_t *met)
+static void join_overlapping(bvxi_discs on[2], uint8_t *met, uint32_t *joined)
 {
     for (uint32_t i = 0; i < on[0].count; i++)
         for (uint32_t j = 0; j < on[1].count; j++) {
@@ -176,7 +151,7 @@ static void join_overlapping(bvxi_discs on[2], uint8_t *met)
             /* A hole over an outline is no overlap of parts. */
             if (a->depth != b->depth || !discs_overlap(a, b)) continue;
             met[i] = met[on[0].count + j] = 1;
-            join_discs(on, i, on[0].count + j);
+            bvxi_join(joined, i, on[0].count + j);
         }
 }
 
@@ -193,7 +168,6 @@ static double centre_square(const bvxi_disc *a, const bvxi_disc *b)
     return x * x + y * y;
 }
 
-/* The nearest disc above that is free, within reach. */
 static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t i, double reach)
 {
     shift_near near = {BVXI_NONE, reach * reach};
@@ -213,7 +187,7 @@ static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t 
 
 /* The nearest pair of all is joined, until none is left. What was nearest to each disc is looked for again
  * only when another has taken it. */
-static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, double reach)
+static void join_nearest(bvxi_discs on[2], uint8_t *met, uint32_t *joined, shift_near *near, double reach)
 {
     for (uint32_t i = 0; i < on[0].count; i++)
         if (!met[i]) near[i] = find_near_disc(on, met, i, reach);
@@ -230,7 +204,7 @@ static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, doubl
             continue;
         }
         met[best] = met[on[0].count + near[best].to] = 1;
-        join_discs(on, best, on[0].count + near[best].to);
+        bvxi_join(joined, best, on[0].count + near[best].to);
     }
 }
 
@@ -239,7 +213,7 @@ static void join_nearest(bvxi_discs on[2], uint8_t *met, shift_near *near, doubl
 static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t number)
 {
     bvxi_disc *const d = &on[k].disc[number];
-    bvxi_disc_group *const group = &g->group[d->root];
+    bvxi_disc_group *const group = &g->group[d->group];
 
     for (int i = 0; i < 2; i++) {
         if (group->count[k] == 0 || d->box[i] < group->box[k][i]) group->box[k][i] = d->box[i];
@@ -252,16 +226,15 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
     if (d->depth >= g->depths) g->depths = d->depth + 1;
 }
 
-static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2])
+static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2], uint32_t *joined)
 {
     uint32_t const n = on[0].count + on[1].count;
 
     /* A root is the lowest of its group, so it has its number before the others look it up. */
     for (uint32_t i = 0; i < n; i++) {
-        uint32_t const root = find_root(on, i);
-        disc_at(on, i)->next = root == i ? g->count++ : disc_at(on, root)->next;
+        uint32_t const root = bvxi_root(joined, i);
+        disc_at(on, i)->group = root == i ? g->count++ : disc_at(on, root)->group;
     }
-    for (uint32_t i = 0; i < n; i++) disc_at(on, i)->root = disc_at(on, i)->next;
     for (int k = 0; k < 2; k++)
         for (uint32_t i = 0; i < on[k].count; i++) add_to_group(g, on, k, i);
 }
@@ -291,18 +264,20 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     double const reach = s->options.slabs.join;
     shift_near *near = NULL;
     uint8_t *met = NULL;
+    uint32_t *joined = NULL;
 
     memset(g, 0, sizeof *g);
     g->steps = 1;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, n * sizeof *g->group, "the parts that join", &g->group));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, n, "the parts that join", &met));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, on[0].count * sizeof *near, "the parts that join", &near));
-    for (uint32_t i = 0; i < n; i++) disc_at(on, i)->root = i;
+    BVXI_TRY(BVXI_ZEROS(s->ctx, n, "the parts that join", g->group));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, n, "the parts that join", met));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, on[0].count, "the parts that join", near));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, n, "the parts that join", joined));
+    for (uint32_t i = 0; i < n; i++) joined[i] = i;
 
     /* Overlaps first: only what has none is looked for further off. */
-    join_overlapping(on, met);
-    join_nearest(on, met, near, reach);
-    number_groups(g, on);
+    join_overlapping(on, met, joined);
+    join_nearest(on, met, joined, near, reach);
+    number_groups(g, on, joined);
     for (uint32_t i = 0; i < g->count; i++)
         if (g->group[i].count[0] == 1 && g->group[i].count[1] == 1) set_shift(g, on, &g->group[i], reach);
     return BVX_OK;

@@ -21,12 +21,6 @@ static const double *vertex_place(const bvxi_trace *t, uint32_t point)
     return bvxi_section_vertex(t->s, t->point[point].vertex);
 }
 
-static double strip_along(const double axis[3], const double *p)
-{
-    return (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
-}
-
-/* Shares from 0 to 1 along the strip and upwards. */
 static double share_of(double low, double high, double x)
 {
     double const t = (x - low) / (high - low);
@@ -42,12 +36,12 @@ static int strip_joins(bvxi_trace *t, const bvxi_trace_node *left, const bvxi_tr
     int const turned = left->at[axis] > right->at[axis];
     const bvxi_trace_node *const a = turned ? right : left, *const b = turned ? left : right;
     double const from = bvxi_fixed_u(s, axis, a->at[axis]), to = bvxi_fixed_u(s, axis, b->at[axis]);
-    double const below = share_of(from, to, strip_along(s->axis[axis], vertex_place(t, p[0])));
-    double const above = share_of(from, to, strip_along(s->axis[axis], vertex_place(t, p[2])));
+    double const below = share_of(from, to, bvxi_along_axis(s->axis[axis], vertex_place(t, p[0])));
+    double const above = share_of(from, to, bvxi_along_axis(s->axis[axis], vertex_place(t, p[2])));
     double const low = share_of(t->low_w, t->high_w,
-                                strip_along(s->axis[2], vertex_place(t, p[turned ? 1 : 3])));
+                                bvxi_along_axis(s->axis[2], vertex_place(t, p[turned ? 1 : 3])));
     double const high = share_of(t->low_w, t->high_w,
-                                 strip_along(s->axis[2], vertex_place(t, p[turned ? 3 : 1])));
+                                 bvxi_along_axis(s->axis[2], vertex_place(t, p[turned ? 3 : 1])));
     /* not 0 but where both lines run from corner to corner */
     double const d = 1.0 - (above - below) * (high - low);
     double const y = d > 0.0 ? (low + below * (high - low)) / d : 0.5, x = below + (above - below) * y;
@@ -71,9 +65,9 @@ static bvx_status join_pair(bvxi_trace *t, int k, uint32_t first, uint32_t secon
     uint32_t *vertex, point, number;
 
     for (int i = 0; i < 3; i++) place[i] = va < vb ? 0.5 * (a[i] + b[i]) : 0.5 * (b[i] + a[i]);
-    raise = w - strip_along(s->axis[2], place);
+    raise = w - bvxi_along_axis(s->axis[2], place);
     for (int i = 0; i < 3; i++) place[i] += raise * s->axis[2][i];
-    BVXI_TRY(bvxi_map_find(s, &t->folds, (uint64_t)(va < vb ? va : vb) << 1 | (uint64_t)k, &vertex));
+    BVXI_TRY(bvxi_stack_map_add(s, &t->folds, (uint64_t)(va < vb ? va : vb) << 1 | (uint64_t)k, &vertex));
     if (*vertex == BVXI_NONE) {
         BVXI_TRY(bvxi_section_add_vertex(s, place, &number));
         *vertex = number;

@@ -7,17 +7,21 @@
 
 #include "mesh/mesh.h"
 
-/* ---- points on sides ---- */
-
 static uint64_t hanging_key(const bvxi_hanging *h, int first)
 {
     return (uint64_t)(uint32_t)h->at[first] << 32 | (uint32_t)h->at[1 - first];
 }
 
-static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
+static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
 {
+    static const char what[] = "the order of corners";
     uint32_t const n = slab->hanging_count;
     uint32_t kept = 0;
+
+    if (n == 0) return BVX_OK;
+    BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, what));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, what));
+    BVXI_TRY(BVXI_RESERVE(w->s, w->sorted, n, w->sorted_room, what));
 
     /* By the second coordinate and then the first, which also brings equal points together: two cells of one
      * side report the same corner. */
@@ -37,21 +41,6 @@ static bvx_status sort_hanging(bvxi_split_work *w, bvxi_slab *slab)
     return bvxi_radix_sort(w->s->ctx, w->key, w->order, kept);
 }
 
-static bvx_status order_hanging(bvxi_split_work *w, bvxi_slab *slab)
-{
-    bvxi_stack *const s = w->s;
-    uint32_t const n = slab->hanging_count;
-    if (n == 0) return BVX_OK;
-    while (w->key_room < n)
-        BVXI_TRY(bvxi_slab_enlarge(s, &w->key, &w->key_room, sizeof *w->key, "the order of corners"));
-    while (w->order_room < n)
-        BVXI_TRY(bvxi_slab_enlarge(s, &w->order, &w->order_room, sizeof *w->order, "the order of corners"));
-    while (w->sorted_room < n)
-        BVXI_TRY(
-            bvxi_slab_enlarge(s, &w->sorted, &w->sorted_room, sizeof *w->sorted, "the order of corners"));
-    return sort_hanging(w, slab);
-}
-
 /* Copy a part of the slab's block; all of them are of four byte numbers or less. */
 static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t bytes)
 {
@@ -59,7 +48,6 @@ static unsigned char *keep_part(unsigned char *to, const void *from, uint64_t by
     return to + bytes;
 }
 
-/* What was grown, into one block of the slab's own. */
 static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_slab *const g = &w->grown;
@@ -93,7 +81,6 @@ static bvx_status keep_slab(bvxi_split_work *w, bvxi_slab *slab)
 
 /* ---- all slabs ---- */
 
-/* Cells that either plane requires, in order. */
 static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
 {
     const bvxi_plane *const below = slab->plane[0], *const above = slab->plane[1];
@@ -120,20 +107,6 @@ static bvx_status split_slab(bvxi_split_work *w, bvxi_slab *slab)
     }
     BVXI_TRY(order_hanging(w, g));
     return keep_slab(w, slab);
-}
-
-static bvx_status split_slabs(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
-{
-    bvxi_split_work w;
-
-    memset(&w, 0, sizeof w);
-    w.s = s;
-    for (uint32_t i = 0; i < count; i++) {
-        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / count));
-        w.is_last = slabs[i].below == slabs[count - 1].below;
-        BVXI_TRY(split_slab(&w, &slabs[i]));
-    }
-    return BVX_OK;
 }
 
 static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, double low, double high)
@@ -185,15 +158,6 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     return b->level == 0 ? whole : NULL;
 }
 
-static void look_beyond(const bvxi_stack *s, bvxi_slab *slabs)
-{
-    if (s->options.slabs.blend != BVX_BLEND_CUBIC) return;
-    for (uint32_t i = 0; i < s->slab_count; i++) {
-        if (bvxi_plane_is_nothing(slabs[i].plane[0]) || bvxi_plane_is_nothing(slabs[i].plane[1])) continue;
-        for (int side = 0; side < 2; side++) slabs[i].far[side] = plane_beyond(s, slabs, i, side);
-    }
-}
-
 /* Between neighbours; towards an empty plane half the way; beyond the ends
  * half a spacing when they taper. nothing: a plane without loops. */
 static uint32_t lay_slabs(bvxi_stack *s, bvxi_slab *slabs, bvxi_plane *nothing)
@@ -230,19 +194,27 @@ bvx_status bvxi_slabs_make(bvxi_stack *s, bvxi_slab **slabs)
 {
     uint64_t const room = (uint64_t)s->plane_count + 2 + s->nesting.plane_room; /* the last stays free */
     bvxi_plane *const nothing = &s->nothing;
+    bvxi_split_work w = {.s = s};
 
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, room * sizeof **slabs, "the slabs of a body", slabs));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, room, "the slabs of a body", *slabs));
 
     /* An empty plane of the right size stands for what is not there, so that no later step has a case of its
      * own for ends. */
     nothing->section = BVXI_NONE;
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8,
-                             "an empty plane", &nothing->inside));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "an empty plane", nothing->inside));
     s->slab_count = lay_slabs(s, *slabs, nothing);
-    look_beyond(s, *slabs);
+    for (uint32_t i = 0; i < s->slab_count && s->options.slabs.blend == BVX_BLEND_CUBIC; i++) {
+        bvxi_slab *const b = &(*slabs)[i];
+        if (bvxi_plane_is_nothing(b->plane[0]) || bvxi_plane_is_nothing(b->plane[1])) continue;
+        for (int side = 0; side < 2; side++) b->far[side] = plane_beyond(s, *slabs, i, side);
+    }
 
     /* Only exact contours cross an edge more than once; interpolated crossings have one an edge by
      * themselves. */
-    if (s->options.slabs.crossings != BVX_CROSSINGS_EXACT) return BVX_OK;
-    return split_slabs(s, *slabs, s->slab_count);
+    for (uint32_t i = 0; i < s->slab_count && s->options.slabs.crossings == BVX_CROSSINGS_EXACT; i++) {
+        BVXI_TRY(bvxi_progress(s->ctx, "subdivide", (double)i / s->slab_count));
+        w.is_last = (*slabs)[i].below == (*slabs)[s->slab_count - 1].below;
+        BVXI_TRY(split_slab(&w, &(*slabs)[i]));
+    }
+    return BVX_OK;
 }

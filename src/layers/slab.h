@@ -29,14 +29,15 @@ struct bvxi_slab {
     double w[2];
     const bvxi_plane *far[2]; /* the planes beyond, below and above, that a cubic blend looks at, or NULL */
     bvxi_split *split;
-    uint32_t split_count, split_room;
+    uint32_t split_count;
     bvxi_leaf *leaf;
-    uint32_t leaf_count, leaf_room;
+    uint32_t leaf_count;
     bvxi_arc *arc;
-    uint32_t arc_count, arc_room;
+    uint32_t arc_count;
     bvxi_hanging *hanging; /* by v, then u */
     uint32_t *by_u;        /* numbers of them by u, then v */
-    uint32_t hanging_count, hanging_room;
+    uint32_t hanging_count;
+    uint64_t split_room, leaf_room, arc_room, hanging_room;
     /* the surface between the planes, when each slab has its own: vertices
      * behind those of the rings, numbered from there */
     bvxi_section_mesh mesh;
@@ -78,11 +79,11 @@ typedef struct bvxi_split_work {
     uint64_t *key;   /* of its hanging corners */
     uint32_t *order;
     bvxi_hanging *sorted;
-    uint32_t key_room, order_room, sorted_room;
+    uint64_t key_room, order_room, sorted_room;
     bvxi_arc *pool;
-    uint32_t pool_count, pool_room;
+    uint32_t pool_count, piece_count;
+    uint64_t pool_room, piece_room;
     bvxi_split_piece *piece;
-    uint32_t piece_count, piece_room;
     /* of the cell being split, on one plane */
     int32_t middle[2];
     /* crossings of the low and high half of the line of the middle u, of the middle v */
@@ -94,7 +95,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j);
 
 /* ---- nesting.c: loops that lie in others, blended level by level ---- */
 
-/* Scratch of a stack; close it also after a failure. */
 bvx_status bvxi_nesting_open(bvxi_stack *stack);
 
 /* Which loops of neighbouring planes belong to which level: all but stack->nesting.plane. */
@@ -102,7 +102,6 @@ bvx_status bvxi_nesting_find(bvxi_stack *stack);
 
 /* ---- nesting_planes.c: each level as a plane of its own, which shares its section's points, crossings and ring  */
 
-/* The levels of all slabs. */
 bvx_status bvxi_nesting_make(bvxi_stack *stack);
 /* What has changed in the section since: crossings, or the ring. */
 void bvxi_nesting_refresh(bvxi_plane *level);

@@ -60,19 +60,6 @@ static void mark_split(bvxi_slab_work *w, int set)
     }
 }
 
-/* ---- cells ---- */
-
-/* How many arcs lie in the cell on either plane; they are the next ones. */
-static void count_arcs(const bvxi_slab_work *w, uint32_t key, uint32_t count[2])
-{
-    for (int k = 0; k < 2; k++) {
-        const bvxi_plane *const p = w->field.slab->plane[k];
-        uint32_t a = w->arc[k];
-        while (a < p->arc_count && p->arc_cell[a] == key) a++;
-        count[k] = a - w->arc[k];
-    }
-}
-
 /* Numbers of the crossings of the lines over a cell's corners, counter-clockwise. A crossing over its left
  * corners was met at the right ones of the cell before, which it makes one to look at too. */
 static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], uint32_t line[4])
@@ -89,7 +76,6 @@ static void next_lines(bvxi_slab_work *w, int32_t i, const uint32_t inside[2], u
     }
 }
 
-/* Corners inside on a plane, counter-clockwise. */
 static uint32_t inside_corners(const bvxi_stack *s, const bvxi_plane *p, int32_t i, int32_t j)
 {
     const uint64_t *const low = p->inside + (size_t)j * (size_t)s->words, *const high = low + s->words;
@@ -120,34 +106,27 @@ static bvx_status fill_leaves(bvxi_slab_work *w, const bvxi_split *split)
     return BVX_OK;
 }
 
-static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
-{
-    bvxi_trace *const t = &w->trace;
-    const bvxi_slab *const slab = w->field.slab;
-    int32_t const fine = w->s->fine;
-
-    t->key = bvxi_cell_key(i, j);
-
-    /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
-    if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
-        return fill_leaves(w, &slab->split[w->split++]);
-    t->low[0] = (int32_t)((uint32_t)i << fine);
-    t->low[1] = (int32_t)((uint32_t)j << fine);
-    t->size = 1 << fine;
-    t->beside_split = slab->split_count != 0 && (is_split(w, i - 1, j) || is_split(w, i + 1, j) ||
-                                                 is_split(w, i, j - 1) || is_split(w, i, j + 1));
-    for (int k = 0; k < 2; k++) {
-        t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
-        t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
-    }
-    return bvxi_trace_slab_cell(t);
-}
-
 static int is_beside_split(const bvxi_slab_work *w, int32_t i, int32_t j)
 {
     return w->field.slab->split_count != 0 &&
            (is_split(w, i, j) || is_split(w, i - 1, j) || is_split(w, i + 1, j) || is_split(w, i, j - 1) ||
             is_split(w, i, j + 1));
+}
+
+static bvx_status fill_traced_cell(bvxi_slab_work *w, int32_t i, int32_t j, const uint32_t arcs[2])
+{
+    bvxi_trace *const t = &w->trace;
+    const bvxi_slab *const slab = w->field.slab;
+
+    /* Subdivided cells come in the same order as the walk, so the next one is enough to compare with. */
+    if (w->split < slab->split_count && slab->split[w->split].cell == t->key)
+        return fill_leaves(w, &slab->split[w->split++]);
+    t->beside_split = is_beside_split(w, i, j);
+    for (int k = 0; k < 2; k++) {
+        t->arc[k] = arcs[k] == 0 ? NULL : slab->plane[k]->arc + w->arc[k];
+        t->arc_count[k] = t->level[k].kind == BVXI_PLANE_EXACT ? arcs[k] : 0;
+    }
+    return bvxi_trace_slab_cell(t);
 }
 
 static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
@@ -156,7 +135,15 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     uint32_t arcs[2] = {0, 0};
     int done = 0;
 
-    if (w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT) count_arcs(w, bvxi_cell_key(i, j), arcs);
+    t->key = bvxi_cell_key(i, j);
+    t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
+    t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
+    t->size = 1 << w->s->fine;
+    /* How many arcs lie in the cell on either plane; they are the next ones. */
+    for (int k = 0; k < 2 && w->s->options.slabs.crossings == BVX_CROSSINGS_EXACT; k++) {
+        const bvxi_plane *const p = w->field.slab->plane[k];
+        while (w->arc[k] + arcs[k] < p->arc_count && p->arc_cell[w->arc[k] + arcs[k]] == t->key) arcs[k]++;
+    }
 
     /* The usual cell has one arc or one crossed line and a table of its own; what that refuses is traced in
      * full. */
@@ -167,12 +154,7 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
         next_lines(w, i, inside, line);
 
         /* Beside a subdivided cell there may be points on the common side, which only the trace looks for. */
-        if (!is_beside_split(w, i, j)) {
-            t->low[0] = (int32_t)((uint32_t)i << w->s->fine);
-            t->low[1] = (int32_t)((uint32_t)j << w->s->fine);
-            t->size = 1 << w->s->fine;
-            BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
-        }
+        if (!is_beside_split(w, i, j)) BVXI_TRY(bvxi_slab_plain_cell(w, arcs, inside, line, &done));
     }
     if (!done) BVXI_TRY(fill_traced_cell(w, i, j, arcs));
     for (int k = 0; k < 2; k++) w->arc[k] += arcs[k];
@@ -193,8 +175,6 @@ static bvx_status fill_layer(bvxi_slab_work *w)
     }
     return BVX_OK;
 }
-
-/* ---- levels ---- */
 
 static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 {
@@ -253,13 +233,6 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     return status;
 }
 
-/* ---- memory ---- */
-
-static uint64_t split_bytes(const bvxi_stack *s)
-{
-    return ((uint64_t)s->size[1] + 1) * (uint64_t)s->words * 8;
-}
-
 bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines, uint32_t loop)
 {
     memset(w, 0, sizeof *w);
@@ -267,7 +240,7 @@ bvx_status bvxi_slab_work_open(bvxi_slab_work *w, bvxi_stack *s, uint32_t lines,
     w->trace.s = s;
     w->trace.field = &w->field;
     BVXI_TRY(bvxi_field_open(s, &w->field, lines));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, (uint64_t)s->words * 8, "the cells of a row", &w->row));
-    BVXI_TRY(bvxi_alloc_zero(s->ctx, BVXI_SCRATCH, split_bytes(s), "the subdivided cells", &w->split_bit));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, s->words, "the cells of a row", w->row));
+    BVXI_TRY(BVXI_ZEROS(s->ctx, bvxi_grid_words(s), "the subdivided cells", w->split_bit));
     return bvxi_trace_open(&w->trace, loop);
 }

@@ -9,8 +9,6 @@
 
 enum { SPLIT_STACK = 4 * (BVXI_SECTION_DEEPEST + 1) };
 
-/* ---- when to split ---- */
-
 /* Crossings of the cell's sides by arcs of one plane; returns loops inside. */
 static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t count, const int32_t low[2],
                            uint32_t ends[4])
@@ -19,7 +17,6 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
 
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
-        /* A loop that lies inside whole touches no side. */
         if (arc[i].from == BVXI_NONE) {
             inner++;
             continue;
@@ -40,29 +37,18 @@ static int asks_for_split(const bvxi_split_work *w, const bvxi_split_cell *c)
     return 0;
 }
 
-static double fixed_place(const bvxi_stack *s, int axis, int32_t q)
-{
-    return s->origin[axis] + (double)q / (double)(1 << s->fine) * s->step[axis];
-}
-
 /* Counts are of planes, of which most have a slab on either side: the one
  * above counts, for the last plane the one below. */
-static int counts_here(const bvxi_split_work *w, int k)
-{
-    return k == 0 || w->is_last;
-}
-
 /* What is still crossed more than once is counted once an edge: at its cell with higher coordinates. */
 static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_stack *const s = w->s;
 
     for (int k = 0; k < 2; k++) {
-        /* The upper plane's cells belong to the next slab, except at the end. */
-        if (!counts_here(w, k)) continue;
+        if (k != 0 && !w->is_last) continue;
         const bvxi_plane *const p = w->slab->plane[k];
-        double const middle[2] = {fixed_place(s, 0, c->low[0] + c->size / 2),
-                                  fixed_place(s, 1, c->low[1] + c->size / 2)};
+        double const middle[2] = {bvxi_fixed_u(s, 0, c->low[0] + c->size / 2),
+                                  bvxi_fixed_u(s, 1, c->low[1] + c->size / 2)};
         uint32_t ends[4];
         uint32_t const inner = count_ends(p, w->pool + c->arc[k], c->arc_count[k], c->low, ends);
         s->report.unkept_loops += inner;
@@ -70,11 +56,11 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
         /* Its other two sides are the lower ones of the cells beyond, and counted there. */
         if (ends[0] > 1) {
             s->report.unkept_edges++;
-            bvxi_section_locate(s, middle[0], fixed_place(s, 1, c->low[1]), p->w);
+            bvxi_section_locate(s, middle[0], bvxi_fixed_u(s, 1, c->low[1]), p->w);
         }
         if (ends[3] > 1) {
             s->report.unkept_edges++;
-            bvxi_section_locate(s, fixed_place(s, 0, c->low[0]), middle[1], p->w);
+            bvxi_section_locate(s, bvxi_fixed_u(s, 0, c->low[0]), middle[1], p->w);
         }
     }
 }
@@ -83,8 +69,7 @@ static void count_unkept(bvxi_split_work *w, const bvxi_split_cell *c)
 
 static bvx_status add_to_pool(bvxi_split_work *w, const bvxi_arc *arc)
 {
-    BVXI_TRY(
-        bvxi_slab_grow(w->s, &w->pool, w->pool_count, &w->pool_room, sizeof *w->pool, "the arcs of cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->pool, w->pool_count, w->pool_room, "the arcs of cells"));
     w->pool[w->pool_count++] = *arc;
     return BVX_OK;
 }
@@ -94,8 +79,7 @@ static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from
 {
     bvxi_split_piece *p;
 
-    BVXI_TRY(bvxi_slab_grow(w->s, &w->piece, w->piece_count, &w->piece_room, sizeof *w->piece,
-                            "the pieces of arcs"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, w->piece, w->piece_count, w->piece_room, "the pieces of arcs"));
     p = &w->piece[w->piece_count++];
     p->quadrant = quadrant;
     p->arc.from = from;
@@ -141,18 +125,15 @@ static bvx_status cross_middle(bvxi_split_work *w, bvxi_plane *p, piece_walk *a,
     }
     a->last = cut;
     a->count = 0;
-    /* The line is passed: one bit of the quarter changes. */
     a->quadrant ^= 1u << axis;
     return BVX_OK;
 }
 
-/* Along a part of a segment that ends in a quadrant. */
 static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, uint32_t segment, uint32_t end)
 {
     uint32_t const change = a->quadrant ^ end;
     int first = (change & 1) != 0 ? 0 : 1;
     if (change == 0) return BVX_OK;
-    /* Both lines are passed: which one first is decided exactly. */
     if (change == 3) first = !bvxi_x_first(p->q[segment], p->q[p->next[segment]], w->middle[0], w->middle[1]);
     BVXI_TRY(cross_middle(w, p, a, segment, first));
     return change == 3 ? cross_middle(w, p, a, segment, 1 - first) : BVX_OK;
@@ -161,11 +142,8 @@ static bvx_status walk_part(bvxi_split_work *w, bvxi_plane *p, piece_walk *a, ui
 static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
 {
     uint32_t segment = p->cut[arc->from].segment, point = arc->point;
-    piece_walk a;
+    piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]), .last = arc->from};
 
-    memset(&a, 0, sizeof a);
-    a.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]);
-    a.last = arc->from;
     for (uint32_t i = 0; i < arc->count; i++) {
         BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
         if (a.count++ == 0) a.point = point;
@@ -179,11 +157,8 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
 static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc *arc)
 {
     uint32_t point = arc->point;
-    piece_walk a;
+    piece_walk a = {.quadrant = quadrant_of_point(w, p->q[point]), .last = BVXI_NONE};
 
-    memset(&a, 0, sizeof a);
-    a.quadrant = quadrant_of_point(w, p->q[point]);
-    a.last = BVXI_NONE;
     for (uint32_t i = 0; i < arc->count; i++) {
         if (a.count++ == 0) a.point = point;
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
@@ -235,13 +210,11 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
         BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
     }
 
-    /* Two neighbouring bits of two rows are a quarter's corners. */
     corners = corners_of_quarters(w, p, c, k);
     for (uint32_t j = 0; j < 4; j++) {
         uint32_t const at = (j & 1) + 3 * (j >> 1);
         quarter[j].inside[k] = (uint8_t)((corners >> at & 3) | (corners >> (at + 3) & 3) << 2);
         quarter[j].arc[k] = w->pool_count;
-        /* Pieces come in the order of the walk, and are put together by quarter. */
         for (uint32_t i = 0; i < w->piece_count; i++)
             if (w->piece[i].quadrant == j) BVXI_TRY(add_to_pool(w, &w->piece[i].arc));
         quarter[j].arc_count[k] = w->pool_count - quarter[j].arc[k];
@@ -266,8 +239,6 @@ static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bv
     return split_plane(w, c, 1, quarter);
 }
 
-/* ---- leaves ---- */
-
 static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t below, uint32_t above)
 {
     bvxi_slab *const slab = w->slab;
@@ -275,8 +246,8 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
     bvxi_hanging *h;
 
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->hanging, slab->hanging_count, &slab->hanging_room,
-                            sizeof *slab->hanging, "the corners of cells"));
+    BVXI_TRY(
+        BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room, "the corners of cells"));
     h = &slab->hanging[slab->hanging_count++];
     memset(h, 0, sizeof *h);
     h->at[0] = u;
@@ -292,8 +263,7 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     bvxi_slab *const slab = w->slab;
     bvxi_leaf *leaf;
 
-    BVXI_TRY(bvxi_slab_grow(w->s, &slab->leaf, slab->leaf_count, &slab->leaf_room, sizeof *slab->leaf,
-                            "the parts of cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->leaf, slab->leaf_count, slab->leaf_room, "the parts of cells"));
     leaf = &slab->leaf[slab->leaf_count++];
     memset(leaf, 0, sizeof *leaf);
     leaf->low[0] = c->low[0];
@@ -305,8 +275,7 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
         leaf->arc[k] = slab->arc_count;
         leaf->arc_count[k] = c->arc_count[k];
         for (uint32_t i = 0; i < c->arc_count[k]; i++) {
-            BVXI_TRY(bvxi_slab_grow(w->s, &slab->arc, slab->arc_count, &slab->arc_room, sizeof *slab->arc,
-                                    "the arcs of cells"));
+            BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->arc, slab->arc_count, slab->arc_room, "the arcs of cells"));
             slab->arc[slab->arc_count++] = w->pool[c->arc[k] + i];
         }
     }
@@ -346,10 +315,9 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
 {
     bvxi_stack *const s = w->s;
     bvxi_slab *const slab = w->slab;
-    bvxi_split_cell c;
+    bvxi_split_cell c = {0};
     bvxi_split *split;
 
-    memset(&c, 0, sizeof c);
     w->pool_count = 0;
     c.low[0] = i << s->fine;
     c.low[1] = j << s->fine;
@@ -367,8 +335,7 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         count_unkept(w, &c);
         return BVX_OK;
     }
-    BVXI_TRY(bvxi_slab_grow(s, &slab->split, slab->split_count, &slab->split_room, sizeof *slab->split,
-                            "the subdivided cells"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, slab->split, slab->split_count, slab->split_room, "the subdivided cells"));
     split = &slab->split[slab->split_count++];
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;

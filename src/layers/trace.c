@@ -15,7 +15,6 @@ static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
     for (int k = 0; k < 2; k++) {
-        /* Levels on which the field decides have no contours here. */
         const bvxi_plane *const p = t->level[k].plane;
         if (t->level[k].kind != BVXI_PLANE_EXACT) continue;
         for (uint32_t i = 0; i < t->arc_count[k]; i++) {
@@ -24,8 +23,7 @@ static bvx_status gather_ends(bvxi_trace *t)
             for (int to = 0; to < 2; to++) {
                 bvxi_trace_end *e;
                 const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
-                BVXI_TRY(bvxi_slab_grow(t->s, &t->end, t->end_count, &t->end_room, sizeof *t->end,
-                                        "the crossings of a cell"));
+                BVXI_TRY(BVXI_SLAB_GROW(t->s, t->end, t->end_count, t->end_room, "the crossings of a cell"));
                 e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;
@@ -81,13 +79,12 @@ static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_li
 }
 
 /* The ends on one side, of one level, counter-clockwise. */
-static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
+static uint32_t sort_side(const bvxi_trace *t, int side, int k)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t *const row = t->row[k];
     uint32_t n = 0;
 
-    /* By insertion: a side has few ends. */
     for (uint32_t i = 0; i < t->end_count; i++) {
         uint32_t j;
         if (t->end[i].side != side || t->end[i].k != k) continue;
@@ -99,21 +96,10 @@ static bvx_status sort_side(bvxi_trace *t, int side, int k, uint32_t *count)
         }
         row[j] = i;
     }
-    *count = n;
-    return BVX_OK;
+    return n;
 }
 
 /* ---- around the cell ---- */
-
-/* How many of a row's crossings lie before a node. */
-static uint32_t count_before(const bvxi_trace *t, const bvxi_plane *p, const uint32_t *row, uint32_t from,
-                             uint32_t count, int side, const int32_t at[2])
-{
-    int32_t const m = at[side & 1]; /* sides 0 and 2 run along u */
-    uint32_t i = from;
-    while (i < count && bvxi_cut_beyond(p, &p->cut[t->end[row[i]].cut], m) == (side >= 2)) i++;
-    return i - from;
-}
 
 /* A side of the cell on the way along its strips: ends in the rows below and above, those that are done. */
 typedef struct side_walk {
@@ -133,17 +119,19 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
         uint32_t *const row = t->row[k] + w->done[k];
 
         strip.row[k] = row;
-        /* Contours of this plane: those of its crossings that come before the next corner. */
         if (t->level[k].kind == BVXI_PLANE_EXACT) {
-            uint32_t const n = last ? w->count[k] - w->done[k]
-                                    : count_before(t, t->level[k].plane, t->row[k], w->done[k], w->count[k],
-                                                   w->side, right->at);
+            const bvxi_plane *const p = t->level[k].plane;
+            int32_t const m = right->at[w->side & 1]; /* sides 0 and 2 run along u */
+            uint32_t n = 0;
+
+            while (w->done[k] + n < w->count[k] &&
+                   (last || bvxi_cut_beyond(p, &p->cut[t->end[row[n]].cut], m) == (w->side >= 2)))
+                n++;
             /* the row holds points from here */
             for (uint32_t i = 0; i < n; i++) row[i] = t->end[row[i]].point;
             strip.count[k] = n;
             w->done[k] += n;
         } else if (t->level[k].kind == BVXI_PLANE_FIELD && left->inside[k] != right->inside[k]) {
-            /* The field has one crossing where both ends differ. */
             uint32_t vertex;
             BVXI_TRY(bvxi_trace_edge(t, k, left, right, &vertex));
             BVXI_TRY(bvxi_trace_add_point(
@@ -167,11 +155,10 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     }
     t->cross_count[0] = t->cross_count[1] = 0;
 
-    /* Side by side, counter-clockwise, as loops run. */
     for (int side = 0; side < 4; side++) {
         side_walk walk = {.side = side};
         for (int k = 0; k < 2; k++)
-            if (t->level[k].kind == BVXI_PLANE_EXACT) BVXI_TRY(sort_side(t, side, k, &walk.count[k]));
+            if (t->level[k].kind == BVXI_PLANE_EXACT) walk.count[k] = sort_side(t, side, k);
         for (uint32_t i = corner[side]; i < corner[side + 1]; i++)
             BVXI_TRY(link_strip(t, &walk, i, i + 1 == t->node_count ? 0 : i + 1, points,
                                 i + 1 == corner[side + 1]));
@@ -179,13 +166,10 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
     return BVX_OK;
 }
 
-/* ---- the cell ---- */
-
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
 
-    /* Corners and ends first: rows are as long as they require. */
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));
@@ -195,6 +179,6 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     BVXI_TRY(link_sides(t, corner, t->next));
     link_arcs(t);
     for (int k = 0; k < 2; k++)
-        if (t->level[k].kind == BVXI_PLANE_FIELD) BVXI_TRY(bvxi_trace_face(t, k));
+        if (t->level[k].kind == BVXI_PLANE_FIELD) bvxi_trace_face(t, k);
     return bvxi_trace_loops(t);
 }

@@ -5,8 +5,6 @@
 
 #include "layers/section_field.h"
 
-/* ---- The loops in which the surface meets one cell's faces ---- */
-
 /* Cell faces as bits: a loop's vertices say on which they lie. Sides are counter-clockwise from low v. */
 enum { BVXI_FACE_BELOW = 1, BVXI_FACE_ABOVE = 2, BVXI_FACE_SIDE = 4 };
 
@@ -16,8 +14,8 @@ typedef struct bvxi_level {
     int k;             /* FIELD: on a section, 0 or 1; else -1, a blend */
     bvxi_plane *plane; /* EXACT, and FIELD on a section */
     double t, w;
-    bvxi_vertex_map *edges; /* FIELD: crossings by edge */
-    int inserts;            /* FIELD on a section: contour points are put into its lines */
+    bvxi_map *edges; /* FIELD: crossings by edge */
+    int inserts;     /* FIELD on a section: contour points are put into its lines */
 } bvxi_level;
 
 /* A corner of the cell, or of a finer one on its side. */
@@ -49,7 +47,7 @@ typedef struct bvxi_trace {
     bvxi_level level[2];
     double low_w, high_w;
     int32_t layer;
-    bvxi_vertex_map folds; /* vertices on sides where a contour comes back */
+    bvxi_map folds; /* vertices on sides where a contour comes back */
     /* the cell */
     int32_t low[2], size;
     uint32_t key;     /* of the grid cell */
@@ -57,11 +55,10 @@ typedef struct bvxi_trace {
     const bvxi_arc *arc[2];
     uint32_t arc_count[2];
     bvxi_trace_node *node;
-    uint32_t node_count, node_room;
+    uint32_t node_count, point_count, end_count;
+    uint64_t node_room, point_room, end_room, insert_room;
     bvxi_trace_point *point;
-    uint32_t point_count, point_room;
     bvxi_trace_end *end;
-    uint32_t end_count, end_room;
     uint32_t *row[2]; /* crossings of one side in order, below and above */
     uint32_t row_room;
     uint32_t *cross[2]; /* FIELD: crossings around the cell */
@@ -70,8 +67,11 @@ typedef struct bvxi_trace {
         double along;
         uint32_t point;
     } * insert; /* contour points of one line */
-    uint32_t insert_room;
     /* a loop */
+    uint32_t count; /* of the loop that is filled */
+    /* 1: around a vertex at the loop's middle in any case, 2: half way from there to the cell's */
+    int cone;
+    int strip;                   /* out: it became a strip from below to above */
     uint32_t loop_count, strips; /* so far in the cell */
     uint32_t choice;             /* how each is filled */
     uint32_t loop_room;
@@ -87,7 +87,6 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop);
 /* Room for a loop of count vertices; for the crossings of the cell. */
 bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count);
 bvx_status bvxi_trace_open_rows(bvxi_trace *t);
-/* trace_loops.c: the loops of the cell, once its points are linked. */
 bvx_status bvxi_trace_loops(bvxi_trace *t);
 /* How much there was before a cell's loops were filled. */
 typedef struct bvxi_trace_made {
@@ -102,10 +101,11 @@ void bvxi_trace_undo_fill(bvxi_trace *t, const bvxi_trace_made *made);
 int bvxi_trace_crosses(const bvxi_trace *t, const bvxi_trace_made *made);
 /* trace_loops.c: 1 when triangles from a number on cross. */
 int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from);
-/* Triangles inside the loop of count vertices that vertex and faces hold: one more of the cell. */
+/* fill_loop.c: triangles inside the loop that vertex and faces hold, whose inner edges lie on no cell face; where there
+ * are none, around a vertex inside the cell. */
+bvx_status bvxi_fill_loop(bvxi_trace *t);
+/* Such a loop of count vertices is one more of the cell. */
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count);
-/* Where a contour's stretch of the ring that holds a place begins and ends. */
-void bvxi_ring_stretch(const bvxi_plane *plane, uint32_t place, uint32_t *first, uint32_t *end);
 /* The surface in the cell whose fields above are set (low, size, number, beside_split, arc, arc_count). */
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t);
 /* Its nodes, counter-clockwise; corner: the places of its own four among them, and the count. */
@@ -118,7 +118,6 @@ typedef struct bvxi_strip {
     uint32_t left_point, right_point;
     int side;
 } bvxi_strip;
-/* Its links. */
 bvx_status bvxi_trace_strip(bvxi_trace *t, const bvxi_strip *strip);
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point);
 bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t vertex, uint32_t faces);
@@ -126,7 +125,7 @@ bvx_status bvxi_trace_add_to_loop(bvxi_trace *t, uint32_t *count, uint32_t verte
 bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const bvxi_trace_node *b,
                            uint32_t *vertex);
 /* Field levels: links across the cell's face. */
-bvx_status bvxi_trace_face(bvxi_trace *t, int k);
+void bvxi_trace_face(bvxi_trace *t, int k);
 /* Contour points between two points of a section in the field's way, appended to the loop at *count. */
 bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, int back, uint32_t *count);
 
@@ -136,7 +135,7 @@ typedef struct bvxi_slab_work {
     bvxi_stack *s; /* the stack, or a view of it */
     bvxi_field field;
     bvxi_trace trace;
-    bvxi_vertex_map map[2];
+    bvxi_map map[2];
     uint64_t *row;       /* cells of one row of the grid that the surface may cross */
     uint64_t *split_bit; /* the subdivided cells, in rows of words */
     uint32_t split;      /* the next subdivided cell */
@@ -150,7 +149,6 @@ typedef struct bvxi_slab_work {
 /* lines: the most crossings of lines of a slab; loop: vertices of the
  * longest loop that is likely. */
 bvx_status bvxi_slab_work_open(bvxi_slab_work *work, bvxi_stack *stack, uint32_t lines, uint32_t loop);
-/* The surface between two planes, into the mesh of the work's stack. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
 
 /* A cell that no contour crosses twice on one side, alone with itself: see
@@ -158,7 +156,5 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *work, bvxi_slab *slab);
  * counter-clockwise. *done is 0, and nothing was made, where the cell is not plain. */
 bvx_status bvxi_slab_plain_cell(bvxi_slab_work *work, const uint32_t arcs[2], const uint32_t inside[2],
                                 const uint32_t line[4], int *done);
-
-/* ---- all_slabs.c: all of them ---- */
 
 #endif

@@ -28,7 +28,7 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
     double from, to, share, place[3], uv[2];
 
     /* A neighbouring cell may have made this vertex already; from its low end both compute the same. */
-    BVXI_TRY(bvxi_map_find(s, t->level[k].edges, key, &found));
+    BVXI_TRY(bvxi_stack_map_add(s, t->level[k].edges, key, &found));
     *vertex = *found;
     if (*found != BVXI_NONE) return BVX_OK;
     from = node_value(t, k, low);
@@ -50,10 +50,7 @@ bvx_status bvxi_trace_edge(bvxi_trace *t, int k, const bvxi_trace_node *a, const
 static void uv_of_vertex(const bvxi_trace *t, uint32_t vertex, double uv[2])
 {
     const double *const p = bvxi_section_vertex(t->s, vertex);
-    for (int k = 0; k < 2; k++) {
-        const double *const axis = t->s->axis[k];
-        uv[k] = (axis[0] * p[0] + axis[1] * p[1]) + axis[2] * p[2];
-    }
+    for (int k = 0; k < 2; k++) uv[k] = bvxi_along_axis(t->s->axis[k], p);
 }
 
 /* The field where the lines joining opposite crossings of a face meet. */
@@ -71,7 +68,7 @@ static int face_joins(bvxi_trace *t, int k)
     return bvxi_field_at(t->field, x, y, t->level[k].k >= 0 ? t->level[k].k : t->level[k].t) > 0.0;
 }
 
-bvx_status bvxi_trace_face(bvxi_trace *t, int k)
+void bvxi_trace_face(bvxi_trace *t, int k)
 {
     uint32_t const n = t->cross_count[k];
     uint32_t const *const cross = t->cross[k];
@@ -80,32 +77,21 @@ bvx_status bvxi_trace_face(bvxi_trace *t, int k)
     uint32_t const enters = t->node[0].inside[k];
     int const joins = n == 4 && face_joins(t, k);
 
-    /* Every other crossing enters; each is joined with one that leaves. */
     for (uint32_t i = enters; i < n; i += 2) {
         uint32_t const in = cross[i], out = cross[joins ? (i + n - 1) % n : (i + 1) % n];
         bvxi_trace_point *const p = &t->point[k == 0 ? out : in];
         p->next = k == 0 ? in : out;
         p->link = k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK;
     }
-    return BVX_OK;
 }
 
 /* ---- contour points ---- */
-
-static double segment_distance2(const double a[2], const double b[2], const double p[2])
-{
-    double const dx = b[0] - a[0], dy = b[1] - a[1], x = p[0] - a[0], y = p[1] - a[1];
-    double const along = x * dx + y * dy, length = dx * dx + dy * dy;
-    double const share = along <= 0.0 ? 0.0 : along >= length ? 1.0 : along / length;
-    double const ex = x - share * dx, ey = y - share * dy;
-    return ex * ex + ey * ey;
-}
 
 /* 1 when the point belongs to the line from a to b, and not to a nearer one of the face. */
 static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, const double a[2],
                            const double b[2], const double p[2])
 {
-    double const own = segment_distance2(a, b, p);
+    double const own = bvxi_segment_square(a, b, p);
 
     for (uint32_t i = 0; i < t->cross_count[k]; i++) {
         uint32_t const c = t->cross[k][i], d = t->point[c].next;
@@ -116,7 +102,7 @@ static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, con
         if (t->point[c].link != (k == 0 ? BVXI_LINK_FIELD : BVXI_LINK_FIELD_BACK)) continue;
         uv_of_vertex(t, t->point[c].vertex, e);
         uv_of_vertex(t, t->point[d].vertex, f);
-        other = segment_distance2(e, f, p);
+        other = bvxi_segment_square(e, f, p);
         /* Equally near: by the numbers of the ends, so that just one line takes it. */
         if (other < own || (other == own && t->point[c].vertex + t->point[d].vertex <
                                                 t->point[from].vertex + t->point[to].vertex))
@@ -140,16 +126,12 @@ bvx_status bvxi_trace_insert(bvxi_trace *t, int k, uint32_t from, uint32_t to, i
     first = bvxi_plane_arcs_in(p, t->key, &arcs);
     for (uint32_t arc = first; arc < first + arcs; arc++) {
         uint32_t i = p->arc[arc].point;
-        BVXI_TRY(bvxi_slab_grow(t->s, &t->insert, n + p->arc[arc].count, &t->insert_room, sizeof *t->insert,
-                                "the contour points of a cell"));
-        while (t->insert_room <= n + p->arc[arc].count)
-            BVXI_TRY(bvxi_slab_grow(t->s, &t->insert, t->insert_room, &t->insert_room, sizeof *t->insert,
-                                    "the contour points of a cell"));
+        BVXI_TRY(BVXI_RESERVE(t->s, t->insert, n + p->arc[arc].count, t->insert_room,
+                              "the contour points of a cell"));
         for (uint32_t j = 0; j < p->arc[arc].count; j++, i = p->next[i]) {
             double const along = (p->uv[i][0] - a[0]) * (b[0] - a[0]) + (p->uv[i][1] - a[1]) * (b[1] - a[1]);
             uint32_t at = n;
 
-            /* In order along the line, by insertion. */
             if (!is_nearest_line(t, k, from, to, a, b, p->uv[i])) continue;
             for (; at > 0 && t->insert[at - 1].along > along; at--) t->insert[at] = t->insert[at - 1];
             t->insert[at].along = along;

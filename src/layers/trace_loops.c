@@ -12,7 +12,6 @@
 
 enum { UNCROSS_MOST = 64 };
 
-/* Signed volume of four places. */
 static double uncross_volume(const double *a, const double *b, const double *c, const double *d)
 {
     double const ux = b[0] - a[0];
@@ -41,10 +40,8 @@ static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
 {
     for (int c = 0; c < 3; c++) {
         const double *const p = bvxi_section_vertex(s, t[c]);
-        for (int k = 0; k < 3; k++) {
-            if (c == 0 || p[k] < box[k]) box[k] = p[k];
-            if (c == 0 || p[k] > box[k + 3]) box[k + 3] = p[k];
-        }
+        for (int k = 0; k < 3 && c == 0; k++) box[k] = box[k + 3] = p[k];
+        bvxi_widen(box, box + 3, p, 3);
     }
 }
 
@@ -98,30 +95,14 @@ int bvxi_cell_crosses(const bvxi_stack *s, uint64_t from)
 /* loops whose filling is chosen; triangles of one loop that as good as never cross */
 enum { TRACE_CHOICES = 4, TRACE_SURE = 4 };
 
-void bvxi_ring_stretch(const bvxi_plane *p, uint32_t place, uint32_t *first, uint32_t *end)
-{
-    uint32_t low = 0, high = p->contour_count;
-
-    /* By bisection: loops' rings lie in the order of the loops. */
-    while (high - low > 1) {
-        uint32_t const middle = low + (high - low) / 2;
-        if (p->ring[p->contour[middle].first] <= place) low = middle;
-        else high = middle;
-    }
-    *first = p->ring[p->contour[low].first];
-    *end = low + 1 < p->contour_count ? p->ring[p->contour[low + 1].first] : p->ring_count;
-}
-
-/* The ring's vertices between two cuts, forwards or backwards. */
 static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back, uint32_t *count)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
 
-    bvxi_ring_stretch(p, i, &first, &end);
+    bvxi_ring_stretch(p, bvxi_contour_of(p, p->cut[a->from].segment), &first, &end);
 
-    /* All between the two cuts, over the end of the loop where it is so. */
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -132,27 +113,14 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
-    bvxi_loop_fill l;
+    uint32_t digits = t->choice; /* to the base of three */
 
-    l.count = count;
-    l.vertex = t->vertex;
-    l.faces = t->faces;
-    l.at = t->at;
-    l.next = t->next;
-    l.before = t->before;
-    l.low = t->low;
-    l.size = t->size;
-    l.low_w = t->low_w;
-    l.high_w = t->high_w;
-    l.cone = 0;
-    if (t->loop_count < TRACE_CHOICES) { /* digits to the base of three */
-        uint32_t digits = t->choice;
-        for (uint32_t i = 0; i < t->loop_count; i++) digits /= 3;
-        l.cone = (int)(digits % 3);
-    }
+    for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) digits /= 3;
+    t->cone = t->loop_count < TRACE_CHOICES ? (int)(digits % 3) : 0;
+    t->count = count;
     t->loop_count++;
-    BVXI_TRY(bvxi_fill_loop(t->s, &l));
-    t->strips += (uint32_t)l.strip;
+    BVXI_TRY(bvxi_fill_loop(t));
+    t->strips += (uint32_t)t->strip;
     return BVX_OK;
 }
 
@@ -168,20 +136,13 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
     for (uint32_t i = from - 1; i < count; i++) {
         uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
         uint32_t *e;
-        BVXI_TRY(bvxi_slab_grow(s, &s->cap_edge[k], s->cap_edge_count[k], &s->cap_edge_room[k],
-                                sizeof *s->cap_edge[k], "the lines of a cap"));
+        BVXI_TRY(BVXI_SLAB_GROW(s, s->cap_edge[k], s->cap_edge_count[k], s->cap_edge_room[k],
+                                "the lines of a cap"));
         e = s->cap_edge[k][s->cap_edge_count[k]++];
         e[0] = k == 0 ? a : b;
         e[1] = k == 0 ? b : a;
     }
     return BVX_OK;
-}
-
-static bvx_status refuse_open(const bvxi_trace *t)
-{
-    if (t->s->fixed) return BVX_ERR_FORMAT;
-    return bvxi_fail(t->s->ctx, BVX_ERR_FORMAT, "%s: the surface does not close in the grid cell (%u, %u)",
-                     t->s->function, (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
 }
 
 static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
@@ -191,7 +152,12 @@ static bvx_status follow_loop(bvxi_trace *t, uint32_t start)
     do {
         bvxi_trace_point *const p = &t->point[i];
         /* Each point has one successor and is passed once; otherwise the cell does not close. */
-        if (p->seen || p->next == BVXI_NONE) return refuse_open(t);
+        if (p->seen || p->next == BVXI_NONE)
+            return t->s->fixed
+                       ? BVX_ERR_FORMAT
+                       : bvxi_fail(t->s->ctx, BVX_ERR_FORMAT,
+                                   "%s: the surface does not close in the grid cell (%u, %u)", t->s->function,
+                                   (uint64_t)(t->key & 0xffff), (uint64_t)(t->key >> 16));
         p->seen = 1;
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex, p->faces));
         if (p->link == BVXI_LINK_ARC || p->link == BVXI_LINK_ARC_BACK) {
@@ -213,7 +179,7 @@ static bvx_status fill_inner_loop(bvxi_trace *t, int k, const bvxi_arc *a)
 {
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t first, end, count = 0;
-    bvxi_ring_stretch(p, p->ring[a->point], &first, &end);
+    bvxi_ring_stretch(p, bvxi_contour_of(p, a->point), &first, &end);
     /* From above the loop runs the other way round. */
     for (uint32_t i = first; i < end; i++)
         BVXI_TRY(bvxi_trace_add_to_loop(t, &count, p->vertex + (k == 0 ? i : end - 1 - (i - first)),
@@ -228,7 +194,6 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
     const bvxi_stack *const s = t->s;
     t->choice = choice;
 
-    /* What is there before the filling, so that it can be taken back. */
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
@@ -275,7 +240,6 @@ bvx_status bvxi_trace_loops(bvxi_trace *t)
     bvxi_trace_made made;
     uint32_t choices = 1;
 
-    /* The usual filling first; nearly all cells are done with it. */
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
     if (s->options.slabs.crossings != BVX_CROSSINGS_PAPER)

@@ -2,29 +2,37 @@
  * cells on its sides, with what they are on its levels. */
 #include "layers/trace.h"
 
+/* The corner of finer cells at a place or, in the order of rows or of columns, first beyond it. */
+static uint32_t hanging_from(const bvxi_field *f, int by_column, const int32_t place[2])
+{
+    int const across = by_column ? 0 : 1, along = 1 - across;
+    const uint32_t *const start = (by_column ? f->hanging_column : f->hanging_row) +
+                                  (place[across] >> f->s->fine);
+    uint32_t low = start[0], high = start[1];
+
+    while (low < high) {
+        uint32_t const middle = low + (high - low) / 2;
+        const int32_t *const at = f->slab->hanging[by_column ? f->slab->by_u[middle] : middle].at;
+        if (at[across] < place[across] || (at[across] == place[across] && at[along] < place[along]))
+            low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
 /* Corners of finer cells between two corners of this one, counter-clockwise. */
 static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
 {
     const bvxi_slab *const slab = t->field->slab;
     int const along = side & 1, across = 1 - along; /* sides 0 and 2 run along u */
     int32_t const line = t->low[across] + (side == 1 || side == 2 ? t->size : 0);
-    int32_t const from = t->low[along];
-    int32_t const to = from + t->size;
-    const uint32_t *const start = (along == 0 ? t->field->hanging_row : t->field->hanging_column) +
-                                  (line >> t->s->fine);
-    uint32_t low, high, n;
+    int32_t const to = t->low[along] + t->size;
+    int32_t const after[2] = {along == 0 ? t->low[0] + 1 : line, along == 0 ? line : t->low[1] + 1};
+    uint32_t low, n;
 
     if (slab->hanging_count == 0) return BVX_OK;
-    low = start[0];
-    high = start[1];
-    while (low < high) { /* the first beyond the side's low end */
-        uint32_t const middle = low + (high - low) / 2;
-        const int32_t *const at = slab->hanging[along == 0 ? middle : slab->by_u[middle]].at;
-        if (at[across] < line || (at[across] == line && at[along] <= from)) low = middle + 1;
-        else high = middle;
-    }
+    low = hanging_from(t->field, along, after);
     for (n = 0; low + n < slab->hanging_count; n++) {
-        /* Those on the side alone, up to its other end. */
         const int32_t *const at = slab->hanging[along == 0 ? low + n : slab->by_u[low + n]].at;
         if (at[across] != line || at[along] >= to) break;
     }
@@ -33,8 +41,7 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
         bvxi_trace_node *node;
-        BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
-                                "the corners of a cell"));
+        BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
         node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
@@ -53,13 +60,11 @@ static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
 
-    /* Not crossed: it is on all levels what it is on both planes. */
     if (n->on[0] == n->on[1]) {
         n->inside[0] = n->inside[1] = n->on[0];
         n->vertex = BVXI_NONE;
         return;
     }
-    /* Below its crossing it is as on the plane below, above it as on the one above. */
     n->inside[0] = layer <= crossed ? n->on[0] : n->on[1];
     n->inside[1] = layer + 1 <= crossed ? n->on[0] : n->on[1];
     /* The crossing belongs to one layer's cells. */
@@ -75,14 +80,12 @@ static bvx_status add_corner(bvxi_trace *t, int i)
     int32_t const fine = t->s->fine, part = (1 << fine) - 1;
     bvxi_trace_node *n;
 
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->node, t->node_count, &t->node_room, sizeof *t->node,
-                            "the corners of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
     n = &t->node[t->node_count++];
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
     n->faces = faces[i];
     n->inside[1] = 1;
-    /* A corner on the grid is known by its place; others are among those of subdivided cells. */
     if ((n->at[0] & part) == 0 && (n->at[1] & part) == 0) {
         int32_t const x = n->at[0] >> fine, y = n->at[1] >> fine;
         uint32_t const number = bvxi_line_number(t->field, x, y);
@@ -90,14 +93,7 @@ static bvx_status add_corner(bvxi_trace *t, int i)
         n->vertex = n->on[0] != n->on[1] ? t->field->first + number : BVXI_NONE;
         n->inside[0] = t->field->layers > 1 && n->on[0] != n->on[1] ? t->field->layer[number] : 0;
     } else {
-        const uint32_t *const start = t->field->hanging_row + (n->at[1] >> fine);
-        uint32_t low = start[0], high = start[1];
-        while (low < high) {
-            uint32_t const middle = low + (high - low) / 2;
-            const int32_t *const at = slab->hanging[middle].at;
-            if (at[1] < n->at[1] || (at[1] == n->at[1] && at[0] < n->at[0])) low = middle + 1;
-            else high = middle;
-        }
+        uint32_t const low = hanging_from(t->field, 0, n->at);
         n->on[0] = slab->hanging[low].inside[0];
         n->on[1] = slab->hanging[low].inside[1];
         n->vertex = slab->hanging[low].vertex;
@@ -110,7 +106,6 @@ bvx_status bvxi_trace_nodes(bvxi_trace *t, uint32_t corner[5])
 {
     t->node_count = 0;
     for (int i = 0; i < 4; i++) {
-        /* A corner, then what lies on the side that begins at it: counter-clockwise all the way. */
         corner[i] = t->node_count;
         BVXI_TRY(add_corner(t, i));
         if (t->beside_split) BVXI_TRY(add_hanging_nodes(t, i));

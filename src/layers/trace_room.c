@@ -8,8 +8,7 @@ bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, 
 {
     bvxi_trace_point *p;
 
-    BVXI_TRY(bvxi_slab_grow(t->s, &t->point, t->point_count, &t->point_room, sizeof *t->point,
-                            "the crossings of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(t->s, t->point, t->point_count, t->point_room, "the crossings of a cell"));
     *point = t->point_count++;
     p = &t->point[*point];
     p->vertex = vertex;
@@ -43,9 +42,9 @@ bvx_status bvxi_trace_open_loop(bvxi_trace *t, uint64_t count)
     bvxi_drop(s->ctx, (void *)t->at);
     t->before = t->next = NULL;
     t->at = NULL;
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * sizeof *t->at, what, &t->at));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, what, &t->next));
-    BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, room * 4, what, &t->before));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, room, what, t->at));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, room, what, t->next));
+    BVXI_TRY(BVXI_ARRAY(s->ctx, room, what, t->before));
     t->loop_room = (uint32_t)room;
     return BVX_OK;
 }
@@ -72,7 +71,7 @@ bvx_status bvxi_trace_open_rows(bvxi_trace *t)
         for (int k = 0; k < 2; k++) {
             uint32_t **const rows = which == 0 ? &t->row[k] : &t->cross[k];
             uint32_t *made = NULL;
-            BVXI_TRY(bvxi_alloc(s->ctx, BVXI_SCRATCH, larger * 4, "the crossings of a side", &made));
+            BVXI_TRY(BVXI_ARRAY(s->ctx, larger, "the crossings of a side", made));
             bvxi_drop(s->ctx, *rows);
             *rows = made;
         }
@@ -85,13 +84,13 @@ bvx_status bvxi_trace_open(bvxi_trace *t, uint32_t loop)
 {
     bvxi_stack *const s = t->s;
 
-    BVXI_TRY(bvxi_slab_grow(s, &t->node, 0, &t->node_room, sizeof *t->node, "the corners of a cell"));
-    BVXI_TRY(bvxi_slab_grow(s, &t->point, 0, &t->point_room, sizeof *t->point, "the crossings of a cell"));
-    BVXI_TRY(bvxi_slab_grow(s, &t->end, 0, &t->end_room, sizeof *t->end, "the crossings of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->node, 0, t->node_room, "the corners of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->point, 0, t->point_room, "the crossings of a cell"));
+    BVXI_TRY(BVXI_SLAB_GROW(s, t->end, 0, t->end_room, "the crossings of a cell"));
 
     t->end_count = t->node_count = TRACE_FEW;
     BVXI_TRY(bvxi_trace_open_rows(t));
     t->end_count = t->node_count = 0;
-    BVXI_TRY(bvxi_map_open(s, &t->folds));
+    BVXI_TRY(bvxi_map_reserve(s->ctx, &t->folds, 32));
     return bvxi_trace_open_loop(t, loop);
 }

@@ -5,7 +5,9 @@
 #include "mesh/facet.h"
 #include "mesh/view.h"
 
-void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3], double normal[3])
+/* The normal of a triangle as bvxi_add_normals adds it. corner: vertex indices */
+static void triangle_normal(const bvx_mesh_view *view, double scale, const uint32_t corner[3],
+                            double normal[3])
 {
     double p[3][3];
     for (int k = 0; k < 3; k++) {
@@ -15,14 +17,18 @@ void bvxi_triangle_normal(const bvx_mesh_view *view, double scale, const uint32_
     bvxi_facet_normal((const double(*)[3])p, normal);
 }
 
-void bvxi_add_normals(const bvx_mesh_view *view, double scale, double *sum)
+/* Add to each vertex the normals of its triangles, as long as twice their areas: the direction of a smooth
+ * normal. Coordinates are taken times scale, a power of two that keeps their products within doubles.
+ * sum [Size: vertex_count * 3], zeroed. Indices are in range. In the order of triangles, so the same on every
+ * machine. */
+static void add_normals(const bvx_mesh_view *view, double scale, double *sum)
 {
     double n[3];
     uint32_t c[3];
 
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         bvxi_view_triangle(view, t, c);
-        bvxi_triangle_normal(view, scale, c, n);
+        triangle_normal(view, scale, c, n);
         for (int k = 0; k < 3; k++)
             for (size_t a = 0; a < 3; a++) sum[(size_t)c[k] * 3 + a] += n[a];
     }
@@ -53,7 +59,7 @@ void bvxi_unit_normal(const double sum[3], float normal[3])
 bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double scale, double **sum)
 {
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->vertex_count * BVXI_NORMAL_SUM, "the normals", sum));
-    bvxi_add_normals(view, scale, *sum);
+    add_normals(view, scale, *sum);
     return BVX_OK;
 }
 
@@ -70,7 +76,7 @@ static void give_facet(const bvx_mesh_view *view, double scale, const double *su
     uint32_t c[3];
 
     bvxi_view_triangle(view, t, c);
-    bvxi_triangle_normal(view, scale, c, own);
+    triangle_normal(view, scale, c, own);
 
     /* The mean of three unit normals, as the paper shades facets. */
     for (int k = 0; k < 3 && averaged; k++) {
@@ -102,7 +108,7 @@ static bvx_status run_mesh_normals(bvx_context *context, const bvx_mesh_view *me
     if (vertex_normals != NULL || averaged) {
         BVXI_TRY(
             bvxi_alloc_zero(context, BVXI_SCRATCH, mesh->vertex_count * 24, "the normals of vertices", &sum));
-        bvxi_add_normals(mesh, scale, sum);
+        add_normals(mesh, scale, sum);
     }
     for (size_t v = 0; vertex_normals != NULL && v < (size_t)mesh->vertex_count; v++)
         bvxi_unit_normal(sum + 3 * v, vertex_normals + 3 * v);

@@ -68,11 +68,17 @@ static inline const unsigned char *bvxi_view_index_at(const bvx_mesh_view *v, ui
     return (const unsigned char *)v->indices + (size_t)t * bvxi_view_index_stride(v);
 }
 
+/* The type of positions as bvxi_view_position gives them: those of a transform are doubles. */
+static inline uint32_t bvxi_view_type(const bvx_mesh_view *v)
+{
+    return v->transform != NULL ? BVX_F64 : v->position_type;
+}
+
 /* 1 when vertices are three floats, or triangles three uint32_t, with
  * nothing between them (of any alignment). */
 static inline int bvxi_view_packed_f32(const bvx_mesh_view *v)
 {
-    return v->position_type == BVX_F32 && bvxi_view_position_stride(v) == 12;
+    return bvxi_view_type(v) == BVX_F32 && bvxi_view_position_stride(v) == 12;
 }
 
 static inline int bvxi_view_packed_u32(const bvx_mesh_view *v)
@@ -117,6 +123,14 @@ static inline int bvxi_view_triangle(const bvx_mesh_view *v, uint64_t t, uint32_
     return (c[0] < v->vertex_count) & (c[1] < v->vertex_count) & (c[2] < v->vertex_count);
 }
 
+/* The one evaluation that the header states. */
+static inline void bvxi_view_move(const double m[12], double p[3])
+{
+    double const x = p[0], y = p[1], z = p[2];
+
+    for (int a = 0; a < 3; a++, m += 4) p[a] = ((m[0] * x + m[1] * y) + m[2] * z) + m[3];
+}
+
 /* Position of a vertex below vertex_count. */
 static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, double p[3])
 {
@@ -129,6 +143,7 @@ static inline void bvxi_view_position(const bvx_mesh_view *v, uint64_t vertex, d
     } else {
         memcpy(p, bvxi_view_position_at(v, vertex), 3 * sizeof p[0]);
     }
+    if (BVXI_UNLIKELY(v->transform != NULL)) bvxi_view_move(v->transform, p);
 }
 
 /* Corners of triangle t, whose indices have been checked. */

@@ -139,8 +139,6 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 
 /* ---- Triangles that are there once ---- */
 
-/* The first of several triangles at three places stays, as they come in their own order. */
-
 /* The places of a triangle, least first. */
 static void places_of_triangle(const uint32_t *representative, const uint32_t corner[3], uint32_t place[3])
 {

@@ -23,9 +23,7 @@ bvx_status bvxi_row_ends_open(bvx_context *ctx, const bvxi_bit_box *box, bvxi_ro
 
 /* ---- Dilation and erosion by 6, 18 or 26 neighbours, 64 voxels at a time, many steps in one sweep ---- */
 
-/* Source: Serra. Image Analysis and Mathematical Morphology. 1982.
- *
- * A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
+/* A word's neighbours along x are itself shifted by one and a bit of the words beside it; those along y and z
  * are whole words of other rows. Rows lie one after the other, so a slice is one long loop; masks keep bits
  * from one row out of the next. Erosion is dilation of the complement, so words are kept complemented where
  * the next step erodes. What lies beyond the box is carried in bits past a row's end, comes in where the

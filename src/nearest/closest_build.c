@@ -223,8 +223,12 @@ static void copy_curve_corners(const closest_builder *b, uint64_t place)
     bvxi_view_triangle(b->view, b->tree->order[place], c);
     if (b->unnumbered) turn_to_lowest(b->view, c);
 
-    /* As bytes, so that floats and doubles take one way. */
-    for (size_t k = 0; k < 3; k++) memcpy(to + k * point, bvxi_view_position_at(b->view, c[k]), point);
+    /* As bytes, of any alignment. */
+    for (size_t k = 0; k < 3; k++) {
+        double p[3];
+        if (point == 24) bvxi_view_position(b->view, c[k], p);
+        memcpy(to + k * point, point == 24 ? (const void *)p : bvxi_view_position_at(b->view, c[k]), point);
+    }
 }
 
 static void fill_lowest_boxes(void *user, uint64_t begin, uint64_t end)
@@ -294,7 +298,7 @@ static void plan_closest_tree(const bvx_mesh_view *view, const double low[3], co
 
     memset(tree, 0, sizeof *tree);
     tree->triangle_count = n;
-    tree->position_type = (int32_t)view->position_type;
+    tree->position_type = (int32_t)bvxi_view_type(view);
     tree->scale = scale;
 
     /* Around the middle a float has most digits for what lies at the mesh's rim. */

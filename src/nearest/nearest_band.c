@@ -19,7 +19,8 @@ typedef struct band_work {
     int32_t pieces;
 } band_work;
 
-uint64_t bvxi_near_slots_inside(const bvx_grid *g, const int32_t first[3])
+/* Slots of a brick that lie in the window. */
+static uint64_t near_slots_inside(const bvx_grid *g, const int32_t first[3])
 {
     uint64_t slots = 0;
     int32_t const nx = g->size[0] - first[0];
@@ -125,7 +126,7 @@ static void find_cube_band(const band_work *w, const bvxi_near_run *r, int32_t x
                                    (uint64_t)b * BVXI_NEAR_SLOTS;
         int32_t first[3], index[3];
         bvxi_near_brick_first(r, x, b, first);
-        uint64_t const inside = bvxi_near_slots_inside(w->band, first);
+        uint64_t const inside = near_slots_inside(w->band, first);
 
         /* A brick beyond the window has no centre, but its slots in the memory say so. */
         if (inside == 0) {

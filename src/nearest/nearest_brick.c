@@ -23,7 +23,8 @@ static void read_near_pair(const bvxi_near_pairs *p, int32_t i, double point[3],
     for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
 }
 
-double bvxi_near_height2(const bvxi_near_pairs *pairs, int32_t i)
+/* Square of the distance from pair i's point to the plane of its triangle; 0 without area. */
+static double near_height2(const bvxi_near_pairs *pairs, int32_t i)
 {
     double point[3], t[3][3], n[3], along = 0.0, length;
 
@@ -42,7 +43,9 @@ static int compare_near_places(const double a[3], const double b[3])
     return bvxi_corner_before(a, b) ? -1 : bvxi_corner_before(b, a);
 }
 
-int bvxi_near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int32_t i, uint32_t other)
+/* Two triangles are equally far from pair i's point, and so are their
+ * planes: is pair i's, not the other, the one that is taken? */
+static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int32_t i, uint32_t other)
 {
     double point[3], t[3][3], u[3][3], q[3];
     double const closest[3] = {pairs->closest[0][i], pairs->closest[1][i], pairs->closest[2][i]};
@@ -99,9 +102,9 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
     if (p->distance2[i] != w->distance2[s]) return p->distance2[i] < w->distance2[s];
     if (!n->by_planes) return p->triangle[i] < w->triangle[s];
 
-    height2 = bvxi_near_height2(p, i);
+    height2 = near_height2(p, i);
     if (height2 != w->height2[s]) return height2 > w->height2[s];
-    return bvxi_near_is_first(n, p, i, w->triangle[s]);
+    return near_is_first(n, p, i, w->triangle[s]);
 }
 
 static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
@@ -120,7 +123,7 @@ static void settle_near_pairs(const bvxi_nearest *n, bvxi_near_worker *w)
         w->evaluated |= bit;
         w->distance2[s] = p->distance2[i];
         w->triangle[s] = p->triangle[i];
-        if (n->by_planes) w->height2[s] = bvxi_near_height2(p, i);
+        if (n->by_planes) w->height2[s] = near_height2(p, i);
     }
     p->count = 0;
 }

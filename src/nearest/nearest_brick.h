@@ -34,15 +34,6 @@ static inline void bvxi_near_take_pair(const bvxi_nearest *n, bvxi_near_pairs *p
  * bvxi_closest_on_triangle (zeros may differ in sign). */
 void bvxi_near_evaluate(const bvxi_nearest *n, int32_t fast, bvxi_near_pairs *pairs);
 
-/* ---- nearest_brick.c ---- */
-
-/* Square of the distance from pair i's point to the plane of its triangle; 0 without area. */
-double bvxi_near_height2(const bvxi_near_pairs *pairs, int32_t i);
-
-/* Two triangles are equally far from pair i's point, and so are their
- * planes: is pair i's, not the other, the one that is taken? */
-int bvxi_near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, int32_t i, uint32_t other);
-
 /* ---- What may hold the nearest point of some centre of a cell; triangles that may be nearest to eight
  * centres; the nearest triangles of bricks of 4 x 4 x 4 centres ---- */
 

@@ -58,8 +58,6 @@ static inline void bvxi_near_brick_first(const bvxi_near_run *r, int32_t x, int3
     first[2] = r->z * BVXI_NEAR_CUBE + (b >> 4) * BVXI_NEAR_SIDE;
 }
 
-/* Slots of a brick that lie in the window. */
-uint64_t bvxi_near_slots_inside(const bvx_grid *g, const int32_t first[3]);
 /* Slots that are set; slots outside are not. */
 uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3]);
 

@@ -19,7 +19,6 @@ static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
     uint64_t steps = 0;
 
     if (count < 3) return 0;
-    /* From neighbour to neighbour until the first one comes again; then all must have been met. */
     at = pair[0][1];
     for (; at != pair[0][0]; steps++) {
         uint64_t found = count, i;
@@ -41,10 +40,10 @@ static bvx_status fill_fans(bvx_context *ctx, fans_work *w, const uint32_t *tria
 {
     static const char what[] = "the surface's fans";
 
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (vertices + 2) * 8, what, &w->first));
+    BVXI_TRY(BVXI_ZEROS(ctx, vertices + 2, what, w->first));
     for (uint64_t c = 0; c < 3 * triangles; c++) w->first[triangle[c] + 2] += asked[triangle[c]];
     for (uint64_t v = 0; v < vertices; v++) w->first[v + 2] += w->first[v + 1];
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (w->first[vertices + 1] + 1) * sizeof *w->pair, what, &w->pair));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->first[vertices + 1] + 1, what, w->pair));
     /* first[v + 1] is where v's begin, and in the end where those of the next do */
     for (uint64_t t = 0; t < triangles; t++)
         for (int k = 0; k < 3; k++) {

@@ -71,7 +71,6 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
     *kind = 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
         double number;
-        /* Bit 0 is the outside's, so bodies begin with bit 1. */
         if (!(bodies >> (i + 1) & 1)) continue;
         number = number_of(&o->body[i], plane, at, NULL, 0);
         if (number <= most) continue;
@@ -85,7 +84,6 @@ int bvxi_joint_kind_among(const bvxi_oblique *o, const double at[3], uint64_t ki
 {
     int kind;
 
-    /* The outside is asked about only where it is one of the choices. */
     if ((kinds & 1) != 0 && !(number_of(o, BVXI_NONE, at, NULL, 0) > 0.0)) return 0;
     (void)largest_number(o, BVXI_NONE, at, kinds, &kind);
     return kind;
@@ -94,7 +92,6 @@ int bvxi_joint_kind_among(const bvxi_oblique *o, const double at[3], uint64_t ki
 double bvxi_joint_lead(const bvxi_oblique *o, uint32_t plane, const double at[3], uint64_t bodies,
                        uint64_t others)
 {
-    /* Over the outside and over other bodies: the lesser of both. */
     double lead = (others & 1) != 0 ? number_of(o, plane, at, NULL, 0) : 1e300;
     int kind;
 
@@ -124,7 +121,6 @@ static double way_to_next_planes(const bvxi_oblique *b, uint32_t plane, const do
         if (i == plane || !(bvxi_absolute(along) > 1e-6)) continue;
         if (bvxi_absolute(height / along) < *side) *side = bvxi_absolute(height / along);
     }
-    /* On a side without a plane the body ends as all do. */
     for (int k = 0; k < 2; k++)
         if (way[k] < 1e300 && way[k] > most) most = way[k];
     return most;
@@ -144,10 +140,7 @@ static void bound_surroundings(bvxi_oblique *b)
         for (uint32_t n = 0; n < p->point_count; n++) {
             double at[3], way;
             bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
-            for (int k = 0; k < 3; k++) {
-                low[k] = at[k] < low[k] ? at[k] : low[k];
-                high[k] = at[k] > high[k] ? at[k] : high[k];
-            }
+            bvxi_widen(low, high, at, 3);
             way = n % stride == 0 ? way_to_next_planes(b, i, at) : 0.0;
             margin = way > margin ? way : margin;
         }
@@ -272,7 +265,6 @@ static void join_plane(bvxi_oblique *o, uint32_t plane)
         const bvxi_plane *const q = &body->plane[plane].plane;
         uint32_t const first = p->point_count;
 
-        /* Numbers within the body move on by the points of those before it. */
         for (uint32_t i = 0; i < q->point_count; i++) {
             p->given[first + i] = q->given[i];
             p->next[first + i] = first + q->next[i];
@@ -295,12 +287,11 @@ static bvx_status join_knots_of(bvxi_oblique *o, const bvxi_oblique *body, uint3
 {
     uint64_t const before = o->knot_count;
 
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->knot, before + body->knot_count, &o->knot_room, sizeof *o->knot,
-                                  "the crossings of contours with planes"));
+    BVXI_TRY(BVXI_RESERVE(o, o->knot, before + body->knot_count, o->knot_room,
+                          "the crossings of contours with planes"));
     for (uint64_t i = 0; i < body->knot_count; i++) {
         bvxi_knot *const k = &o->knot[before + i];
         *k = body->knot[i];
-        /* Both numbers and the plane's list are the body's own until here. */
         k->segment += first[k->plane];
         k->joined += (uint32_t)before;
         k->next = o->plane[k->plane].knot;
@@ -317,24 +308,24 @@ static bvx_status join_contours(bvxi_oblique *o)
     uint32_t *segment, *first;
     uint64_t *count, at = 0;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, 2 * n, "the points of planes", count));
     for (uint32_t b = 0; b < o->body_count; b++)
         for (uint64_t p = 0; p < n; p++) {
             count[p] += o->body[b].plane[p].plane.point_count;
             count[n + p] += o->body[b].plane[p].plane.contour_count;
         }
-    BVXI_TRY(bvxi_oblique_open_arrays(o, count, count + n));
+    BVXI_TRY(bvxi_planes_open(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count, count,
+                              count + n));
     for (uint32_t p = 0; p < n; p++) join_plane(o, p);
+    BVXI_TRY(bvxi_planes_open_trees(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count));
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, ((uint64_t)o->point_count + 1) * 4, "the segments of contours",
-                        &segment));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, (uint64_t)o->point_count + 1, "the segments of contours", segment));
     for (uint32_t p = 0; p < n; p++) {
         BVXI_TRY(find_outer_segments(o, p, segment + at));
         at += o->plane[p].plane.point_count;
-        /* Distances to outer segments are computed often; an empty plane has none. */
         if (o->plane[p].plane.contour_count != 0) bvxi_plane_tree(&o->plane[p].plane);
     }
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the points of planes", &first));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the points of planes", first));
     for (uint32_t b = 0; b < o->body_count; b++) BVXI_TRY(join_knots_of(o, &o->body[b], first));
     return BVX_OK;
 }
@@ -384,7 +375,7 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
 
     o->of_all = 1;
     BVXI_TRY(bvxi_oblique_lay_planes(o));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, count * sizeof *body, "the bodies", &body));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, count, "the bodies", body));
     o->body = body;
     for (uint32_t i = 0; i < count; i++)
         BVXI_TRY(

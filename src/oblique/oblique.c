@@ -14,13 +14,10 @@ static bvx_status make_oblique(bvxi_oblique *o, bvx_mesh *mesh)
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.02, bvxi_oblique_take_planes(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.02, 0.05, bvxi_oblique_settle(o)));
 
-    /* The number between the planes: distances on them, the plate through these, and what it leaves of
-     * them. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.15, bvxi_oblique_raster(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.15, 0.2, bvxi_oblique_smooth(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.25, bvxi_oblique_rest(o)));
 
-    /* Then the cells that the surface may meet, and the tetrahedra of those with planes in them. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.25, 0.4, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.6, bvxi_oblique_split_planes(o)));
@@ -48,14 +45,9 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
                              const bvx_sections_options *options, bvx_sections_report *report, bvx_mesh *mesh)
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
-    bvxi_oblique o;
+    bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
     bvx_status status;
 
-    memset(&o, 0, sizeof o);
-    o.ctx = ctx;
-    o.function = function;
-    o.given = given;
-    o.options = *options;
     status = make_oblique(&o, mesh);
 
     /* A failure leaves the caller's report as it was. */

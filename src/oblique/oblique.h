@@ -71,14 +71,6 @@ typedef struct bvxi_oblique_crossed {
     uint32_t first[7];
 } bvxi_oblique_crossed;
 
-/* Edges by their ends. near: those with one first end lie beside one another, for ends that come in order. */
-typedef struct bvxi_edge_map {
-    uint64_t *key;
-    uint32_t *value;
-    uint64_t room, count;
-    int near;
-} bvxi_edge_map;
-
 typedef struct bvxi_oblique {
     bvx_context *ctx;
     const char *function;
@@ -109,7 +101,6 @@ typedef struct bvxi_oblique {
     uint32_t point_count;   /* of all planes' contours */
     double longest;         /* side of the box */
     bvxi_plane all;         /* arrays that the planes have stretches of */
-    uint64_t group_room, box_room;
 
     bvxi_smooth smooth;
     double reach; /* cells: planes farther away have no say between planes */
@@ -127,9 +118,9 @@ typedef struct bvxi_oblique {
     uint64_t known_room;
     float *value; /* [known * 64] */
     uint64_t value_room;
-    uint64_t *inside;             /* [kind_bits * known] a bit a vertex, one bit of kinds after the other */
-    uint32_t *vertex_at;          /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
-    bvxi_edge_map lattice_vertex; /* the same of other blocks: block, number in it */
+    uint64_t *inside;         /* [kind_bits * known] a bit a vertex, one bit of kinds after the other */
+    uint32_t *vertex_at;      /* [known * 64] among those of the tetrahedra, or BVXI_NONE */
+    bvxi_map lattice_vertex;  /* the same of other blocks: block, number in it */
     uint64_t *split, *active; /* [known] a bit a cell: those that are split; others whose corners differ */
     uint32_t *split_first;    /* [known + 1] split cells of the blocks before */
     uint32_t *touch_first;    /* [known + 1] and how often planes touch them */
@@ -158,12 +149,11 @@ typedef struct bvxi_oblique {
     uint32_t *ring, *star; /* scratch: tetrahedra round an edge, round a vertex */
     uint64_t ring_count, ring_room, star_count, star_room;
 
-    bvxi_edge_map
-        contour_edge;       /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
+    bvxi_map contour_edge;  /* stretches of contours: twice the plane, 1 more: it runs from the higher end */
     uint32_t *point_vertex; /* [point_count] of each contour's points */
 
     /* the surface */
-    bvxi_edge_map crossing; /* vertices on edges */
+    bvxi_map crossing; /* vertices on edges */
     double *position;
     uint8_t *kept; /* [vertex] scratch: it has a point's coordinates; it stands for a body that stays */
     uint32_t *triangle;
@@ -196,7 +186,6 @@ static inline uint32_t bvxi_oblique_kind_bits(const bvxi_oblique *o)
 bvx_status bvxi_oblique_take_planes(bvxi_oblique *o);
 /* The first steps of that: the lattice, and the planes without their contours. */
 bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o);
-bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops);
 /* 1: a place on a plane, by its coordinates there, lies inside contours of it. */
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2]);
 /* Signed distance on a plane, exact in sign and value. */
@@ -223,8 +212,9 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o);
 /* The signed distance on a plane with contours to a curve through their points. hint: as of
  * bvxi_plane_distance. */
 double bvxi_oblique_curved(const bvxi_oblique *o, uint32_t plane, const double uv[2], uint32_t *hint);
-/* The plane that has a row, counted over the rasters of all planes; *row becomes its own. */
-const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row);
+/* Each row of the rasters of all planes. */
+typedef void bvxi_row_fn(const bvxi_oblique *o, const bvxi_oblique_plane *plane, int32_t row);
+bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row);
 /* What a raster of a plane has at a place's foot point. */
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3]);
 /* The distance of a place's foot point on a plane. */
@@ -237,9 +227,9 @@ double bvxi_oblique_number(const bvxi_oblique *o, const double at[3]);
 /* The same, when all planes that have a say there are among these; NULL: all. */
 double bvxi_oblique_number_among(const bvxi_oblique *o, const double at[3], const uint32_t *plane,
                                  uint32_t count);
-/* Where the lattice's vertex is: on a plane that is very near, all of which are among these. */
-void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
-                              uint32_t count, double at[3]);
+/* Where the lattice's vertex is; 1: on a plane that is very near, all of which are among these. */
+int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                             uint32_t count, double at[3]);
 /* The sign of a point of a plane far from its contours; exact next to them. */
 int bvxi_oblique_side(const bvxi_oblique *o, uint32_t plane, const double at[3]);
 
@@ -265,6 +255,12 @@ static inline uint64_t bvxi_oblique_block(const bvxi_oblique *o, const int32_t c
     *bit = (c[0] & 3) | (c[1] & 3) << 2 | (c[2] & 3) << 4;
     return ((uint64_t)(c[2] >> 2) * (uint64_t)o->blocks[1] + (uint64_t)(c[1] >> 2)) * (uint64_t)o->blocks[0] +
            (uint64_t)(c[0] >> 2);
+}
+
+/* A vertex or cell by its number in a block that begins at first. */
+static inline void bvxi_oblique_in_block(const int32_t first[3], int bit, int32_t at[3])
+{
+    for (int k = 0; k < 3; k++) at[k] = first[k] + (bit >> 2 * k & 3);
 }
 
 /* The planes in a block or near its vertices and those behind it; plane: [BVXI_OBLIQUE_PLANES]. */
@@ -322,11 +318,6 @@ bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh);
 
 /* ---- tetrahedra.c ---- */
 
-bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                             const char *what);
-/* Room for so many in all. */
-bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                                const char *what);
 bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number);
 bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n[4], uint32_t chain_of,
                           uint32_t *number);
@@ -376,17 +367,30 @@ int bvxi_look_link(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
 /* Of the link that was looked at: whether a sign has several stretches in it; the Euler number of what is
  * inside, *any: there is some, *all: there is nothing else; whether no face of the star is a border. */
 int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex);
-/* The stretches of outside, contours included, and of inside in the link that was looked at. */
-void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex, uint32_t stretches[2]);
+/* The stretches of outside, contours as part of it or of neither, and of inside in the link that was looked at. */
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *look, uint32_t vertex, int contours,
+                         uint32_t stretches[2]);
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex, int *any, int *all);
 int bvxi_look_whole(const bvxi_oblique *o, const bvxi_look *look, uint32_t vertex);
 /* How often the sign changes round an edge; 0: there are too many tetrahedra. */
 int bvxi_look_edge(const bvxi_oblique *o, bvxi_look *look, uint32_t a, uint32_t b, uint32_t *changes);
 
-/* edges: the value of a key, BVXI_NONE at first; add makes room. */
-bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *map, uint32_t a, uint32_t b, uint32_t **value);
-bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *map, uint64_t count);
-uint32_t bvxi_edge_find(const bvxi_edge_map *map, uint32_t a, uint32_t b);
+/* Edges by their ends. */
+static inline uint64_t bvxi_edge_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+static inline bvx_status bvxi_edge_add(const bvxi_oblique *o, bvxi_map *map, uint32_t a, uint32_t b,
+                                       uint32_t **value)
+{
+    return bvxi_map_add(o->ctx, map, bvxi_edge_key(a, b), value);
+}
+
+static inline uint32_t bvxi_edge_find(const bvxi_map *map, uint32_t a, uint32_t b)
+{
+    return bvxi_map_find(map, bvxi_edge_key(a, b));
+}
 
 static inline uint64_t *bvxi_tetra_on(const bvxi_oblique *o, uint32_t vertex)
 {
@@ -401,6 +405,33 @@ static inline int bvxi_is_on(const bvxi_oblique *o, uint32_t vertex, uint32_t pl
 static inline void bvxi_set_on(bvxi_oblique *o, uint32_t vertex, uint32_t plane)
 {
     bvxi_tetra_on(o, vertex)[plane / 64] |= UINT64_C(1) << plane % 64;
+}
+
+/* 1: n vertices lie on one plane. */
+static inline int bvxi_share_plane(const bvxi_oblique *o, const uint32_t *v, int n)
+{
+    for (uint32_t w = 0; w < o->plane_words; w++) {
+        uint64_t on = UINT64_MAX;
+        for (int i = 0; i < n; i++) on &= bvxi_tetra_on(o, v[i])[w];
+        if (on != 0) return 1;
+    }
+    return 0;
+}
+
+/* The corners of the face opposite one. */
+static inline void bvxi_tetra_face(const bvxi_tetra *t, int corner, uint32_t v[3])
+{
+    for (int k = 0, n = 0; k < 4; k++)
+        if (k != corner) v[n++] = t->v[k];
+}
+
+/* How many corners lie on contours. */
+static inline int bvxi_on_contours(const bvxi_oblique *o, const bvxi_tetra *t)
+{
+    int n = 0;
+
+    for (int k = 0; k < 4; k++) n += o->vertex[t->v[k]].sign == 0;
+    return n;
 }
 
 /* The first plane that a vertex lies on, or BVXI_NONE. */

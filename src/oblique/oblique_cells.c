@@ -93,8 +93,9 @@ static uint64_t contradicted_cells(const bvxi_oblique *o, const oblique_block *b
     for (uint32_t i = 0; i < b->planes; i++)
         for (uint64_t left = b->touched[i] & cells & ~found; left != 0; left &= left - 1) {
             int const c = bvxi_lowest(left);
-            int32_t const at[3] = {b->first[0] + (c & 3), b->first[1] + (c >> 2 & 3), b->first[2] + (c >> 4)};
+            int32_t at[3];
             double place[3];
+            bvxi_oblique_in_block(b->first, c, at);
             /* Corners that agree may have a bit of the surface between them all the same, on the plane
              * alone. */
             if (bvxi_oblique_in_cube(&o->plane[b->plane[i]], at, 1.0, place) &&
@@ -117,8 +118,6 @@ static void judge_piece(void *user, int32_t index, int32_t worker)
         uint64_t mixed, wanted, touched = 0;
         uint32_t touches = 0;
 
-        /* Split where corners differ, a contour runs, or a plane says another thing, if a plane is there
-         * at all. */
         look_at_block(o, (uint32_t)i, b);
         mixed = bvxi_oblique_mixed(o, (uint32_t)i) & whole_cells(o, b->first);
         wanted = mixed | o->contour_cells[o->known[i]];
@@ -160,7 +159,6 @@ static void list_piece(void *user, int32_t index, int32_t worker)
     }
 }
 
-/* Counts become sums of those before. */
 static bvx_status number_cells(bvxi_oblique *o)
 {
     uint64_t cells = 0, touches = 0;
@@ -182,22 +180,6 @@ static bvx_status number_cells(bvxi_oblique *o)
     return BVX_OK;
 }
 
-static bvx_status find_cells(cells_job *job)
-{
-    bvxi_oblique *const o = job->o;
-    bvx_context *const ctx = o->ctx;
-
-    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
-    BVXI_TRY(
-        BVXI_SHARE(ctx, 0.1, 0.4, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, judge_piece, job)));
-    BVXI_TRY(number_cells(o));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->cell_count + 1) * sizeof *o->cell, "the cells that are split",
-                        &o->cell));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (o->touch_count + 1) * sizeof *o->touch,
-                        "the cells that planes touch", &o->touch));
-    return BVXI_SHARE(ctx, 0.4, 0.5, bvxi_parallel(ctx, "surface", 0.0, 1.0, job->pieces, list_piece, job));
-}
-
 /* ---- tetrahedra ---- */
 
 /* A vertex of the lattice among those of the tetrahedra; planes: those near its cell's block. */
@@ -212,7 +194,6 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     double at[3];
     float value;
 
-    /* Known blocks have a place for each vertex; the few beyond them are looked up by block and bit. */
     if (o->block_at[block] >= 0) {
         slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
         found = &o->vertex_at[slot];
@@ -294,9 +275,7 @@ static bvx_status make_tetrahedra_of(bvxi_oblique *o, uint64_t cell, const uint3
     uint32_t corner[8];
 
     bvxi_oblique_block_place(o, o->cell[cell][0], at);
-    at[0] += c & 3;
-    at[1] += c >> 2 & 3;
-    at[2] += c >> 4;
+    bvxi_oblique_in_block(at, c, at);
     for (int k = 0; k < 8; k++) {
         int32_t const place[3] = {at[0] + (k & 1), at[1] + (k >> 1 & 1), at[2] + (k >> 2)};
         BVXI_TRY(lattice_vertex(o, place, plane, planes, &corner[k]));
@@ -317,12 +296,12 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     static const char what[] = "the tetrahedra";
     uint64_t const tetra = 6 * SPLIT_ROOM * o->cell_count, vertices = 9 * o->cell_count;
 
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->tetra, tetra, &o->tetra_room[0], sizeof *o->tetra, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->chain, tetra, &o->tetra_room[1], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->twin, tetra, &o->tetra_room[2], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->stamp, tetra, &o->tetra_room[3], 4, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->vertex, vertices, &o->vertex_room, sizeof *o->vertex, what));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
+    BVXI_TRY(BVXI_RESERVE(o, o->tetra, tetra, o->tetra_room[0], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->chain, tetra, o->tetra_room[1], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->twin, tetra, o->tetra_room[2], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->stamp, tetra, o->tetra_room[3], what));
+    BVXI_TRY(BVXI_RESERVE(o, o->vertex, vertices, o->vertex_room, what));
+    BVXI_TRY(bvxi_reserve(o->ctx, &o->on, vertices, &o->on_room, (uint64_t)o->plane_words * 8, what));
 
     /* Block by block, as a block's cells have the same planes near them. */
     for (uint32_t i = 0; i < o->known_count; i++) {
@@ -338,14 +317,12 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     return BVX_OK;
 }
 
-/* Cells in the order of the planes that touch them. */
 static bvx_status order_touches(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count + 1;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 4, "the cells that planes touch", &o->plane_touch));
-    BVXI_TRY(
-        bvxi_alloc(o->ctx, BVXI_SCRATCH, o->touch_count * 4, "the cells that planes touch", &o->touch_cell));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the cells that planes touch", o->plane_touch));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->touch_count, "the cells that planes touch", o->touch_cell));
 
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     bvxi_place_counts32(o->plane_touch, n);
@@ -358,32 +335,28 @@ static bvx_status order_touches(bvxi_oblique *o)
     return BVX_OK;
 }
 
-static bvx_status open_cells(bvxi_oblique *o)
+bvx_status bvxi_oblique_cells(bvxi_oblique *o)
 {
     static const char what[] = "the cells of the surface";
     uint64_t const n = o->known_count;
     bvx_context *const ctx = o->ctx;
+    cells_job job = {.o = o, .pieces = bvxi_piece_count(n, CELL_GRAIN)};
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_oblique_kind_bits(o) * n * 8, what, &o->inside));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->split));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 8, what, &o->active));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->split_first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, (n + 1) * 4, what, &o->touch_first));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * BVXI_BLOCK_SIZE * 4, what, &o->vertex_at));
+    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_oblique_kind_bits(o) * n, what, o->inside));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->split));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, o->active));
+    BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->split_first));
+    BVXI_TRY(BVXI_ARRAY(ctx, n + 1, what, o->touch_first));
+    BVXI_TRY(BVXI_ARRAY(ctx, n * BVXI_BLOCK_SIZE, what, o->vertex_at));
     memset(o->vertex_at, 0xff, (size_t)(n * BVXI_BLOCK_SIZE * 4));
-    return BVX_OK;
-}
+    BVXI_TRY(BVXI_ARRAY(ctx, bvxi_threads(ctx), "the planes of blocks", job.block));
 
-bvx_status bvxi_oblique_cells(bvxi_oblique *o)
-{
-    uint64_t const bytes = (uint64_t)bvxi_threads(o->ctx) * sizeof(oblique_block);
-    cells_job job;
-
-    BVXI_TRY(open_cells(o));
-    job.o = o;
-    job.pieces = bvxi_piece_count(o->known_count, CELL_GRAIN);
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the planes of blocks", &job.block));
-    BVXI_TRY(find_cells(&job));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
+    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.1, 0.4, job.pieces, judge_piece, &job));
+    BVXI_TRY(number_cells(o));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->cell_count + 1, "the cells that are split", o->cell));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->touch_count + 1, "the cells that planes touch", o->touch));
+    BVXI_TRY(bvxi_parallel(ctx, "surface", 0.4, 0.5, job.pieces, list_piece, &job));
     BVXI_TRY(order_touches(o));
     return make_tetrahedra(o);
 }
@@ -430,7 +403,6 @@ static bvx_status split_by_plane(bvxi_oblique *o, uint32_t t, uint32_t plane)
             if (side[k] > 0) a = k;
             if (side[k] < 0) b = k;
         }
-        /* No corner on one of the sides: the plane cuts it no more. */
         if (a < 0 || b < 0) return BVX_OK;
         share = height[a] - height[b] > 0.0 ? height[a] / (height[a] - height[b]) : 0.5;
         /* Rounding must not put the new vertex onto an old one. */

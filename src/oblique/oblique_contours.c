@@ -21,7 +21,6 @@ enum { CONTOUR_REPORT = 1024 };
 /* A cell with more tetrahedra than that is crowded: its triangles are looked for from the point before. */
 #define CROWDED_CELL 512
 
-/* A triangle of a plane: the tetrahedron, and the corner opposite it. */
 typedef struct plane_face {
     uint32_t tetra;
     int corner;
@@ -47,7 +46,6 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
     double at[3][2], area, least = 1e300;
     int edge = 0, n = 0, which[3];
 
-    /* Most have a corner off the plane, and are no triangle of it. */
     for (int k = 0; k < 4; k++)
         if (k != corner && !bvxi_is_on(o, o->tetra[t].v[k], plane)) return;
     for (int k = 0; k < 4; k++) {
@@ -69,7 +67,6 @@ static void keep_better_face(const bvxi_oblique *o, uint32_t plane, uint32_t t, 
         edge = which[k];
     }
 
-    /* The one in which the place lies deepest; of equal ones the first. */
     if (!(least > best->least)) return;
     best->tetra = t;
     best->corner = corner;
@@ -229,7 +226,6 @@ typedef struct way_step {
     double at[3];
 } way_step;
 
-/* A straight line on a plane, from a vertex to another one. */
 typedef struct way_line {
     uint32_t plane, to;
     double from[2], way[2], length;
@@ -278,7 +274,6 @@ static bvx_status next_step(bvxi_oblique *o, uint32_t plane, uint32_t from, uint
     for (int k = 0; k < 2; k++) line.way[k] = end[k] - line.from[k];
     line.length = sqrt(line.way[0] * line.way[0] + line.way[1] * line.way[1]);
 
-    /* Only triangles of the plane itself count: those whose corners all lie on it. */
     BVXI_TRY(bvxi_tetra_star(o, from));
     for (uint64_t i = 0; i < o->star_count; i++) {
         const bvxi_tetra *const t = &o->tetra[o->star[i]];
@@ -344,8 +339,7 @@ bvx_status bvxi_oblique_contours(bvxi_oblique *o)
 {
     uint32_t first = 0;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)o->point_count * 4, "the points of contours",
-                        &o->point_vertex));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->point_count, "the points of contours", o->point_vertex));
 
     /* All points before any segment: a segment must not run past a point that is not there yet. */
     BVXI_TRY(insert_knots(o));

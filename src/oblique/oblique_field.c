@@ -19,8 +19,6 @@
 #define REST_FAR   2.0 /* nodes: distances beyond only have to be beyond */
 #define REST_REACH 3.0 /* nodes */
 
-/* ---- what the smooth number leaves ---- */
-
 /* From a distance and the smooth number: nothing left where both are far on one side. */
 static double rest_of(const bvxi_oblique *o, double distance, double smooth)
 {
@@ -40,41 +38,24 @@ static void rest_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32_t
                      v = p->raster_low[1] + BVXI_RASTER_STEP * row;
         double at[3];
 
-        /* The raster's point in space, where the smooth number is known. */
         for (int k = 0; k < 3; k++)
             at[k] = p->offset * p->normal[k] + (u * p->axis[0][k] + v * p->axis[1][k]);
         p->rest[n] = (float)rest_of(o, p->raster[n], bvxi_smooth_at(&o->smooth, at));
     }
 }
 
-static void rest_piece(void *user, int32_t index)
-{
-    const bvxi_oblique *const o = user;
-    int32_t row = index;
-    const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
-
-    rest_row(o, p, row);
-}
-
 bvx_status bvxi_oblique_rest(bvxi_oblique *o)
 {
-    uint64_t rows = 0;
-
     o->reach = REST_REACH / o->smooth.scale;
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_oblique_plane *const p = &o->plane[i];
         if (p->raster == NULL) continue;
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH,
-                            (uint64_t)p->raster_size[0] * (uint64_t)p->raster_size[1] * 4,
-                            "the distances on planes", &p->rest));
-        rows += (uint64_t)p->raster_size[1];
+        BVXI_TRY(BVXI_ARRAY(o->ctx, (uint64_t)p->raster_size[0] * (uint64_t)p->raster_size[1],
+                            "the distances on planes", p->rest));
     }
-    return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rest_piece, o);
+    return bvxi_oblique_rows(o, rest_row);
 }
 
-/* ---- the number ---- */
-
-/* How far a place lies beyond a box. */
 static double beyond_box(const double low[3], const double high[3], const double at[3])
 {
     double sum = 0.0;
@@ -87,7 +68,6 @@ static double beyond_box(const double low[3], const double high[3], const double
     return sum > 0.0 ? sqrt(sum) : 0.0;
 }
 
-/* At a place where the number is made. */
 static double near_number(const bvxi_oblique *o, const double at[3], const uint32_t *plane, uint32_t count)
 {
     double const smooth = bvxi_smooth_at(&o->smooth, at), beyond = 1.0 / o->reach;
@@ -98,7 +78,6 @@ static double near_number(const bvxi_oblique *o, const double at[3], const uint3
         double const h = bvxi_absolute(bvxi_oblique_height(p, at));
         double weight;
 
-        /* A plane farther off than the reach has the weight 0. */
         if (h >= o->reach) continue;
         /* Inverse distance, less what it is at the reach, so that it ends there without a step; cubed, as the
          * nearer plane should decide. */

@@ -29,7 +29,7 @@ typedef struct handle_work {
     uint32_t *vertex_of, *patch, *fan, *loop;
     uint8_t *side; /* of the edge from each corner: 0 a border of its patch, 1 and 2 both of an inner one */
     int32_t *euler, *loops;
-    bvxi_edge_map pair;
+    bvxi_map pair;
     uint64_t triangles;
     uint64_t settled; /* handles filled or cut */
     /* what is looked at around a patch */
@@ -65,22 +65,17 @@ static uint32_t handle_next_corner(uint32_t c)
 
 /* ---- patches ---- */
 
-static int is_contours_edge(const handle_work *w, uint32_t a, uint32_t b)
-{
-    uint32_t const x = w->vertex_of[a], y = w->vertex_of[b];
-
-    return x != BVXI_NONE && y != BVXI_NONE && bvxi_edge_find(&w->o->contour_edge, x, y) != BVXI_NONE;
-}
-
 static bvx_status join_surface_patches(handle_work *w, const uint32_t *corner)
 {
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
-        uint32_t const a = corner[c], b = corner[handle_next_corner(c)];
+        uint32_t const a = corner[c], b = corner[handle_next_corner(c)], x = w->vertex_of[a],
+                       y = w->vertex_of[b];
         uint32_t *first;
 
         BVXI_TRY(report_patches(w, 0.0, c));
         /* Patches end at contours, whatever the surface does beyond them. */
-        if (is_contours_edge(w, a, b)) continue;
+        if (x != BVXI_NONE && y != BVXI_NONE && bvxi_edge_find(&w->o->contour_edge, x, y) != BVXI_NONE)
+            continue;
         BVXI_TRY(bvxi_edge_add(w->o, &w->pair, a, b, &first));
         if (*first == BVXI_NONE) {
             *first = c;
@@ -131,13 +126,13 @@ static bvx_status find_surface_patches(handle_work *w)
     bvx_context *const ctx = o->ctx;
     uint64_t const n = w->triangles;
 
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->position_count * 4, what, &w->vertex_of));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, what, &w->patch));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->fan));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, what, &w->loop));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 3, what, &w->side));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->euler));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * 4, what, &w->loops));
+    BVXI_TRY(BVXI_ARRAY(ctx, o->position_count, what, w->vertex_of));
+    BVXI_TRY(BVXI_ARRAY(ctx, n, what, w->patch));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->fan));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * n, what, w->loop));
+    BVXI_TRY(BVXI_ZEROS(ctx, 3 * n, what, w->side));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->euler));
+    BVXI_TRY(BVXI_ZEROS(ctx, n, what, w->loops));
 
     memset(w->vertex_of, 0xff, (size_t)o->position_count * 4);
     /* Back from vertices of the surface to those of the tetrahedra, which contours' edges are kept by. */
@@ -149,13 +144,6 @@ static bvx_status find_surface_patches(handle_work *w)
     return count_surface_patches(w);
 }
 
-/* ---- vertices that may be on either side ---- */
-
-static int is_either_side(const bvxi_oblique *o, uint32_t v)
-{
-    return o->vertex[v].sign != 0 && bvxi_first_plane(o, v) == BVXI_NONE;
-}
-
 /* Edges from plane to plane with both ends on one side get a vertex, on that side as well. */
 static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
@@ -163,17 +151,15 @@ static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const x = o->tetra[t].v[a], y = o->tetra[t].v[b];
             int const inside = o->vertex[x].sign > 0 || o->vertex[y].sign > 0;
-            uint64_t shared = 0;
+            uint32_t const ends[2] = {x, y};
             double at[3];
             uint32_t m;
 
             /* An edge within a plane must not be cut: what is on the plane is fixed. */
-            for (uint32_t k = 0; k < o->plane_words; k++)
-                shared |= bvxi_tetra_on(o, x)[k] & bvxi_tetra_on(o, y)[k];
-            if (shared != 0 || o->vertex[x].sign * o->vertex[y].sign < 0 ||
+            if (bvxi_share_plane(o, ends, 2) || o->vertex[x].sign * o->vertex[y].sign < 0 ||
                 bvxi_first_plane(o, x) == BVXI_NONE || bvxi_first_plane(o, y) == BVXI_NONE)
                 continue;
-            for (int k = 0; k < 3; k++) at[k] = 0.5 * (o->vertex[x].at[k] + o->vertex[y].at[k]);
+            bvxi_oblique_middle(o, ends, 2, at);
             BVXI_TRY(bvxi_tetra_split_edge(o, t, x, y, at, &m));
             o->vertex[m].sign = inside ? 1 : -1;
             o->vertex[m].value = inside ? HANDLE_MIDDLE : -HANDLE_MIDDLE;
@@ -188,24 +174,10 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
     bvxi_oblique *const o = w->o;
 
     if (o->stamp[t] == o->stamps) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &w->tetra, w->tetras, &w->tetra_room, 4, "the tetrahedra of a handle"));
+    BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
     o->stamp[t] = o->stamps;
     w->tetra[w->tetras++] = t;
     return BVX_OK;
-}
-
-/* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
-static int is_face_on_plane(const bvxi_oblique *o, const bvxi_tetra *t, int corner)
-{
-    uint64_t on_plane = 0;
-
-    for (uint32_t word = 0; word < o->plane_words; word++) {
-        uint64_t on = UINT64_MAX;
-        for (int c = 0; c < 4; c++)
-            if (c != corner) on &= bvxi_tetra_on(o, t->v[c])[word];
-        on_plane |= on;
-    }
-    return on_plane != 0;
 }
 
 /* The tetrahedra that a patch runs through, and others between the same planes, the nearest first. */
@@ -223,8 +195,11 @@ static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t p
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
-            if (next != BVXI_NONE && !is_face_on_plane(o, &o->tetra[t], k))
-                BVXI_TRY(add_handle_tetra(w, next));
+            uint32_t face[3];
+            if (next == BVXI_NONE) continue;
+            /* A face on a plane ends what belongs together: beyond it is another cell of the arrangement. */
+            bvxi_tetra_face(&o->tetra[t], k, face);
+            if (!bvxi_share_plane(o, face, 3)) BVXI_TRY(add_handle_tetra(w, next));
         }
     return BVX_OK;
 }
@@ -242,21 +217,20 @@ static bvx_status look_around_patch(handle_work *w, const uint32_t *owner, uint3
     if (o->vertex_count > before) BVXI_TRY(gather_patch(w, owner, patch));
     bvxi_drop(o->ctx, w->number);
     w->number = NULL;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, what, &w->number));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w->number));
     memset(w->number, 0xff, (size_t)o->vertex_count * 4);
     w->members = 0;
     for (uint32_t i = 0; i < 4 * w->tetras; i++) {
         uint32_t const x = o->tetra[w->tetra[i / 4]].v[i % 4];
         if (w->number[x] != BVXI_NONE) continue;
-        BVXI_TRY(bvxi_oblique_grow(o, &w->member, w->members, &w->member_room, 4, what));
-        BVXI_TRY(bvxi_oblique_grow(o, &w->joined, w->members, &w->joined_room, 4, what));
+        BVXI_TRY(BVXI_GROW(o, w->member, w->members, w->member_room, what));
+        BVXI_TRY(BVXI_GROW(o, w->joined, w->members, w->joined_room, what));
         w->member[w->members] = x;
         w->number[x] = w->members++;
     }
     return BVX_OK;
 }
 
-/* Stretches of a side in what was looked at. */
 static uint32_t count_handle_stretches(handle_work *w, int inside)
 {
     const bvxi_oblique *const o = w->o;
@@ -316,7 +290,7 @@ static bvx_status change_side(handle_work *w, uint32_t v, uint32_t wanted, uint3
     *around = 0;
     BVXI_TRY(report_look(w));
     if (!bvxi_look_link(o, &w->look, v)) return BVX_OK;
-    bvxi_look_stretches(o, &w->look, v, stretches);
+    bvxi_look_stretches(o, &w->look, v, 1, stretches);
     if (stretches[!inside] != 1 || (wanted == 1 ? stretches[inside] != 1 : stretches[inside] < 2))
         return BVX_OK;
     bvxi_flip_sign(o, v);
@@ -337,10 +311,12 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         float const size = (float)bvxi_absolute(o->vertex[x].value);
         uint32_t bits;
 
-        if (!is_either_side(o, x) || (o->vertex[x].sign > 0) != inside || size > depth) continue;
+        if (o->vertex[x].sign == 0 || (o->vertex[x].sign > 0) != inside || size > depth ||
+            bvxi_first_plane(o, x) != BVXI_NONE)
+            continue;
         BVXI_TRY(report_look(w));
         if (!bvxi_look_link(o, &w->look, x) || !bvxi_look_whole(o, &w->look, x)) continue;
-        BVXI_TRY(bvxi_oblique_grow(o, &w->loose, n, &w->loose_room, 8, "the vertices of a handle"));
+        BVXI_TRY(BVXI_GROW(o, w->loose, n, w->loose_room, "the vertices of a handle"));
         /* Floats from 0 on have the order of their bits. */
         memcpy(&bits, &size, 4);
         w->loose[n++] = (uint64_t)bits << 32 | x;
@@ -373,8 +349,8 @@ static bvx_status thin_side(handle_work *w, int inside)
 
             if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
             if (around == 0) continue;
-            BVXI_TRY(bvxi_oblique_grow(o, &w->flip, w->flips, &w->flip_room, 4, "the vertices of a handle"));
-            BVXI_TRY(bvxi_oblique_grow(o, &w->back, w->flips, &w->back_room, 1, "the vertices of a handle"));
+            BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
+            BVXI_TRY(BVXI_GROW(o, w->back, w->flips, w->back_room, "the vertices of a handle"));
             w->flip[w->flips++] = v;
         }
     } while (w->flips > before);
@@ -398,16 +374,6 @@ static bvx_status thicken_side(handle_work *w)
     return BVX_OK;
 }
 
-/* Whether contours hold round a vertex that was cut and those that did not come back. */
-static bvx_status cut_holds(handle_work *w, uint32_t v, int *hold)
-{
-    *hold = 1;
-    BVXI_TRY(contours_hold(w, v, hold));
-    for (uint32_t i = 0; i < w->flips && *hold; i++)
-        if (!w->back[i]) BVXI_TRY(contours_hold(w, w->flip[i], hold));
-    return BVX_OK;
-}
-
 /* A thread whose cut leaves as many stretches as there were was a handle. It is cut where that moves the
  * surface least, and thickened again; one that the contours would not bear is left. */
 static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
@@ -428,7 +394,10 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
         BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
-            BVXI_TRY(cut_holds(w, v, &hold));
+            hold = 1;
+            BVXI_TRY(contours_hold(w, v, &hold));
+            for (uint32_t k = 0; k < w->flips && hold; k++)
+                if (!w->back[k]) BVXI_TRY(contours_hold(w, w->flip[k], &hold));
             if (hold) {
                 *gain = (int32_t)around - 1;
                 return BVX_OK;
@@ -443,7 +412,6 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
     return BVX_OK;
 }
 
-/* Small numbers first: as little as possible changes. */
 static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
@@ -475,36 +443,27 @@ static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
     }
 }
 
-static bvx_status settle_handles(handle_work *w, const uint32_t *owner, uint64_t *found)
-{
-    BVXI_TRY(find_surface_patches(w));
-    for (uint32_t t = 0; t < w->triangles; t++) {
-        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
-         * each handle. */
-        int32_t const handles = (2 - w->euler[t] - w->loops[t]) / 2;
-        uint64_t const vertices = w->o->vertex_count;
-
-        /* Without a border it is a body that no contour touches, which goes. */
-        if (w->patch[t] != t || handles <= 0 || w->loops[t] == 0) continue;
-        *found += (uint64_t)handles;
-        BVXI_TRY(look_around_patch(w, owner, t));
-        w->done = 0.6 + 0.4 * t / (double)w->triangles;
-        BVXI_TRY(settle_surface_patch(w, handles));
-        give_middle_numbers(w->o, vertices);
-    }
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_handles(bvxi_oblique *o, const uint32_t *owner, uint64_t *settled)
 {
-    handle_work w;
+    handle_work w = {.o = o, .triangles = o->triangle_count};
     uint64_t found = 0;
 
-    memset(&w, 0, sizeof w);
-    w.o = o;
-    w.triangles = o->triangle_count;
     w.look = bvxi_look_in(w.block, BVXI_LOOK_MOST);
-    BVXI_TRY(settle_handles(&w, owner, &found));
+    BVXI_TRY(find_surface_patches(&w));
+    for (uint32_t t = 0; t < w.triangles; t++) {
+        /* Of a patch with that many loops as its border: Euler's number is 2 less the loops and two for
+         * each handle. */
+        int32_t const handles = (2 - w.euler[t] - w.loops[t]) / 2;
+        uint64_t const vertices = o->vertex_count;
+
+        /* Without a border it is a body that no contour touches, which goes. */
+        if (w.patch[t] != t || handles <= 0 || w.loops[t] == 0) continue;
+        found += (uint64_t)handles;
+        BVXI_TRY(look_around_patch(&w, owner, t));
+        w.done = 0.6 + 0.4 * t / (double)w.triangles;
+        BVXI_TRY(settle_surface_patch(&w, handles));
+        give_middle_numbers(o, vertices);
+    }
     *settled = w.settled;
     o->handles_left = found > *settled ? found - *settled : 0;
     return BVX_OK;

@@ -17,32 +17,22 @@ enum { BLOCK_GRAIN = 8, BLOCK_CONTRADICTED = 0x80 /* a plane says another thing 
 #define PLACE_SNAP \
     0.15 /* cells: what lies so near to a plane moves onto it; tetrahedra keep 0.4 of their height */
 
-static int place_onto(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane, uint32_t count,
-                      double at[3])
+int bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
+                             uint32_t count, double at[3])
 {
-    double least = PLACE_SNAP;
-    uint32_t nearest = BVXI_NONE;
+    const bvxi_oblique_plane *nearest = NULL;
+    double least = PLACE_SNAP, height = 0.0;
 
     for (int k = 0; k < 3; k++) at[k] = vertex[k];
     for (uint32_t n = 0; n < count; n++) {
-        uint32_t const i = plane[n];
-        double const h = bvxi_absolute(bvxi_oblique_height(&o->plane[i], at));
-        if (h >= least) continue;
-        least = h;
-        nearest = i;
+        double const h = bvxi_oblique_height(&o->plane[plane[n]], at);
+        if (bvxi_absolute(h) >= least) continue;
+        least = bvxi_absolute(h);
+        height = h;
+        nearest = &o->plane[plane[n]];
     }
-    if (nearest != BVXI_NONE) {
-        const bvxi_oblique_plane *const p = &o->plane[nearest];
-        double const h = bvxi_oblique_height(p, at);
-        for (int k = 0; k < 3; k++) at[k] -= h * p->normal[k];
-    }
-    return nearest != BVXI_NONE;
-}
-
-void bvxi_oblique_place_among(const bvxi_oblique *o, const int32_t vertex[3], const uint32_t *plane,
-                              uint32_t count, double at[3])
-{
-    place_onto(o, vertex, plane, count, at);
+    for (int k = 0; k < 3 && nearest != NULL; k++) at[k] -= height * nearest->normal[k];
+    return nearest != NULL;
 }
 
 /* What vertices move by, and half the way between the places of a segment that are marked. */
@@ -57,17 +47,21 @@ void bvxi_oblique_block_place(const bvxi_oblique *o, uint32_t block, int32_t fir
     first[2] = (int32_t)(block / (uint32_t)x / (uint32_t)y) * BVXI_BLOCK_SIDE;
 }
 
-uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
+/* 1: a plane passes through a cube of four cells and so far around it. */
+static int plane_in_block(const bvxi_oblique_plane *p, const int32_t first[3], double margin)
 {
     double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
+    double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
+                                bvxi_absolute(p->normal[2]));
+    return bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach + margin;
+}
+
+uint32_t bvxi_oblique_near_planes(const bvxi_oblique *o, const int32_t first[3], uint32_t *plane)
+{
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        const bvxi_oblique_plane *const p = &o->plane[i];
-        double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
-                                    bvxi_absolute(p->normal[2]));
-        if (bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach + 0.5) plane[count++] = i;
-    }
+    for (uint32_t i = 0; i < o->plane_count; i++)
+        if (plane_in_block(&o->plane[i], first, 0.5)) plane[count++] = i;
     return count;
 }
 
@@ -95,7 +89,7 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
     for (int k = 0; k < 3; k++)
         if (vertex[k] == 0 || vertex[k] == o->side[k] - 1) return o->body_count != 0 ? 0.0F : -1.0F;
     /* on no plane, unless it moves onto one: a plane within reach of nothing is one that it moves onto */
-    if (place_onto(o, vertex, near, near_count, at))
+    if (bvxi_oblique_place_among(o, vertex, near, near_count, at))
         for (uint32_t i = 0; i < near_count && on == BVXI_NONE; i++)
             if (bvxi_absolute(bvxi_oblique_height(&o->plane[near[i]], at)) <= BVXI_OBLIQUE_NEAR) on = near[i];
     if (o->body_count != 0) return (float)bvxi_joint_kind(o, on, at, heard, heard_count);
@@ -122,7 +116,6 @@ int bvxi_oblique_kind_on(const bvxi_oblique *o, uint32_t plane, const double at[
     return bvxi_oblique_side(o, plane, at) > 0;
 }
 
-/* Known blocks have values; the others one kind. */
 int bvxi_oblique_kind(const bvxi_oblique *o, const int32_t vertex[3])
 {
     int bit;
@@ -149,7 +142,7 @@ static void first_vertex_piece(void *user, uint64_t begin, uint64_t end)
 static bvx_status know_block(bvxi_oblique *o, uint64_t block)
 {
     if (o->block_at[block] >= 0) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &o->known, o->known_count, &o->known_room, 4, "the blocks of the lattice"));
+    BVXI_TRY(BVXI_GROW(o, o->known, o->known_count, o->known_room, "the blocks of the lattice"));
     o->block_at[block] = (int32_t)o->known_count;
     o->known[o->known_count++] = (uint32_t)block;
     return BVX_OK;
@@ -175,9 +168,7 @@ static void known_piece(void *user, uint64_t begin, uint64_t end)
         near_count = bvxi_oblique_near_planes(o, first, near);
         heard_count = bvxi_oblique_heard_planes(o, first, heard);
         for (int n = 0; n < BVXI_BLOCK_SIZE; n++) {
-            at[0] = first[0] + (n & 3);
-            at[1] = first[1] + (n >> 2 & 3);
-            at[2] = first[2] + (n >> 4);
+            bvxi_oblique_in_block(first, n, at);
             value[n] = value_among(o, at, near, near_count, heard, heard_count);
         }
     }
@@ -203,7 +194,6 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
     for (int n = 0; n < 27; n++) {
         int const d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
         int32_t b[3];
-        /* All 26 blocks around; the middle one is the block itself. */
         int out = n == 13;
         uint64_t block;
         for (int k = 0; k < 3; k++) {
@@ -213,7 +203,6 @@ static bvx_status know_round(bvxi_oblique *o, uint32_t i)
         if (out) continue;
         block = ((uint64_t)b[2] * (uint64_t)o->blocks[1] + (uint64_t)b[1]) * (uint64_t)o->blocks[0] +
                 (uint64_t)b[0];
-        /* A neighbour is known too where the surface may lie between both. */
         if (o->block_at[block] < 0 &&
             disagrees(o, o->value + (uint64_t)i * BVXI_BLOCK_SIZE, d, o->block_kind[block]))
             BVXI_TRY(know_block(o, block));
@@ -252,7 +241,6 @@ static void mark_place(bvxi_oblique *o, const double at[3])
     for (int k = 0; k < 3; k++) {
         low[k] = (int32_t)floor(at[k] - MARK_REACH);
         high[k] = (int32_t)floor(at[k] + MARK_REACH);
-        /* Contours lie within the lattice, but the reach around them may not. */
         if (low[k] < 0) low[k] = 0;
         if (high[k] > o->side[k] - 2) high[k] = o->side[k] - 2;
     }
@@ -325,7 +313,6 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
     if (end != BVXI_NONE && o->knot[end].share > 0.0) end = BVXI_NONE;
     if (k == BVXI_NONE && end == BVXI_NONE) return;
 
-    /* From knot to knot: where each stretch was, and where it is. */
     memcpy(at, a, sizeof at);
     memcpy(moved, a, sizeof moved);
     for (; k != BVXI_NONE; k = bvxi_knot_after(o, plane, segment, o->knot[k].share)) {
@@ -340,7 +327,6 @@ static void mark_moved_segment(bvxi_oblique *o, uint32_t plane, uint32_t segment
     mark_sweep(o, at, b, moved, next_moved);
 }
 
-/* Along contours as given, and where knots move their segments to. */
 static void mark_contours(bvxi_oblique *o)
 {
     for (uint32_t i = 0; i < o->plane_count; i++) {
@@ -363,7 +349,6 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
 
     at[0] = at[1] = at[2] = 0.0;
 
-    /* Heights at the corners say which edges the plane crosses. */
     for (int c = 0; c < 8; c++) {
         double const corner[3] = {first[0] + (c & 1 ? side : 0.0), first[1] + (c & 2 ? side : 0.0),
                                   first[2] + (c & 4 ? side : 0.0)};
@@ -384,15 +369,6 @@ int bvxi_oblique_in_cube(const bvxi_oblique_plane *p, const int32_t first[3], do
     return 1;
 }
 
-static int plane_in_block(const bvxi_oblique_plane *p, const int32_t first[3])
-{
-    double const centre[3] = {first[0] + 2.0, first[1] + 2.0, first[2] + 2.0};
-    double const reach = 2.0 * (bvxi_absolute(p->normal[0]) + bvxi_absolute(p->normal[1]) +
-                                bvxi_absolute(p->normal[2])) +
-                         0.01;
-    return bvxi_absolute(bvxi_oblique_height(p, centre)) <= reach;
-}
-
 static void plane_block_piece(void *user, uint64_t begin, uint64_t end)
 {
     bvxi_oblique *const o = user;
@@ -400,18 +376,15 @@ static void plane_block_piece(void *user, uint64_t begin, uint64_t end)
     for (uint64_t i = begin; i < end; i++) {
         int32_t first[3];
         double at[3];
-        /* Blocks with contours are known in any case. */
         if (o->contour_cells[i] != 0) continue;
         bvxi_oblique_block_place(o, (uint32_t)i, first);
         for (uint32_t k = 0; k < o->plane_count; k++)
-            if (plane_in_block(&o->plane[k], first) &&
+            if (plane_in_block(&o->plane[k], first, 0.01) &&
                 bvxi_oblique_in_cube(&o->plane[k], first, BVXI_BLOCK_SIDE, at) &&
                 bvxi_oblique_kind_on(o, k, at) != (o->block_kind[i] & ~BLOCK_CONTRADICTED))
                 o->block_kind[i] |= BLOCK_CONTRADICTED;
     }
 }
-
-/* ---- all of it ---- */
 
 static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
 {
@@ -426,7 +399,6 @@ static bvx_status begin_blocks(bvxi_oblique *o, uint64_t n)
         int known = o->contour_cells[i] != 0 || (o->block_kind[i] & BLOCK_CONTRADICTED) != 0;
         int32_t first[3];
         bvxi_oblique_block_place(o, (uint32_t)i, first);
-        /* neighbours over a face whose first vertices differ */
         for (int k = 0; k < 3; k++) {
             uint64_t const step = k == 0 ? 1 : k == 1 ? (uint64_t)b[0] : (uint64_t)b[0] * (uint64_t)b[1];
             if (first[k] / BVXI_BLOCK_SIDE + 1 < b[k])
@@ -445,9 +417,9 @@ bvx_status bvxi_oblique_lattice(bvxi_oblique *o)
 {
     uint64_t const n = (uint64_t)o->blocks[0] * (uint64_t)o->blocks[1] * (uint64_t)o->blocks[2];
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n, "the blocks of the lattice", &o->block_kind));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 4, "the blocks of the lattice", &o->block_at));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, "the blocks of the lattice", &o->contour_cells));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->block_kind));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, n, "the blocks of the lattice", o->block_at));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the blocks of the lattice", o->contour_cells));
 
     memset(o->block_at, 0xff, (size_t)n * 4);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, begin_blocks(o, n)));

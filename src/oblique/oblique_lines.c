@@ -11,11 +11,11 @@
  * Where three planes have a corner between contours that are to agree, all three must agree of the corner
  * too: it is on the side that two of them say, and the crossings move so that the third one's contour passes
  * it there. It then meets the two other planes in the other order, which its crossings are given. */
+#include "core/vec3.h"
 #include "oblique/oblique.h"
 
 #include <math.h>
 
-/* A crossing on the line of the pair at hand. */
 typedef struct line_event {
     double along;
     uint32_t knot;
@@ -54,12 +54,6 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
     return found;
 }
 
-static double square_between(const double a[3], const double b[3])
-{
-    double const d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
-}
-
 /* The knot at a place of a segment, which another plane through the line may have made. */
 static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, double share, uint32_t other,
                             const double at[3], uint32_t *number)
@@ -69,12 +63,11 @@ static bvx_status find_knot(bvxi_oblique *o, uint32_t plane, uint32_t segment, d
 
     /* Three planes in one line meet a contour at one place: it gets one knot. */
     for (uint32_t i = o->plane[plane].knot; i != BVXI_NONE; i = o->knot[i].next)
-        if (o->knot[i].segment == segment && square_between(o->knot[i].at, at) <= near) {
+        if (o->knot[i].segment == segment && bvxi_vec_distance2(o->knot[i].at, at) <= near) {
             *number = i;
             return BVX_OK;
         }
-    BVXI_TRY(bvxi_oblique_grow(o, &o->knot, o->knot_count, &o->knot_room, sizeof *o->knot,
-                               "the crossings of contours with planes"));
+    BVXI_TRY(BVXI_GROW(o, o->knot, o->knot_count, o->knot_room, "the crossings of contours with planes"));
     *number = (uint32_t)o->knot_count++;
     k = &o->knot[*number];
     memset(k, 0, sizeof *k);
@@ -151,14 +144,13 @@ static bvx_status find_events(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
         share = ha / (ha - hb);
         for (int k = 0; k < 3; k++) at[k] = a[k] + share * (b[k] - a[k]);
         /* A crossing at a point is that point, which has the coordinates given. */
-        if (square_between(at, a) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) share = 0.0;
-        else if (square_between(at, b) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) {
+        if (bvxi_vec_distance2(at, a) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) share = 0.0;
+        else if (bvxi_vec_distance2(at, b) <= BVXI_OBLIQUE_NEAR * BVXI_OBLIQUE_NEAR) {
             share = 0.0;
             segment = n;
         }
         if (share == 0.0) memcpy(at, segment == i ? a : b, 24);
-        BVXI_TRY(bvxi_oblique_grow(o, &w->event, w->count, &w->room, sizeof *w->event,
-                                   "the crossings of contours with planes"));
+        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
         e = &w->event[w->count];
         e->which = which;
         e->along = (w->direction[0] * at[0] + w->direction[1] * at[1]) + w->direction[2] * at[2];
@@ -243,7 +235,6 @@ static bvx_status settle_pair(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
         int const apart = inside[0] != inside[1];
         double gap;
 
-        /* Along the line each crossing goes in or out of one plane's contours. */
         inside[e->which] ^= 1;
         if (!apart) {
             since = i;
@@ -321,9 +312,7 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 {
     w->count = 0;
     for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next) {
-        BVXI_TRY(bvxi_oblique_grow(o, &w->event, w->count, &w->room, sizeof *w->event,
-                                   "the crossings of contours with planes"));
-        /* Along the contours: segment by segment, and by the share of each. */
+        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
         w->event[w->count].which = o->knot[k].segment;
         w->event[w->count].along = o->knot[k].segment + o->knot[k].share;
         w->event[w->count++].knot = k;
@@ -335,9 +324,8 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
-    oblique_line_work w;
+    oblique_line_work w = {0};
 
-    memset(&w, 0, sizeof w);
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
         for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));

@@ -38,7 +38,6 @@ static int look_star(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return 1;
 }
 
-/* The number of a vertex among those of the star. */
 static uint32_t look_vertex(const bvxi_look *l, uint32_t vertex)
 {
     return l->place[look_slot(l, l->key, vertex)];
@@ -65,32 +64,12 @@ int bvxi_look_link(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
     return 1;
 }
 
-/* Stretches of one sign in the link, of inside and of outside: more than one of either. */
-int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
-{
-    uint32_t stretches[2] = {0, 0};
-
-    for (uint32_t i = 0; i < l->vertices; i++)
-        if (l->sign[i] != 0) stretches[l->sign[i] > 0]++;
-    for (uint32_t i = 0; i < l->count; i++) {
-        const bvxi_tetra *const t = &o->tetra[l->tetra[i]];
-        uint32_t number[4];
-        for (int k = 0; k < 4; k++) number[k] = t->v[k] == vertex ? BVXI_NONE : look_vertex(l, t->v[k]);
-        for (int a = 0; a < 4; a++)
-            for (int b = a + 1; b < 4; b++) {
-                if (number[a] == BVXI_NONE || number[b] == BVXI_NONE || l->sign[number[a]] == 0 ||
-                    l->sign[number[a]] != l->sign[number[b]])
-                    continue;
-                stretches[l->sign[number[a]] > 0] -= (uint32_t)bvxi_join(l->joined, number[a], number[b]);
-            }
-    }
-    return stretches[0] > 1 || stretches[1] > 1;
-}
-
-void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, uint32_t stretches[2])
+void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, int contours,
+                         uint32_t stretches[2])
 {
     stretches[0] = stretches[1] = 0;
-    for (uint32_t i = 0; i < l->vertices; i++) stretches[l->sign[i] > 0]++;
+    for (uint32_t i = 0; i < l->vertices; i++)
+        if (contours || l->sign[i] != 0) stretches[l->sign[i] > 0]++;
     for (uint32_t i = 0; i < l->count; i++) {
         const uint32_t *const v = o->tetra[l->tetra[i]].v;
         uint32_t last[2] = {BVXI_NONE, BVXI_NONE};
@@ -102,11 +81,20 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, u
             if (v[k] == vertex) continue;
             own = look_vertex(l, v[k]);
             inside = l->sign[own] > 0;
+            if (!contours && l->sign[own] == 0) continue;
             if (last[inside] != BVXI_NONE)
                 stretches[inside] -= (uint32_t)bvxi_join(l->joined, own, last[inside]);
             last[inside] = own;
         }
     }
+}
+
+int bvxi_look_torn(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex)
+{
+    uint32_t stretches[2];
+
+    bvxi_look_stretches(o, l, vertex, 0, stretches);
+    return stretches[0] > 1 || stretches[1] > 1;
 }
 
 int64_t bvxi_look_euler(const bvxi_oblique *o, const bvxi_look *l, uint32_t vertex, int *any, int *all)
@@ -141,7 +129,6 @@ static uint32_t changes_round(const bvxi_oblique *o, uint32_t start, uint32_t a,
 {
     uint32_t changes = 0, at = start, stay = BVXI_NONE, left = BVXI_NONE;
 
-    /* The two corners off the edge: over the face without the first one the walk begins. */
     for (int k = 0; k < 4; k++) {
         uint32_t const v = o->tetra[start].v[k];
         if (v == a || v == b) continue;

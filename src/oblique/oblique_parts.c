@@ -11,7 +11,6 @@ enum { PARTS_IN_CELL = 64 };
 
 #define PARTS_ON_PLANE 1e-3 /* cells */
 
-/* A stretch of a contour in a cell. */
 typedef struct part_stretch {
     uint32_t root, plane;
     const double *at;
@@ -59,7 +58,6 @@ static void add_stretches(const bvxi_oblique *o, const uint32_t *joined, uint32_
             uint32_t const root = v == BVXI_NONE || o->output[v] == BVXI_NONE ? BVXI_NONE
                                                                               : joined[o->output[v]];
             uint64_t const below = root == BVXI_NONE || !o->kept[root] ? 0 : cell_below(o, plane, at);
-            /* Holes are parts of their own. */
             if (below == 0 || below == before || p->contour[c].hole) continue;
             before = below;
             for (int side = 0; side < 2; side++) {
@@ -111,9 +109,9 @@ static bvx_status find_apart(bvxi_oblique *o, uint32_t *joined)
     uint32_t first = 0;
     part_work w = {0};
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * sizeof *w.stretch, "contours in cells", &w.stretch));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * 8, "contours in cells", &w.key));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most * 4, "contours in cells", &w.order));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.stretch));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.key));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "contours in cells", w.order));
     for (uint32_t i = 0; i < o->plane_count; first += o->plane[i++].plane.point_count)
         add_stretches(o, joined, i, first, &w);
     BVXI_TRY(bvxi_radix_sort(o->ctx, w.key, w.order, w.count));

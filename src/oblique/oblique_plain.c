@@ -155,16 +155,10 @@ static void bits_around(const bvxi_oblique *o, uint32_t known, uint32_t bit, uin
             if (c >> axis & 1) moved[c] = one_on(moved[c ^ 1 << axis], moved[c], axis);
 }
 
-static void signs_around(const bvxi_oblique *o, uint32_t known, uint64_t moved[8])
-{
-    bits_around(o, known, 0, moved);
-}
-
 uint64_t bvxi_oblique_mixed(const bvxi_oblique *o, uint32_t known)
 {
     uint64_t mixed = 0;
 
-    /* Corners are of different kinds where some bit of these is. */
     for (uint32_t bit = 0; bit < bvxi_oblique_kind_bits(o); bit++) {
         uint64_t moved[8], any = 0, all = UINT64_MAX;
         bits_around(o, known, bit, moved);
@@ -194,8 +188,7 @@ static void signs_of_known(void *user, uint64_t begin, uint64_t end)
 
 bvx_status bvxi_oblique_take_signs(bvxi_oblique *o)
 {
-    return bvxi_for_ranges(o->ctx, "surface", 0.0, 1.0, bvxi_piece_count(o->known_count, PLAIN_GRAIN),
-                           o->known_count, signs_of_known, o);
+    return bvxi_for(o->ctx, "surface", o->known_count, PLAIN_GRAIN, signs_of_known, o);
 }
 
 /* ---- crossed edges ---- */
@@ -211,7 +204,7 @@ static void find_crossed(const bvxi_oblique *o, uint32_t known)
 {
     uint64_t moved[8], has[8];
 
-    signs_around(o, known, moved);
+    bits_around(o, known, 0, moved);
     for (int c = 0; c < 8; c++) {
         uint64_t block;
         uint32_t const n = block_beside(o, known, c, -1, &block);
@@ -248,14 +241,13 @@ static void plain_crossed_piece(void *user, uint64_t begin, uint64_t end)
         uint32_t triangles = 0;
 
         find_crossed(o, (uint32_t)i);
-        if (o->active[i] != 0) signs_around(o, (uint32_t)i, moved);
+        if (o->active[i] != 0) bits_around(o, (uint32_t)i, 0, moved);
         for (uint64_t cells = o->active[i]; cells != 0; cells &= cells - 1)
             triangles += job->cases[signs_of_cell(moved, bvxi_lowest(cells))].triangles;
         job->triangles[i] = triangles;
     }
 }
 
-/* Numbers of vertices and triangles before each block. */
 static bvx_status number_plain(bvxi_oblique *o, plain_job *job)
 {
     uint64_t vertices = 0, triangles = 0;
@@ -315,6 +307,27 @@ void bvxi_oblique_cross_again(const double in[3], double rise, const double out[
     (void)place_at_share(in, out, share, at);
 }
 
+static void blocks_beside(const bvxi_oblique *o, uint32_t known, uint32_t beside[8])
+{
+    uint64_t block;
+
+    for (int c = 0; c < 8; c++) beside[c] = block_beside(o, known, c, 1, &block);
+}
+
+/* The vertex that is on from one by a way: its number in its block; *beyond: in which of those beside. */
+static int vertex_on(int bit, int way, int *beyond)
+{
+    int n = 0;
+
+    *beyond = 0;
+    for (int k = 0; k < 3; k++) {
+        int const place = (bit >> 2 * k & 3) + (way >> k & 1);
+        *beyond |= place >> 2 << k;
+        n |= (place & 3) << 2 * k;
+    }
+    return n;
+}
+
 static void plain_positions(const bvxi_oblique *o, uint32_t known)
 {
     uint32_t plane[BVXI_OBLIQUE_PLANES], heard[BVXI_OBLIQUE_PLANES], planes, heard_count, beside[8];
@@ -323,10 +336,7 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
     bvxi_oblique_block_place(o, o->known[known], first);
     planes = bvxi_oblique_near_planes(o, first, plane);
     heard_count = bvxi_oblique_heard_planes(o, first, heard);
-    for (int c = 0; c < 8; c++) {
-        uint64_t block;
-        beside[c] = block_beside(o, known, c, 1, &block);
-    }
+    blocks_beside(o, known, beside);
     for (int way = 1; way < 8; way++) {
         uint32_t number = o->crossed[known].first[way - 1];
         for (uint64_t left = o->crossed[known].edges[way - 1]; left != 0; left &= left - 1, number++) {
@@ -335,14 +345,11 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
             int in;
 
             for (int e = 0; e < 2; e++) {
-                int32_t place[3], in_block[3];
-                int beyond = 0, n;
-                for (int k = 0; k < 3; k++) {
-                    in_block[k] = (bit >> 2 * k & 3) + (e == 1 ? way >> k & 1 : 0);
-                    place[k] = first[k] + in_block[k];
-                    beyond |= in_block[k] >> 2 << k;
-                }
-                n = (in_block[0] & 3) | (in_block[1] & 3) << 2 | (in_block[2] & 3) << 4;
+                int32_t place[3];
+                int beyond, n = vertex_on(bit, e == 1 ? way : 0, &beyond);
+
+                bvxi_oblique_in_block(first, n, place);
+                for (int k = 0; k < 3; k++) place[k] += BVXI_BLOCK_SIDE * (beyond >> k & 1);
                 bvxi_oblique_place_among(o, place, plane, planes, end[e]);
                 value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
             }
@@ -365,23 +372,15 @@ static void plain_triangles(const plain_job *job, uint32_t known)
     uint64_t moved[8];
     uint32_t beside[8];
 
-    signs_around(o, known, moved);
-    for (int c = 0; c < 8; c++) {
-        uint64_t block;
-        beside[c] = block_beside(o, known, c, 1, &block);
-    }
+    bits_around(o, known, 0, moved);
+    blocks_beside(o, known, beside);
     for (uint64_t cells = o->active[known]; cells != 0; cells &= cells - 1) {
         int const cell = bvxi_lowest(cells);
         const plain_case *const c = &job->cases[signs_of_cell(moved, cell)];
         uint32_t number[PLAIN_EDGES];
 
         for (int e = 0; e < c->edges; e++) {
-            int beyond = 0, n = 0;
-            for (int k = 0; k < 3; k++) {
-                int const place = (cell >> 2 * k & 3) + (c->edge[e] >> k & 1);
-                beyond |= place >> 2 << k;
-                n |= (place & 3) << 2 * k;
-            }
+            int beyond, n = vertex_on(cell, c->edge[e] & 7, &beyond);
             number[e] = bvxi_oblique_plain_vertex(o, beside[beyond], n, c->edge[e] >> 3);
         }
         for (int i = 0; i < c->triangles; i++, t += 3)
@@ -399,35 +398,27 @@ static void plain_surface_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status make_plain_surface(bvxi_oblique *o, plain_job *job, uint64_t more)
+bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
 {
     static const char what[] = "the surface";
     bvx_context *const ctx = o->ctx;
+    uint64_t const n = o->known_count;
+    plain_job *job;
 
+    BVXI_TRY(BVXI_ARRAY(ctx, n, "the crossed edges", o->crossed));
+    BVXI_TRY(BVXI_ARRAY(ctx, 1, "the crossed edges", job));
+    BVXI_TRY(BVXI_ARRAY(ctx, n + 1, "the crossed edges", job->triangles));
     job->o = o;
     for (int signs = 0; signs < 256; signs++) make_plain_case(&job->cases[signs], signs);
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.1, bvxi_oblique_take_signs(o)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3,
-                        bvxi_for(ctx, "surface", o->known_count, PLAIN_GRAIN, plain_crossed_piece, job)));
+    BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.3, bvxi_for(ctx, "surface", n, PLAIN_GRAIN, plain_crossed_piece, job)));
     BVXI_TRY(number_plain(o, job));
 
     /* A closed surface has half as many vertices as triangles; those of split cells follow these. */
     o->position_room = o->kept_room = o->position_count + more / 2 + 1024;
     o->triangle_room = o->triangle_count + more + 1;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->position_room * 24, what, &o->position));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, o->kept_room, what, &o->kept));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, o->triangle_room * 12, what, &o->triangle));
-    return BVXI_SHARE(ctx, 0.3, 1.0,
-                      bvxi_for(ctx, "surface", o->known_count, PLAIN_GRAIN, plain_surface_piece, job));
-}
-
-bvx_status bvxi_oblique_plain(bvxi_oblique *o, uint64_t more)
-{
-    uint64_t const n = o->known_count;
-    plain_job *job = NULL;
-
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * sizeof *o->crossed, "the crossed edges", &o->crossed));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, sizeof *job + (n + 1) * 4, "the crossed edges", &job));
-    job->triangles = (uint32_t *)(void *)(job + 1);
-    return make_plain_surface(o, job, more);
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->position_room, what, o->position));
+    BVXI_TRY(BVXI_ZEROS(ctx, o->kept_room, what, o->kept));
+    BVXI_TRY(BVXI_ARRAY(ctx, 3 * o->triangle_room, what, o->triangle));
+    return BVXI_SHARE(ctx, 0.3, 1.0, bvxi_for(ctx, "surface", n, PLAIN_GRAIN, plain_surface_piece, job));
 }

@@ -13,28 +13,6 @@ enum { OBLIQUE_CELLS = 64, OBLIQUE_MOST_CELLS = 1024, OBLIQUE_FINE = 29 };
 
 /* ---- which loops, and where ---- */
 
-static bvx_status choose_oblique_label(bvxi_oblique *o)
-{
-    const bvx_sections *const g = o->given;
-    uint64_t found = 0;
-
-    /* Without a label all loops must be of one body: which of several is meant cannot be guessed. */
-    if (o->options.label == BVXI_LABEL_ONLY) {
-        o->options.label = g->loops[0].label;
-        for (uint64_t i = 1; i < g->loop_count; i++)
-            if (g->loops[i].label != o->options.label)
-                return bvxi_fail_for(
-                    o->ctx, BVX_ERR_ARGUMENT, BVX_REASON_SEVERAL_BODIES,
-                    "%s: the sections hold several bodies (labels %d and %d); choose one by its label",
-                    o->function, (int64_t)o->options.label, (int64_t)g->loops[i].label);
-    }
-
-    for (uint64_t i = 0; i < g->loop_count; i++) found += g->loops[i].label == o->options.label;
-    if (found != 0) return BVX_OK;
-    return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY, "%s: no loop has the label %d", o->function,
-                         (int64_t)o->options.label);
-}
-
 /* The lattice covers the contours' box and an eighth of its longest side around it. */
 static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double high[3])
 {
@@ -60,7 +38,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
                              "%s: the contours' extent %g is too small beside their coordinates", o->function,
                              longest);
 
-    /* The spacing, where one is given, decides; both at once were refused before. */
     cells = o->options.cells != 0 ? (double)o->options.cells : OBLIQUE_CELLS;
     if (o->options.spacing > 0.0) cells = longest / o->options.spacing;
     if (!(cells >= 1.0 && cells <= OBLIQUE_MOST_CELLS))
@@ -100,11 +77,7 @@ static bvx_status bound_contours(bvxi_oblique *o)
         /* Other bodies neither widen the lattice nor make its cells coarser. */
         if (g->loops[i].label != o->options.label && !o->of_all) continue;
         for (uint64_t n = 0; n < g->loops[i].point_count; n++)
-            for (int k = 0; k < 3; k++) {
-                double const x = g->points[3 * (g->loops[i].first_point + n) + (uint64_t)k];
-                low[k] = x < low[k] ? x : low[k];
-                high[k] = x > high[k] ? x : high[k];
-            }
+            bvxi_widen(low, high, g->points + 3 * (g->loops[i].first_point + n), 3);
     }
     return lay_lattice(o, low, high);
 }
@@ -131,42 +104,6 @@ static bvx_status frame_plane(bvxi_oblique *o, uint32_t i)
     return BVX_OK;
 }
 
-static int one_place(const double *a, const double *b)
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
-static bvx_status take_oblique_loop(bvxi_oblique *o, bvxi_plane *p, uint64_t number)
-{
-    const bvx_section_loop *const l = &o->given->loops[number];
-    bvxi_contour *const c = &p->contour[p->contour_count++];
-
-    memset(c, 0, sizeof *c);
-
-    /* Of points at one place that follow each other one is enough: segments have a length. */
-    c->first = p->point_count;
-    c->given = (uint32_t)number;
-    for (uint64_t i = 0; i < l->point_count; i++) {
-        uint64_t const at = l->first_point + i;
-        uint64_t const before = i == 0 ? l->first_point + l->point_count - 1 : at - 1;
-        if (l->point_count > 1 && one_place(o->given->points + 3 * at, o->given->points + 3 * before)) {
-            o->report.repeated_points++;
-            continue;
-        }
-        p->given[p->point_count++] = (uint32_t)at;
-    }
-    c->count = p->point_count - c->first;
-    o->report.loops++;
-    o->report.points += l->point_count;
-
-    /* A loop of equal points kept none of them, yet has one place: the message counts that. */
-    if (c->count >= 3) return BVX_OK;
-    return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_LOOP_FLAT,
-                         "%s: loop %i of section %u has %u different point%s; a loop needs three",
-                         o->function, number, (uint64_t)p->section, (uint64_t)(c->count == 0 ? 1 : c->count),
-                         c->count <= 1 ? "" : "s");
-}
-
 static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
 {
     bvxi_plane *const p = &f->plane;
@@ -189,16 +126,9 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
                 "%s: point %i of section %u (position %g) lies %g off its plane; %g is allowed", o->function,
                 (uint64_t)p->given[i], (uint64_t)p->section, p->w, off * o->step,
                 OBLIQUE_OFF * o->longest * o->step);
-        for (int k = 0; k < 2; k++) {
-            f->low[k] = p->uv[i][k] < f->low[k] ? p->uv[i][k] : f->low[k];
-            f->high[k] = p->uv[i][k] > f->high[k] ? p->uv[i][k] : f->high[k];
-        }
+        bvxi_widen(f->low, f->high, p->uv[i], 2);
     }
 
-    for (uint32_t i = 0; i < p->contour_count; i++)
-        for (uint32_t j = 0; j < p->contour[i].count; j++)
-            p->next[p->contour[i].first + j] = p->contour[i].first +
-                                               (j + 1 == p->contour[i].count ? 0 : j + 1);
     return BVX_OK;
 }
 
@@ -241,77 +171,6 @@ static bvx_status ready_plane(bvxi_oblique *o, bvxi_oblique_plane *f)
     return BVX_OK;
 }
 
-/* ---- arrays of all planes ---- */
-
-bvx_status bvxi_oblique_open_arrays(bvxi_oblique *o, const uint64_t *points, const uint64_t *loops)
-{
-    bvxi_plane *const all = &o->all;
-    uint64_t point = 0, loop = 0, group = 0, box = 0, groups, boxes;
-
-    /* One array of each kind for all planes: thousands of small planes cost no block each. */
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        bvxi_plane_tree_size((uint32_t)points[i], &groups, &boxes);
-        all->point_room += points[i];
-        all->contour_room += loops[i];
-        o->group_room += groups;
-        o->box_room += boxes;
-    }
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->given));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 8, "the points of sections", &all->q));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 16, "the points of sections", &all->uv));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->point_room * 4, "the points of sections", &all->next));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, all->contour_room * sizeof *all->contour,
-                        "the loops of sections", &all->contour));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->group_room * sizeof *all->group, "the segments of contours",
-                        &all->group));
-    BVXI_TRY(
-        bvxi_alloc(o->ctx, BVXI_SCRATCH, o->box_room * sizeof *all->box, "the boxes of contours", &all->box));
-
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        bvxi_plane *const p = &o->plane[i].plane;
-        bvxi_plane_tree_size((uint32_t)points[i], &groups, &boxes);
-        p->given = all->given + point;
-        p->q = all->q + point;
-        p->uv = all->uv + point;
-        p->next = all->next + point;
-        p->contour = all->contour + loop;
-        p->group = all->group + group;
-        p->box = all->box + box;
-        point += points[i];
-        loop += loops[i];
-        group += groups;
-        box += boxes;
-    }
-    return BVX_OK;
-}
-
-static bvx_status gather_oblique(bvxi_oblique *o, uint64_t *points, uint64_t *loops)
-{
-    const bvx_sections *const g = o->given;
-
-    memset(points, 0, (size_t)o->plane_count * 8);
-    memset(loops, 0, (size_t)o->plane_count * 8);
-
-    for (uint64_t i = 0; i < g->loop_count; i++)
-        if (g->loops[i].label == o->options.label) {
-            loops[g->loops[i].section]++;
-            points[g->loops[i].section] += g->loops[i].point_count;
-        }
-    BVXI_TRY(bvxi_oblique_open_arrays(o, points, loops));
-    for (uint64_t i = 0; i < g->loop_count; i++)
-        if (g->loops[i].label == o->options.label)
-            BVXI_TRY(take_oblique_loop(o, &o->plane[g->loops[i].section].plane, i));
-
-    /* In the order of the sections, so that of several wrong ones the first is named. */
-    for (uint32_t i = 0; i < o->plane_count; i++) {
-        BVXI_TRY(place_points(o, &o->plane[i]));
-        BVXI_TRY(ready_plane(o, &o->plane[i]));
-        o->point_count += o->plane[i].plane.point_count;
-        o->report.sections += loops[i] != 0;
-    }
-    return BVX_OK;
-}
-
 /* Two sections on one plane would have to agree everywhere. */
 static bvx_status refuse_one_plane(bvxi_oblique *o)
 {
@@ -348,14 +207,12 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
                              "%s: %u planes that are not parallel; %u is the limit", o->function, n,
                              (uint64_t)BVXI_OBLIQUE_PLANES);
 
-    /* The lattice comes first: planes, points and distances are all kept in its cells. */
     BVXI_TRY(bound_contours(o));
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * sizeof *o->plane, "the planes of a body", &o->plane));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the planes of a body", o->plane));
     o->plane_count = (uint32_t)n;
     o->plane_words = (o->plane_count + 63) / 64;
     o->report.planes = n;
 
-    /* In cells as well; a hundredth of the longest side where nothing is said. */
     o->agree = o->options.agree > 0.0 ? o->options.agree / o->step : 0.01 * o->longest;
     for (uint32_t i = 0; i < o->plane_count; i++) BVXI_TRY(frame_plane(o, i));
     return refuse_one_plane(o);
@@ -363,13 +220,34 @@ bvx_status bvxi_oblique_lay_planes(bvxi_oblique *o)
 
 bvx_status bvxi_oblique_take_planes(bvxi_oblique *o)
 {
-    uint64_t const n = o->given->section_count;
-    uint64_t *count = NULL;
+    const bvx_sections *const g = o->given;
+    uint64_t *points, *loops;
 
-    BVXI_TRY(choose_oblique_label(o));
+    BVXI_TRY(bvxi_choose_label(o->ctx, o->function, g, &o->options.label));
     BVXI_TRY(bvxi_oblique_lay_planes(o));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, n * 16, "the points of planes", &count));
-    return gather_oblique(o, count, count + n);
+    BVXI_TRY(BVXI_ZEROS(o->ctx, g->section_count, "the points of planes", points));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, g->section_count, "the points of planes", loops));
+    for (uint64_t i = 0; i < g->loop_count; i++)
+        if (g->loops[i].label == o->options.label) {
+            loops[g->loops[i].section]++;
+            points[g->loops[i].section] += g->loops[i].point_count;
+        }
+    BVXI_TRY(
+        bvxi_planes_open(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count, points, loops));
+    for (uint64_t i = 0; i < g->loop_count; i++)
+        if (g->loops[i].label == o->options.label)
+            BVXI_TRY(bvxi_plane_take_loop(o->ctx, o->function, g, &o->report,
+                                          &o->plane[g->loops[i].section].plane, i));
+    BVXI_TRY(bvxi_planes_open_trees(o->ctx, &o->all, &o->plane->plane, sizeof *o->plane, o->plane_count));
+
+    /* In the order of the sections, so that of several wrong ones the first is named. */
+    for (uint32_t i = 0; i < o->plane_count; i++) {
+        BVXI_TRY(place_points(o, &o->plane[i]));
+        BVXI_TRY(ready_plane(o, &o->plane[i]));
+        o->point_count += o->plane[i].plane.point_count;
+        o->report.sections += loops[i] != 0;
+    }
+    return BVX_OK;
 }
 
 double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at[3])

@@ -18,18 +18,10 @@
 
 static uint32_t point_before(const bvxi_plane *p, uint32_t i)
 {
-    uint32_t loop = 0, end = p->contour_count;
-
     if (i > 0 && p->next[i - 1] == i) return i - 1;
 
-    /* The first of its loop: the last one is at the end of the loop's points. Loops follow each other, so the
-     * loop is found without a walk around it, which many places near one segment would each make. */
-    while (end - loop > 1) {
-        uint32_t const middle = loop + (end - loop) / 2;
-        if (p->contour[middle].first <= i) loop = middle;
-        else end = middle;
-    }
-    return i + p->contour[loop].count - 1;
+    /* The first of its loop: the last one is at the end of the loop's points. */
+    return i + p->contour[bvxi_contour_of(p, i)].count - 1;
 }
 
 /* The curve's slope against a segment where it meets the one beside it; 0: there is a corner. */
@@ -70,16 +62,6 @@ static double bulge_beside(const bvxi_plane *p, uint32_t i, const double at[2])
     return length * (t * (1.0 - t)) * (from * (1.0 - t) - to * t);
 }
 
-static double segment_square(const double a[2], const double b[2], const double at[2])
-{
-    double const e[2] = {b[0] - a[0], b[1] - a[1]}, x[2] = {at[0] - a[0], at[1] - a[1]};
-    double const along = e[0] * x[0] + e[1] * x[1], square = e[0] * e[0] + e[1] * e[1];
-    double const t = along > 0.0 ? along < square ? along / square : 1.0 : 0.0;
-    double const u = x[0] - t * e[0], v = x[1] - t * e[1];
-
-    return u * u + v * v;
-}
-
 /* The segment nearest to a place, among those of the group that a search for it has ended in. */
 static uint32_t nearest_of_group(const bvxi_plane *p, uint32_t group, const double at[2])
 {
@@ -88,7 +70,7 @@ static uint32_t nearest_of_group(const bvxi_plane *p, uint32_t group, const doub
 
     for (uint32_t n = group; n < group + BVXI_SEGMENT_GROUP && n < p->segment_count; n++) {
         uint32_t const i = p->segment == NULL ? n : p->segment[n];
-        double const square = segment_square(p->uv[i], p->uv[p->next[i]], at);
+        double const square = bvxi_segment_square(p->uv[i], p->uv[p->next[i]], at);
         if (square < least) {
             least = square;
             nearest = i;
@@ -125,28 +107,36 @@ static void raster_row(const bvxi_oblique *o, const bvxi_oblique_plane *p, int32
     }
 }
 
-const bvxi_oblique_plane *bvxi_oblique_plane_of_row(const bvxi_oblique *o, int32_t *row)
-{
-    const bvxi_oblique_plane *p = o->plane;
+typedef struct rows_job {
+    const bvxi_oblique *o;
+    bvxi_row_fn *row;
+} rows_job;
 
-    for (; p->raster == NULL || *row >= p->raster_size[1]; p++)
-        if (p->raster != NULL) *row -= p->raster_size[1];
-    return p;
+static void rows_piece(void *user, int32_t row)
+{
+    const rows_job *const job = user;
+    const bvxi_oblique_plane *p = job->o->plane;
+
+    for (; p->raster == NULL || row >= p->raster_size[1]; p++)
+        if (p->raster != NULL) row -= p->raster_size[1];
+    job->row(job->o, p, row);
 }
 
-static void raster_piece(void *user, int32_t index)
+bvx_status bvxi_oblique_rows(const bvxi_oblique *o, bvxi_row_fn *row)
 {
-    const bvxi_oblique *const o = user;
-    int32_t row = index;
-    const bvxi_oblique_plane *const p = bvxi_oblique_plane_of_row(o, &row);
+    rows_job job = {o, row};
+    uint64_t rows = 0;
 
-    raster_row(o, p, row);
+    for (uint32_t i = 0; i < o->plane_count; i++)
+        if (o->plane[i].raster != NULL) rows += (uint64_t)o->plane[i].raster_size[1];
+    if (rows > INT32_MAX)
+        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: too many planes and cells",
+                             o->function);
+    return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, rows_piece, &job);
 }
 
 bvx_status bvxi_oblique_raster(bvxi_oblique *o)
 {
-    uint64_t rows = 0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         bvxi_oblique_plane *const p = &o->plane[i];
         double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
@@ -160,26 +150,17 @@ bvx_status bvxi_oblique_raster(bvxi_oblique *o)
                                   (corner & 4 ? o->near_high : o->near_low)[2]};
             double uv[2];
             bvxi_oblique_uv(p, at, uv);
-            for (int k = 0; k < 2; k++) {
-                low[k] = uv[k] < low[k] ? uv[k] : low[k];
-                high[k] = uv[k] > high[k] ? uv[k] : high[k];
-            }
+            bvxi_widen(low, high, uv, 2);
         }
         for (int k = 0; k < 2; k++) {
             p->raster_low[k] = low[k];
             size[k] = (int32_t)((high[k] - low[k]) / BVXI_RASTER_STEP) + 2;
         }
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)size[0] * (uint64_t)size[1] * 4,
-                            "the distances on planes", &p->raster));
+        BVXI_TRY(
+            BVXI_ARRAY(o->ctx, (uint64_t)size[0] * (uint64_t)size[1], "the distances on planes", p->raster));
         memcpy(p->raster_size, size, sizeof size);
-        rows += (uint64_t)size[1];
     }
-
-    /* All rows of all planes are one list, so that threads share planes of any size evenly. */
-    if (rows > INT32_MAX)
-        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY, "%s: too many planes and cells",
-                             o->function);
-    return bvxi_each(o->ctx, "sections", 0.0, 1.0, (int32_t)rows, raster_piece, o);
+    return bvxi_oblique_rows(o, raster_row);
 }
 
 double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, const double at[3])

@@ -10,7 +10,6 @@
 
 enum { REGION_GRAIN = 4096 }; /* tetrahedra of a piece */
 
-/* Vertices of a plane that hang together without a contour between them: on which side of their contours. */
 typedef struct oblique_region_work {
     uint32_t *joined; /* [vertex] */
     double *vote;     /* [vertex] area on the contours' left less that on their right; of several bodies what
@@ -48,14 +47,6 @@ static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, ui
     }
 }
 
-static void plane_face_of(const bvxi_oblique *o, uint64_t face, uint32_t v[3])
-{
-    int n = 0;
-
-    for (int k = 0; k < 4; k++)
-        if ((uint64_t)k != face % 4) v[n++] = o->tetra[face / 4].v[k];
-}
-
 /* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
  * votes. */
 static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
@@ -64,7 +55,7 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
     uint32_t v[3];
 
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             w->joined[v[k]] = v[k];
             w->vote[v[k]] = 0.0;
@@ -72,12 +63,11 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
         }
     }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         look_at_plane_face(o, w, plane, v);
     }
 }
 
-/* Joins and votes first, then the votes to the roots, then signs. */
 static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
 {
     uint64_t const begin = w->first[plane], end = w->first[plane + 1];
@@ -85,7 +75,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
 
     vote_on_plane(o, w, plane);
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
             if (o->vertex[x].sign == 0 || w->vote[x] == 0.0 || bvxi_root(w->joined, x) == x) continue;
@@ -94,7 +84,7 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
         }
     }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             uint32_t const x = v[k];
             double const vote = o->vertex[x].sign == 0 ? 0.0 : w->vote[bvxi_root(w->joined, x)];
@@ -105,8 +95,8 @@ static bvx_status settle_region(bvxi_oblique *o, oblique_region_work *w, uint32_
                 bvxi_flip_sign(o, x);
                 continue;
             }
-            BVXI_TRY(bvxi_oblique_grow(o, &w->torn, w->torn_count, &w->torn_room, 4,
-                                       "the vertices that planes contradict each other of"));
+            BVXI_TRY(BVXI_GROW(o, w->torn, w->torn_count, w->torn_room,
+                               "the vertices that planes contradict each other of"));
             w->torn[w->torn_count++] = x;
         }
     }
@@ -126,7 +116,7 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
         for (uint64_t i = begin; i < end; i++) {
             double at[3][2], area;
             uint32_t root;
-            plane_face_of(o, w->face[i], v);
+            bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
             if (o->vertex[v[v_at]].sign == 0) continue;
             for (int k = 0; k < 3; k++) bvxi_oblique_uv(&o->plane[plane], o->vertex[v[k]].at, at[k]);
             area = bvxi_absolute((at[1][0] - at[0][0]) * (at[2][1] - at[0][1]) -
@@ -139,24 +129,13 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
             w->vote[root] = -w->vote[root];
         }
     for (uint64_t i = begin; i < end; i++) {
-        plane_face_of(o, w->face[i], v);
+        bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
         for (int k = 0; k < 3; k++) {
             bvxi_tetra_vertex *const x = &o->vertex[v[k]];
-            /* One that lies on several planes is of the first one's kind. */
             if (x->sign != 0 && bvxi_first_plane(o, v[k]) == plane)
                 x->value = w->kind[bvxi_root(w->joined, v[k])];
         }
     }
-}
-
-/* The planes that three vertices lie on, 64 at a time. */
-static uint64_t planes_of_face(const bvxi_oblique *o, uint32_t tetra, int corner, uint32_t word)
-{
-    uint64_t on = UINT64_MAX;
-
-    for (int k = 0; k < 4; k++)
-        if (k != corner) on &= bvxi_tetra_on(o, o->tetra[tetra].v[k])[word];
-    return on;
 }
 
 /* Which faces lie on planes, each marked at one of the two tetrahedra beside it. */
@@ -167,11 +146,11 @@ static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {
-            uint64_t on = 0;
+            uint32_t v[3];
             /* The border's BVXI_NONE is larger than all: such faces are marked at their only one. */
             if (o->tetra[t].n[k] < t) continue;
-            for (uint32_t w = 0; w < o->plane_words; w++) on |= planes_of_face(o, (uint32_t)t, k, w);
-            if (on != 0) o->mark[t] |= (uint8_t)(1 << k);
+            bvxi_tetra_face(&o->tetra[t], k, v);
+            if (bvxi_share_plane(o, v, 3)) o->mark[t] |= (uint8_t)(1 << k);
         }
     }
 }
@@ -183,14 +162,18 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
     uint64_t const n = (uint64_t)o->plane_count + 2;
     uint64_t *next;
 
-    BVXI_TRY(bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, n * 8, what, &w->first));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w->first));
     next = w->first + 1;
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4 && o->mark[t] != 0; k++) {
+                uint32_t v[3];
                 if (!(o->mark[t] >> k & 1)) continue;
+                bvxi_tetra_face(&o->tetra[t], k, v);
                 for (uint32_t word = 0; word < o->plane_words; word++)
-                    for (uint64_t on = planes_of_face(o, (uint32_t)t, k, word); on != 0; on &= on - 1) {
+                    for (uint64_t on = bvxi_tetra_on(o, v[0])[word] & bvxi_tetra_on(o, v[1])[word] &
+                                       bvxi_tetra_on(o, v[2])[word];
+                         on != 0; on &= on - 1) {
                         uint32_t const plane = 64 * word + (uint32_t)bvxi_lowest(on);
                         if (fill) w->face[next[plane]++] = 4 * t + (uint64_t)k;
                         else next[plane + 1]++;
@@ -199,34 +182,27 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
         if (fill) break;
         /* next[p] is where the faces of plane p begin, and where those of the next begin once they are in */
         for (uint32_t p = 0; p < o->plane_count; p++) next[p + 1] += next[p];
-        BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (next[o->plane_count] + 1) * 8, what, &w->face));
-    }
-    return BVX_OK;
-}
-
-static bvx_status find_regions(bvxi_oblique *o, oblique_region_work *w)
-{
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
-                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
-    BVXI_TRY(list_plane_faces(o, w));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 4, "the regions of planes", &w->joined));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->vertex_count * 8, "the regions of planes", &w->vote));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (o->body_count != 0 ? o->vertex_count : 1) * 4,
-                        "the regions of planes", &w->kind));
-    /* A vertex on two planes belongs to a region of each, so planes go one after another. */
-    for (uint32_t p = 0; p < o->plane_count; p++) {
-        if (o->body_count != 0) settle_kinds(o, w, p);
-        else BVXI_TRY(settle_region(o, w, p));
+        BVXI_TRY(BVXI_ARRAY(o->ctx, next[o->plane_count] + 1, what, w->face));
     }
     return BVX_OK;
 }
 
 bvx_status bvxi_oblique_regions(bvxi_oblique *o, uint32_t **torn, uint64_t *torn_count)
 {
-    oblique_region_work w;
+    static const char what[] = "the regions of planes";
+    oblique_region_work w = {0};
 
-    memset(&w, 0, sizeof w);
-    BVXI_TRY(find_regions(o, &w));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.3,
+                        bvxi_for(o->ctx, "surface", o->tetra_count, REGION_GRAIN, mark_faces_piece, o)));
+    BVXI_TRY(list_plane_faces(o, &w));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.vote));
+    if (o->body_count != 0) BVXI_TRY(BVXI_ARRAY(o->ctx, o->vertex_count, what, w.kind));
+    /* A vertex on two planes belongs to a region of each, so planes go one after another. */
+    for (uint32_t p = 0; p < o->plane_count; p++) {
+        if (o->body_count != 0) settle_kinds(o, &w, p);
+        else BVXI_TRY(settle_region(o, &w, p));
+    }
     *torn = w.torn;
     *torn_count = w.torn_count;
     return BVX_OK;

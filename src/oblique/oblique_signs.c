@@ -28,13 +28,11 @@ typedef struct signs_job {
 
 static void change_round(const signs_job *job, uint32_t v)
 {
-    /* Vertices that are added on the way lie on no contour, and are not gone through. */
     if (v < job->vertices) job->again[v] = 1;
 }
 
 static void give_sign(const bvxi_oblique *o, bvxi_tetra_vertex *x, uint32_t plane)
 {
-    /* On a plane its contours decide, off all planes the smooth number. */
     double const value = plane != BVXI_NONE ? bvxi_oblique_exact(o, plane, x->at)
                                             : bvxi_oblique_number(o, x->at);
 
@@ -68,10 +66,7 @@ void bvxi_oblique_middle(const bvxi_oblique *o, const uint32_t *v, int n, double
 
 static bvx_status part_tetrahedron(bvxi_oblique *o, uint32_t t)
 {
-    int on_contours = 0;
-
-    for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
-    if (on_contours < 2) return BVX_OK;
+    if (bvxi_on_contours(o, &o->tetra[t]) < 2) return BVX_OK;
     for (int a = 0; a < 4; a++)
         for (int b = a + 1; b < 4; b++) {
             uint32_t const v[2] = {o->tetra[t].v[a], o->tetra[t].v[b]};
@@ -113,13 +108,12 @@ static bvx_status look_any(bvxi_oblique *o, link_work *w, uint32_t v, bvxi_look 
 {
     *look = &w->small;
     while (!bvxi_look_link(o, *look, v)) {
-        /* Doubled where the large one is too small as well. */
         if (w->large.most == 0 || *look == &w->large) {
             uint32_t const most = 2 * (*look)->most;
             uint32_t *block = NULL;
 
-            BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, (uint64_t)most * BVXI_LOOK_WORDS * 4,
-                                "the vertices round a vertex", &block));
+            BVXI_TRY(
+                BVXI_ARRAY(o->ctx, (uint64_t)most * BVXI_LOOK_WORDS, "the vertices round a vertex", block));
             w->large = bvxi_look_in(block, most);
         }
         *look = &w->large;
@@ -144,7 +138,6 @@ static int is_wrong_sign(const bvxi_oblique *o, const bvxi_look *look, uint32_t 
     return euler != 1 && inside != (o->vertex[v].sign > 0) && bvxi_look_whole(o, look, v);
 }
 
-/* Vertices around one that gets another sign are to be looked at again. */
 static bvx_status settle_sign(bvxi_oblique *o, link_work *w, uint32_t v, const signs_job *job)
 {
     bvxi_look *look;
@@ -195,18 +188,6 @@ static bvx_status settle_signs(bvxi_oblique *o, signs_job *job, const uint32_t *
     return BVX_OK;
 }
 
-/* Where contours were moved to agree, the side that a place has of them is no longer that of the ones given:
- * it is told by the tetrahedra, from the direction in which the contours' edges run. */
-static bvx_status settle_regions(bvxi_oblique *o, signs_job *job)
-{
-    uint32_t *torn = NULL;
-    uint64_t count = 0;
-
-    /* Vertices that planes contradict each other of come first: others look at their signs. */
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_oblique_regions(o, &torn, &count)));
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_signs(o, job, torn, count));
-}
-
 /* ---- contours' edges ---- */
 
 /* A vertex of the other sign between a contour's edge, or vertex, and another vertex. */
@@ -215,16 +196,6 @@ static void set_opposite(bvxi_oblique *o, uint32_t m, uint32_t of)
     o->vertex[m].sign = (int8_t)-o->vertex[of].sign;
     o->vertex[m].value = -0.5F * o->vertex[of].value;
     if (o->vertex[m].value == 0.0F) o->vertex[m].value = 1e-12F * (float)o->vertex[m].sign;
-}
-
-/* The vertex of a ring's tetrahedron that the next one has too. */
-static uint32_t shared_in_ring(const bvxi_oblique *o, uint32_t t, uint32_t next, uint32_t a, uint32_t b)
-{
-    for (int k = 0; k < 4; k++) {
-        uint32_t const v = o->tetra[t].v[k];
-        if (v != a && v != b && bvxi_corner_of(&o->tetra[next], v) < 4) return v;
-    }
-    return BVXI_NONE;
 }
 
 static void change_corners(const bvxi_oblique *o, uint32_t tetra, const signs_job *job)
@@ -275,9 +246,14 @@ static bvx_status ring_vertices(bvxi_oblique *o, uint32_t a, uint32_t b, uint64_
     /* Of each two neighbours in the ring the vertex that both have: so each comes once, in turn. */
     o->star_count = 0;
     for (uint64_t i = 0; i < o->ring_count; i++) {
-        BVXI_TRY(
-            bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the vertices round an edge"));
-        o->star[o->star_count++] = shared_in_ring(o, o->ring[i], o->ring[(i + 1) % o->ring_count], a, b);
+        const uint32_t *const v = o->tetra[o->ring[i]].v;
+        const bvxi_tetra *const next = &o->tetra[o->ring[(i + 1) % o->ring_count]];
+
+        BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the vertices round an edge"));
+        o->star[o->star_count] = BVXI_NONE;
+        for (int k = 3; k >= 0; k--)
+            if (v[k] != a && v[k] != b && bvxi_corner_of(next, v[k]) < 4) o->star[o->star_count] = v[k];
+        o->star_count++;
     }
     *count = o->star_count;
     return BVX_OK;
@@ -326,7 +302,7 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 {
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
-    const bvxi_edge_map *const m = &o->contour_edge;
+    const bvxi_map *const m = &o->contour_edge;
     uint32_t block[BVXI_LOOK_WORDS * BVXI_LOOK_MOST];
     bvxi_look look = bvxi_look_in(block, BVXI_LOOK_MOST);
 
@@ -342,7 +318,7 @@ static void judge_edge_piece(void *user, uint64_t begin, uint64_t end)
 
 static bvx_status settle_edges(bvxi_oblique *o, signs_job *job)
 {
-    const bvxi_edge_map *const m = &o->contour_edge;
+    const bvxi_map *const m = &o->contour_edge;
 
     memset(job->again, 0, (size_t)job->vertices);
     BVXI_TRY(bvxi_for(o->ctx, "surface", m->room, 1024, judge_edge_piece, job));
@@ -439,46 +415,37 @@ static void mark_contours_piece(void *user, uint64_t begin, uint64_t end)
     const signs_job *const job = user;
     const bvxi_oblique *const o = job->o;
 
-    for (uint64_t t = begin; t < end; t++) {
-        int on_contours = 0;
-        for (int k = 0; k < 4; k++) on_contours += o->vertex[o->tetra[t].v[k]].sign == 0;
-        o->mark[t] = on_contours >= 2;
-    }
+    for (uint64_t t = begin; t < end; t++) o->mark[t] = bvxi_on_contours(o, &o->tetra[t]) >= 2;
 }
 
 static bvx_status part_contours(bvxi_oblique *o, signs_job *job)
 {
     uint64_t const marked = o->tetra_count;
 
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &o->mark, o->tetra_room[0], &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_room[0], o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(bvxi_for(o->ctx, "surface", o->tetra_count, 4096, mark_contours_piece, job));
     for (uint64_t t = 0; t < o->tetra_count; t++)
         if (t >= marked || o->mark[t]) BVXI_TRY(part_tetrahedron(o, (uint32_t)t));
-    return bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra");
-}
-
-/* The ends of all are known now: later vertices lie on no contour. */
-static bvx_status settle_all(bvxi_oblique *o, signs_job *job)
-{
-    uint64_t const most = job->vertices > o->contour_edge.room ? job->vertices : o->contour_edge.room;
-
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, most, "the vertices to settle", &job->wrong));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, job->vertices, "the vertices to settle", &job->again));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, settle_regions(o, job)));
-    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.7, settle_edges(o, job)));
-    return BVXI_SHARE(o->ctx, 0.7, 1.0, settle_vertices(o, job));
+    return BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra");
 }
 
 bvx_status bvxi_oblique_signs(bvxi_oblique *o)
 {
-    signs_job job;
+    signs_job job = {.o = o};
+    uint32_t *torn = NULL;
+    uint64_t count = 0, most;
 
-    memset(&job, 0, sizeof job);
-    job.o = o;
     BVXI_TRY(
         BVXI_SHARE(o->ctx, 0.0, 0.2, bvxi_for(o->ctx, "surface", o->vertex_count, 256, signs_piece, &job)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.2, 0.4, part_contours(o, &job)));
+
     job.vertices = o->vertex_count;
-    return BVXI_SHARE(o->ctx, 0.4, 1.0, settle_all(o, &job));
+    most = job.vertices > o->contour_edge.room ? job.vertices : o->contour_edge.room;
+    BVXI_TRY(BVXI_ARRAY(o->ctx, most, "the vertices to settle", job.wrong));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, job.vertices, "the vertices to settle", job.again));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_regions(o, &torn, &count)));
+    /* Vertices that planes contradict each other of come first: others look at their signs. */
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.64, settle_signs(o, &job, torn, count)));
+    BVXI_TRY(BVXI_SHARE(o->ctx, 0.64, 0.82, settle_edges(o, &job)));
+    return BVXI_SHARE(o->ctx, 0.82, 1.0, settle_vertices(o, &job));
 }

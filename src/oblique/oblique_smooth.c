@@ -139,8 +139,6 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
         }
 }
 
-/* ---- the plate ---- */
-
 /* Rows of the transposed differences times the differences, along an axis with `size` nodes. */
 static void make_tables(smooth_work *w, int axis)
 {
@@ -186,7 +184,6 @@ static void bend_row(const smooth_work *w, int32_t j, int32_t k, const double *x
         add_row(out, x + d * w->step[2], plate_z[d + 2], n);
     }
 
-    /* The mixed differences of y and z act on whole rows too; those with x wait for the loop below. */
     for (int d = -1; d <= 1; d++) {
         add_row(across + 1, x + d * w->step[1], slope_y[d + 1], n);
         add_row(across + 1, x + d * w->step[2], slope_z[d + 1], n);
@@ -260,15 +257,6 @@ static void make_scale(const smooth_work *w)
             }
 }
 
-static double dot_way_image(const smooth_work *w)
-{
-    const double *const way = w->way + w->padding;
-    double sum = 0.0;
-
-    for (uint64_t i = 0; i < w->nodes; i++) sum += way[i] * w->image[i];
-    return sum;
-}
-
 /* residual -= share * image; what is left of it, squared by the scale */
 static double lessen_residual(const smooth_work *w, double share)
 {
@@ -296,10 +284,10 @@ static bvx_status solve_plate(smooth_work *w)
     for (uint64_t i = 0; i < w->nodes; i++) way[i] = w->residual[i] * w->scale[i];
     for (int round = 0; round < SMOOTH_ROUNDS && left > SMOOTH_ENOUGH * first; round++) {
         double const done = (double)round / SMOOTH_ROUNDS;
-        double curvature, share, turn, before = left;
+        double curvature = 0.0, share, turn, before = left;
 
         BVXI_TRY(BVXI_SHARE(w->o->ctx, done, done + 1.0 / SMOOTH_ROUNDS, make_image(w)));
-        curvature = dot_way_image(w);
+        for (uint64_t i = 0; i < w->nodes; i++) curvature += way[i] * w->image[i];
         /* Only where rounding is all that is left: the matrix is positive. */
         if (!(curvature > 0.0)) break;
         share = left / curvature;
@@ -352,13 +340,12 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     bvx_context *const ctx = w->o->ctx;
 
     /* The bands are floats: they are most of the memory, and ties need no more digits than that. */
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->residual));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->image));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, w->nodes * 8, what, &w->scale));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, (w->nodes + 2 * w->padding) * 8, what, &w->way));
-    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bands * 4, what, &w->band));
+    BVXI_TRY(BVXI_ZEROS(ctx, w->nodes, what, w->residual));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->nodes, what, w->image));
+    BVXI_TRY(BVXI_ARRAY(ctx, w->nodes, what, w->scale));
+    BVXI_TRY(BVXI_ZEROS(ctx, w->nodes + 2 * w->padding, what, w->way));
+    BVXI_TRY(BVXI_ZEROS(ctx, bands, what, w->band));
 
-    /* A coarse solution is near in all but the details, so that few rounds are enough. */
     if (coarser->node != NULL) begin_with(w, coarser);
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
@@ -375,15 +362,10 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
-    smooth_work w;
+    smooth_work w = {.o = o};
 
-    memset(&w, 0, sizeof w);
-    w.o = o;
-
-    /* The coarser nodes are needed until this level has begun with them. */
     lay_smooth_level(&w, spacing);
-    BVXI_TRY(
-        bvxi_alloc_zero(o->ctx, BVXI_SCRATCH, w.nodes * 8, "the nodes of the smooth number", &w.grid.node));
+    BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;
     return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));
 }

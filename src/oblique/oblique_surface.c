@@ -18,21 +18,13 @@ enum { HANDLE_ROUNDS = 3 };
 
 static bvx_status add_position(bvxi_oblique *o, const double at[3], uint32_t *number)
 {
-    BVXI_TRY(bvxi_oblique_grow(o, &o->position, o->position_count, &o->position_room, 24,
-                               "the vertices of the surface"));
     BVXI_TRY(
-        bvxi_oblique_grow(o, &o->kept, o->position_count, &o->kept_room, 1, "the vertices of the surface"));
+        BVXI_GROW_BY(o, o->position, o->position_count, o->position_room, 24, "the vertices of the surface"));
+    BVXI_TRY(BVXI_GROW(o, o->kept, o->position_count, o->kept_room, "the vertices of the surface"));
     for (int k = 0; k < 3; k++)
         o->position[3 * o->position_count + (uint64_t)k] = o->origin[k] + o->step * at[k];
     o->kept[o->position_count] = 0;
     *number = (uint32_t)o->position_count++;
-    return BVX_OK;
-}
-
-static bvx_status contour_vertex(bvxi_oblique *o, uint32_t v, uint32_t *number)
-{
-    if (o->output[v] == BVXI_NONE) BVXI_TRY(add_position(o, o->vertex[v].at, &o->output[v]));
-    *number = o->output[v];
     return BVX_OK;
 }
 
@@ -69,9 +61,12 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
     const bvxi_tetra_vertex *const a = &o->vertex[in], *const b = &o->vertex[out];
     uint32_t *found;
 
-    if (b->sign == 0) return contour_vertex(o, out, number);
+    if (b->sign == 0) {
+        if (o->output[out] == BVXI_NONE) BVXI_TRY(add_position(o, b->at, &o->output[out]));
+        *number = o->output[out];
+        return BVX_OK;
+    }
 
-    /* Plain cells beside this one have made the vertex, and both must take the same. */
     *number = vertex_of_plain(o, in, out);
     if (*number != BVXI_NONE) return BVX_OK;
     BVXI_TRY(bvxi_edge_add(o, &o->crossing, in, out, &found));
@@ -92,10 +87,9 @@ static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, 
 {
     uint32_t *t;
 
-    /* Corners on a contour may be one vertex: what is left of such a triangle is an edge. */
     if (a == b || b == c || c == a) return BVX_OK;
-    BVXI_TRY(bvxi_oblique_grow(o, &o->triangle, o->triangle_count, &o->triangle_room, 12,
-                               "the triangles of the surface"));
+    BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
+                          "the triangles of the surface"));
     t = o->triangle + 3 * o->triangle_count++;
     t[0] = a;
     t[1] = b;
@@ -116,7 +110,7 @@ static bvx_status march_tetrahedron(bvxi_oblique *o, uint32_t tetra, int inside)
     for (int k = 0; k < n; k++) BVXI_TRY(edge_vertex(o, v[edge[k][0]], v[edge[k][1]], &number[k]));
     for (int k = 2; k < n; k++) BVXI_TRY(add_surface_triangle(o, number[0], number[k - 1], number[k]));
     for (; t < o->triangle_count - o->plain_triangles; t++) {
-        BVXI_TRY(bvxi_oblique_grow(o, &o->owner, t, &o->owner_room, 4, "the triangles of the surface"));
+        BVXI_TRY(BVXI_GROW(o, o->owner, t, o->owner_room, "the triangles of the surface"));
         o->owner[t] = tetra;
     }
     return BVX_OK;
@@ -145,24 +139,16 @@ static void mark_inside_piece(void *user, int32_t index, uint64_t begin, uint64_
     job->triangles[index] = triangles;
 }
 
-/* Signs of lattice vertices that were settled are those of the lattice too. */
-static void give_settled_signs(bvxi_oblique *o)
+static bvx_status march_all(bvxi_oblique *o)
 {
+    march_job job = {.o = o, .pieces = bvxi_piece_count(o->tetra_count, 4096)};
+    uint64_t more = 0;
+
+    /* Signs of lattice vertices that were settled are those of the lattice too. */
     for (uint64_t i = 0; i < o->vertex_count; i++) {
         const bvxi_tetra_vertex *const x = &o->vertex[i];
         if (x->lattice && x->sign != 0 && x->parent[1] != BVXI_NONE) o->value[x->parent[1]] = x->value;
     }
-}
-
-static bvx_status march_all(bvxi_oblique *o)
-{
-    march_job job;
-    uint64_t more = 0;
-
-    job.o = o;
-
-    job.pieces = bvxi_piece_count(o->tetra_count, 4096);
-    give_settled_signs(o);
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1,
                         bvxi_for_pieces(o->ctx, "surface", 0.0, 1.0, job.pieces, job.o->tetra_count,
                                         mark_inside_piece, &job)));
@@ -171,7 +157,7 @@ static bvx_status march_all(bvxi_oblique *o)
 
     /* In order by their ends, but where contours have so many points that thousands of edges share an end. */
     o->crossing.near = o->point_count < o->vertex_count / 8;
-    BVXI_TRY(bvxi_edge_reserve(o, &o->crossing, more / 2));
+    BVXI_TRY(bvxi_map_reserve(o->ctx, &o->crossing, more / 2));
     for (uint64_t t = 0; t < o->tetra_count; t++) {
         if (t % 262144 == 0)
             BVXI_TRY(bvxi_progress(o->ctx, "surface", 0.4 + 0.6 * (double)t / (double)o->tetra_count));
@@ -190,7 +176,7 @@ static bvx_status count_handles(bvxi_oblique *o, int64_t *handles)
     int64_t parts = (int64_t)o->position_count;
     uint32_t *joined;
 
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->position_count * 4, "the parts of the surface", &joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
     for (uint64_t i = 0; i < o->position_count; i++) joined[i] = (uint32_t)i;
     for (uint64_t t = 0; t < o->triangle_count; t++)
         for (int k = 1; k < 3; k++)
@@ -215,9 +201,8 @@ static bvx_status march_again(bvxi_oblique *o)
     o->kept = NULL;
     o->crossed = NULL;
     o->position_count = o->position_room = o->triangle_count = o->triangle_room = o->kept_room = 0;
-    BVXI_TRY(
-        bvxi_oblique_reserve(o, &o->output, o->vertex_count, &o->output_room, 4, "the vertices on contours"));
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->output, o->vertex_count, o->output_room, "the vertices on contours"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
     return march_all(o);
 }
@@ -236,7 +221,6 @@ static bvx_status close_handles(bvxi_oblique *o)
         BVXI_TRY(BVXI_SHARE(o->ctx, (double)round / HANDLE_ROUNDS, (round + 0.7) / HANDLE_ROUNDS,
                             bvxi_oblique_handles(o, o->owner, &settled)));
         if (settled == 0 && o->vertex_count == vertices) return BVX_OK;
-        /* Vertices may have been added, which change nothing but must be marched over. */
         BVXI_TRY(
             BVXI_SHARE(o->ctx, (round + 0.7) / HANDLE_ROUNDS, (round + 1.0) / HANDLE_ROUNDS, march_again(o)));
     }
@@ -252,7 +236,6 @@ static void give_contour_points(bvxi_oblique *o)
         const bvxi_plane *const p = &o->plane[i].plane;
         for (uint32_t n = 0; n < p->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
-            /* A contour point that the surface does not reach is counted later. */
             if (v == BVXI_NONE || o->output[v] == BVXI_NONE || o->kept[o->output[v]]) continue;
             o->kept[o->output[v]] = 1; /* the first of two points at one vertex */
             memcpy(o->position + 3 * (uint64_t)o->output[v], o->given->points + 3 * (uint64_t)p->given[n],
@@ -262,18 +245,9 @@ static void give_contour_points(bvxi_oblique *o)
     }
 }
 
-/* Points of two planes may be one place but for rounding: the first one's coordinates are those of both. */
-static int is_there(const bvxi_oblique *o, const double a[3], const double b[3])
-{
-    double const most = ONE_PLACE * o->longest * o->step;
-
-    for (int k = 0; k < 3; k++)
-        if (!(bvxi_absolute(a[k] - b[k]) <= most)) return 0;
-    return 1;
-}
-
 static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
 {
+    double const most = ONE_PLACE * o->longest * o->step;
     uint32_t first = 0;
 
     for (uint32_t i = 0; i < o->plane_count; i++) {
@@ -281,12 +255,13 @@ static void oblique_count_unkept(bvxi_oblique *o, const uint32_t *renumbered)
         for (uint32_t n = 0; n < p->point_count; n++) {
             uint32_t const v = o->point_vertex[first + n];
             const double *const given = o->given->points + 3 * (uint64_t)p->given[n];
-            if (v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE &&
-                is_there(o, o->position + 3 * (uint64_t)o->output[v], given))
-                continue;
+            int kept = v != BVXI_NONE && o->output[v] != BVXI_NONE && renumbered[o->output[v]] != BVXI_NONE;
+            /* Points of two planes may be one place but for rounding: the first one's coordinates are both's. */
+            for (uint64_t k = 0; k < 3 && kept; k++)
+                kept = bvxi_absolute(o->position[3 * (uint64_t)o->output[v] + k] - given[k]) <= most;
+            if (kept) continue;
             o->report.unkept_points++;
-            if (o->report.located < BVX_SECTIONS_LOCATED)
-                memcpy(o->report.unkept[o->report.located++], given, 24);
+            bvxi_report_place(&o->report, given);
         }
         first += p->point_count;
     }
@@ -297,13 +272,11 @@ static int is_small_loop(const bvxi_oblique *o, const bvxi_plane *p, const bvxi_
 {
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
 
-    for (uint32_t n = 0; n < loop->count; n++)
-        for (int k = 0; k < 3; k++) {
-            double const x = o->given->points[3 * (uint64_t)p->given[loop->first + n] + (uint64_t)k];
-            low[k] = x < low[k] ? x : low[k];
-            high[k] = x > high[k] ? x : high[k];
+    for (uint32_t n = 0; n < loop->count; n++) {
+        bvxi_widen(low, high, o->given->points + 3 * (uint64_t)p->given[loop->first + n], 3);
+        for (int k = 0; k < 3; k++)
             if (high[k] - low[k] > o->step) return 0;
-        }
+    }
     return 1;
 }
 
@@ -402,30 +375,22 @@ static bvx_status write_surface(bvxi_oblique *o, uint32_t *joined, bvx_mesh *mes
     BVXI_TRY(
         bvxi_mesh_open(o->ctx, o->function, o->options.position_type, 0, vertices, o->triangle_count, mesh));
     memcpy(mesh->triangles, o->triangle, (size_t)o->triangle_count * 12);
-    for (uint64_t i = 0; i < o->position_count; i++) {
-        if (joined[i] == BVXI_NONE) continue;
-        for (uint64_t k = 0; k < 3; k++) {
-            double const x = o->position[3 * i + k];
-            if (o->options.position_type == BVX_F64)
-                ((double *)mesh->positions)[3 * (uint64_t)joined[i] + k] = x;
-            else ((float *)mesh->positions)[3 * (uint64_t)joined[i] + k] = (float)x;
-        }
-    }
+    for (uint64_t i = 0; i < o->position_count; i++)
+        if (joined[i] != BVXI_NONE)
+            bvxi_put_position(mesh, o->options.position_type, joined[i], o->position + 3 * i);
     return BVX_OK;
 }
 
 bvx_status bvxi_oblique_surface(bvxi_oblique *o, bvx_mesh *mesh)
 {
-    uint32_t *joined = NULL;
-    uint64_t bytes;
+    uint32_t *joined;
 
     o->output_room = o->vertex_count;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, o->output_room * 4, "the vertices on contours", &o->output));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->output_room, "the vertices on contours", o->output));
     memset(o->output, 0xff, (size_t)o->output_room * 4);
-    BVXI_TRY(bvxi_oblique_reserve(o, &o->mark, o->tetra_count, &o->mark_room, 1, "the marks of tetrahedra"));
+    BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6, march_all(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.7, close_handles(o)));
-    bytes = o->position_count * 4;
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, bytes, "the parts of the surface", &joined));
+    BVXI_TRY(BVXI_ARRAY(o->ctx, o->position_count, "the parts of the surface", joined));
     return write_surface(o, joined, mesh);
 }

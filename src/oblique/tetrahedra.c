@@ -6,99 +6,6 @@
  * meet in whole faces before do so after, whatever the places of the vertices are. */
 #include "oblique/oblique.h"
 
-/* block: address of the array's pointer; room: its capacity in items; item: bytes of one. */
-bvx_status bvxi_oblique_grow(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                             const char *what)
-{
-    uint64_t const larger = *room < 256 ? 256 : *room + *room / 2;
-
-    if (count < *room) return BVX_OK;
-    if (larger >= UINT32_MAX)
-        return bvxi_fail_for(o->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
-                             "%s: more than 2^32 of %s; take fewer cells", o->function, what);
-    BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, block, *room * item, larger * item, what));
-    *room = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_oblique_reserve(bvxi_oblique *o, void *block, uint64_t count, uint64_t *room, uint64_t item,
-                                const char *what)
-{
-    if (count <= *room) return BVX_OK;
-    BVXI_TRY(bvxi_resize(o->ctx, BVXI_SCRATCH, block, *room * item, count * item, what));
-    *room = count;
-    return BVX_OK;
-}
-
-/* ---- edges by their ends ---- */
-
-static uint64_t oblique_edge_key(uint32_t a, uint32_t b)
-{
-    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
-
-/* near: the key's first end picks the neighbourhood, so vertices in order touch memory in order; else spread
- * by hash. */
-static uint64_t edge_slot(const bvxi_edge_map *m, uint64_t key)
-{
-    uint64_t const mixed = key * UINT64_C(0x9e3779b97f4a7c15) >> 24;
-    uint64_t i = (m->near ? (key >> 32) * 4 + (mixed & 63) : mixed) & (m->room - 1);
-    while (m->key[i] != UINT64_MAX && m->key[i] != key) i = (i + 1) & (m->room - 1);
-    return i;
-}
-
-static bvx_status edge_more(bvxi_oblique *o, bvxi_edge_map *m, uint64_t room)
-{
-    bvxi_edge_map larger = {NULL, NULL, room, m->count, m->near};
-
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 8, "the edges of tetrahedra", &larger.key));
-    BVXI_TRY(bvxi_alloc(o->ctx, BVXI_SCRATCH, larger.room * 4, "the edges of tetrahedra", &larger.value));
-    memset(larger.key, 0xff, (size_t)(larger.room * 8));
-    for (uint64_t i = 0; i < m->room; i++)
-        if (m->key[i] != UINT64_MAX) {
-            uint64_t const at = edge_slot(&larger, m->key[i]);
-            larger.key[at] = m->key[i];
-            larger.value[at] = m->value[i];
-        }
-    bvxi_drop(o->ctx, m->value);
-    bvxi_drop(o->ctx, m->key);
-    *m = larger;
-    return BVX_OK;
-}
-
-bvx_status bvxi_edge_reserve(bvxi_oblique *o, bvxi_edge_map *m, uint64_t count)
-{
-    uint64_t room = 1024;
-
-    while (room < 2 * count) room *= 2;
-    return room > m->room ? edge_more(o, m, room) : BVX_OK;
-}
-
-bvx_status bvxi_edge_add(bvxi_oblique *o, bvxi_edge_map *m, uint32_t a, uint32_t b, uint32_t **value)
-{
-    uint64_t const key = oblique_edge_key(a, b);
-    uint64_t at;
-
-    if (2 * m->count >= m->room) BVXI_TRY(edge_more(o, m, m->room == 0 ? 1024 : 2 * m->room));
-    at = edge_slot(m, key);
-    if (m->key[at] == UINT64_MAX) {
-        m->key[at] = key;
-        m->value[at] = BVXI_NONE;
-        m->count++;
-    }
-    *value = &m->value[at];
-    return BVX_OK;
-}
-
-uint32_t bvxi_edge_find(const bvxi_edge_map *m, uint32_t a, uint32_t b)
-{
-    uint64_t at;
-
-    if (m->room == 0) return BVXI_NONE;
-    at = edge_slot(m, oblique_edge_key(a, b));
-    return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
-}
-
 /* ---- vertices and tetrahedra ---- */
 
 bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *number)
@@ -106,10 +13,9 @@ bvx_status bvxi_tetra_add_vertex(bvxi_oblique *o, const double at[3], uint32_t *
     static const bvxi_tetra_vertex none = {
         {0.0, 0.0, 0.0}, {BVXI_NONE, BVXI_NONE}, BVXI_NONE, 0.0F, BVXI_SIGN_UNKNOWN, 0};
 
-    BVXI_TRY(bvxi_oblique_grow(o, &o->vertex, o->vertex_count, &o->vertex_room, sizeof *o->vertex,
-                               "the vertices of tetrahedra"));
-    BVXI_TRY(bvxi_oblique_grow(o, &o->on, o->vertex_count, &o->on_room, (uint64_t)o->plane_words * 8,
-                               "the planes of vertices"));
+    BVXI_TRY(BVXI_GROW(o, o->vertex, o->vertex_count, o->vertex_room, "the vertices of tetrahedra"));
+    BVXI_TRY(BVXI_GROW_BY(o, o->on, o->vertex_count, o->on_room, (uint64_t)o->plane_words * 8,
+                          "the planes of vertices"));
     *number = (uint32_t)o->vertex_count++;
     o->vertex[*number] = none;
     memcpy(o->vertex[*number].at, at, 24);
@@ -124,10 +30,10 @@ bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n
     static const char what[] = "the tetrahedra";
     uint64_t const at = o->tetra_count;
 
-    BVXI_TRY(bvxi_oblique_grow(o, &o->tetra, at, &o->tetra_room[0], sizeof *o->tetra, what));
-    BVXI_TRY(bvxi_oblique_grow(o, &o->chain, at, &o->tetra_room[1], 4, what));
-    BVXI_TRY(bvxi_oblique_grow(o, &o->twin, at, &o->tetra_room[2], 4, what));
-    BVXI_TRY(bvxi_oblique_grow(o, &o->stamp, at, &o->tetra_room[3], 4, what));
+    BVXI_TRY(BVXI_GROW(o, o->tetra, at, o->tetra_room[0], what));
+    BVXI_TRY(BVXI_GROW(o, o->chain, at, o->tetra_room[1], what));
+    BVXI_TRY(BVXI_GROW(o, o->twin, at, o->tetra_room[2], what));
+    BVXI_TRY(BVXI_GROW(o, o->stamp, at, o->tetra_room[3], what));
     memcpy(o->tetra[at].v, v, 16);
     memcpy(o->tetra[at].n, n, 16);
     o->stamp[at] = 0;
@@ -142,11 +48,9 @@ bvx_status bvxi_tetra_add(bvxi_oblique *o, const uint32_t v[4], const uint32_t n
     return BVX_OK;
 }
 
-/* ---- looking round ---- */
-
 static bvx_status add_to_ring(bvxi_oblique *o, uint32_t tetra)
 {
-    BVXI_TRY(bvxi_oblique_grow(o, &o->ring, o->ring_count, &o->ring_room, 4, "the tetrahedra round an edge"));
+    BVXI_TRY(BVXI_GROW(o, o->ring, o->ring_count, o->ring_room, "the tetrahedra round an edge"));
     o->ring[o->ring_count++] = tetra;
     return BVX_OK;
 }
@@ -158,7 +62,6 @@ static bvx_status ring_on(bvxi_oblique *o, uint32_t start, uint32_t a, uint32_t 
     uint32_t at = start;
 
     for (;;) {
-        /* On over the face opposite the corner that is left; the one that stayed is left next. */
         uint32_t const next = o->tetra[at].n[leave];
         uint32_t stay = BVXI_NONE;
         *closed = next == start;
@@ -200,8 +103,7 @@ void bvxi_tetra_new_stamp(bvxi_oblique *o)
 
 static bvx_status add_to_star(bvxi_oblique *o, uint32_t tetra)
 {
-    BVXI_TRY(
-        bvxi_oblique_grow(o, &o->star, o->star_count, &o->star_room, 4, "the tetrahedra round a vertex"));
+    BVXI_TRY(BVXI_GROW(o, o->star, o->star_count, o->star_room, "the tetrahedra round a vertex"));
     o->star[o->star_count++] = tetra;
     o->stamp[tetra] = o->stamps;
     return BVX_OK;
@@ -233,8 +135,6 @@ bvx_status bvxi_tetra_with_edge(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_
         }
     return BVX_OK;
 }
-
-/* ---- changing ---- */
 
 static void relink_neighbour(bvxi_oblique *o, uint32_t of, uint32_t from, uint32_t to)
 {
@@ -304,7 +204,6 @@ bvx_status bvxi_tetra_split_edge(bvxi_oblique *o, uint32_t tetra, uint32_t a, ui
         half_a->v[corner_b] = half_b->v[corner_a] = *m;
         half_b->n[corner_b] = kept;
         half_a->n[corner_a] = twin;
-        /* Across the other faces the twin meets the neighbours' twins. */
         for (int k = 0; k < 4; k++)
             if (k != corner_a && k != corner_b && half_b->n[k] != BVXI_NONE)
                 half_b->n[k] = o->twin[half_b->n[k]];
@@ -344,10 +243,9 @@ bvx_status bvxi_tetra_split_face(bvxi_oblique *o, uint32_t tetra, int corner, co
     uint32_t const beside = o->tetra[tetra].n[corner];
     uint32_t face[3], part[2][3];
     uint64_t *on;
-    int n = 0, across[2];
+    int across[2];
 
-    for (int k = 0; k < 4; k++)
-        if (k != corner) face[n++] = o->tetra[tetra].v[k];
+    bvxi_tetra_face(&o->tetra[tetra], corner, face);
     BVXI_TRY(bvxi_tetra_add_vertex(o, at, m));
     on = bvxi_tetra_on(o, *m);
 

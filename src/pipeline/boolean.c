@@ -138,6 +138,7 @@ typedef struct boolean_body {
     bvx_grid solid;
     bvxi_thin thin;
     bvxi_sparse values; /* in doubles; triangles where edges are sharp */
+    bvxi_lids lids;
 } boolean_body;
 
 typedef struct boolean_job {
@@ -151,6 +152,8 @@ typedef struct boolean_job {
     bvx_grid inside;
     uint64_t grid_bytes;
     bvx_boolean_report report;
+    uint64_t holes;      /* of both meshes */
+    double longest_hole; /* [Units: world] */
 } boolean_job;
 
 /* ---- Checks ---- */
@@ -425,8 +428,28 @@ static bvx_status measure_body(boolean_job *job, boolean_body *b)
 
 /* ---- The surface ---- */
 
+/* What the rules of open meshes see in their holes; other rules have no lids. */
+static bvx_status open_boolean_lids(boolean_job *job, int32_t i, bvxi_holes *holes)
+{
+    const bvx_solid_report *const r = i == 0 ? &job->report.solid_a : &job->report.solid_b;
+    boolean_body *const b = &job->body[i];
+    bvxi_winding *winding;
+    double longest;
+
+    b->lids.lattice = &job->lattice;
+    if ((r->fill != BVX_FILL_WINDING && r->fill != BVX_FILL_VOTE) || r->turned != 0) return BVX_OK;
+    BVXI_TRY(bvxi_holes_open_rule(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes));
+    BVXI_TRY(bvxi_winding_open(job->ctx, boolean_name, b->mesh, &job->lattice, r->fill, holes, &winding));
+    b->lids.winding = winding;
+    longest = bvxi_longest_loop(b->mesh, holes);
+    job->holes += holes->loops;
+    job->longest_hole = longest > job->longest_hole ? longest : job->longest_hole;
+    return BVX_OK;
+}
+
 static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
 {
+    bvxi_holes holes[2];
     bvx_field_surface_options o = {
         .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &job->report.surface};
     bvxi_cut_rule rule[2] = {{.values = NULL}};
@@ -436,6 +459,9 @@ static bvx_status extract_boolean(boolean_job *job, bvx_mesh *result)
         rule[i].values = &job->body[i].values;
         rule[i].mesh = job->body[i].mesh;
         rule[i].inside = &job->body[i].solid;
+        BVXI_TRY(open_boolean_lids(job, i, &holes[i]));
+        if (job->body[i].lids.winding != NULL) rule[i].missing = bvxi_lid_ratios;
+        rule[i].missing_user = &job->body[i].lids;
     }
 
     /* Where both bodies cross an edge, a union takes the outer cut, the others the inner one. */
@@ -480,6 +506,7 @@ static bvx_status boolean_steps(boolean_job *job, bvx_mesh *result)
 /* ---- Warnings ---- */
 
 #define BOOLEAN_OFF    0.02 /* of a volume */
+#define BOOLEAN_LIDDED 0.05 /* where lines of centres see it, which miss lids by half a voxel */
 #define BOOLEAN_SHARED 1.25 /* the factor by which a shared volume counted in voxels may be off */
 
 /* The volume that both bodies share: the part of their voxels, of the smaller one of both volumes. */
@@ -505,6 +532,7 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
     bvx_boolean_report *const r = &job->report;
     bvx_solid_report *const of[2] = {&r->solid_a, &r->solid_b};
     int const count = job->operation == BVX_BOOLEAN_DIFFERENCE ? 1 : 2;
+    double const off = job->holes != 0 ? BOOLEAN_LIDDED : BOOLEAN_OFF;
     double shared, wanted = 0.0;
 
     for (int i = 0; i < count; i++)
@@ -519,8 +547,8 @@ static bvx_status warn_of_operands_volume(boolean_job *job, double volume, doubl
                                      &of[i]->crossing_volume));
     wanted = 0.0;
     for (int i = 0; i < count; i++) wanted += bvxi_known_volume(of[i]);
-    if (volume < (1.0 - BOOLEAN_OFF) * (wanted - shared * BOOLEAN_SHARED) ||
-        volume > (1.0 + BOOLEAN_OFF) * (wanted - shared / BOOLEAN_SHARED))
+    if (volume < (1.0 - off) * (wanted - shared * BOOLEAN_SHARED) ||
+        volume > (1.0 + off) * (wanted - shared / BOOLEAN_SHARED))
         BVXI_WARN(job->ctx, BVX_WARN_VOLUME, volume, wanted - shared, volume / (wanted - shared) - 1.0,
                   finer);
     return BVX_OK;
@@ -679,6 +707,10 @@ static bvx_status warn_of_boolean(boolean_job *job, const bvx_mesh *result)
         BVXI_TRY(warn_of_operands_parts(job, parts, finer));
         BVXI_TRY(warn_of_operands_volume(job, volume, finer));
     }
+    /* A vertex for each crossed edge. */
+    if (result->triangle_count != 0)
+        bvxi_warn_of_lids(job->ctx, (double)r->surface.lids / (double)result->vertex_count, job->holes,
+                          job->longest_hole);
     r->warnings = bvxi_warned(job->ctx);
     return BVX_OK;
 }

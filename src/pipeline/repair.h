@@ -71,7 +71,6 @@ bvx_status bvxi_repair_inside(bvxi_repair_job *job);
  * ENCLOSED. Only for fill rules with winding numbers. job->holes are those of job->mesh. Scratch: as
  * bvxi_winding_open, and the body's holes. */
 enum { BVXI_TRIANGLE_ASKED = 1, BVXI_TRIANGLE_ENCLOSED = 2 };
-bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer);
 
 /* repair_sheets.c: part mesh into body and sheets by what job->solid, the
  * solid of all of it, keeps of each piece. */
@@ -92,7 +91,6 @@ bvx_status bvxi_repair_surface(bvxi_repair_job *job, bvx_mesh *repaired);
 /* repair_needs.c: why the mesh needs a repair; a copy of one that needs none. */
 bvx_status bvxi_repair_needs(bvxi_repair_job *job);
 /* What a certificate says of it, BVX_NEEDS_.... */
-int32_t bvxi_repair_need(const bvx_certificate *c);
 bvx_status bvxi_repair_copy(bvxi_repair_job *job, bvx_mesh *copy);
 
 /* piece_volumes.c: a piece of a mesh, six times its volume and its box around the middle of the mesh. */
@@ -133,7 +131,5 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *report, const bvxi_re
                       int32_t resolution, uint64_t collapsed);
 /* 1: volume and area of the mesh are those of its body. */
 int bvxi_has_own_size(const bvx_repair_report *report, const bvxi_repair_facts *facts);
-/* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
-int bvxi_changed_as_asked(const bvx_repair_report *report);
 
 #endif

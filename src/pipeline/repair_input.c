@@ -27,11 +27,6 @@ bvx_status bvxi_repair_lattice(bvxi_repair_job *job, int32_t resolution)
 
 /* ---- The mesh ---- */
 
-/* A mesh made ready for repair: what it is, its triangles once each, the pieces that hang
- * together.
- *
- * Triangles that are there twice would count as two turns of the surface, so all but the first go. */
-
 const char bvxi_repair_name[] = "bvx_repair";
 
 /* The minority of each patch is turned round, so that winding numbers are right; *sign becomes VOTE where

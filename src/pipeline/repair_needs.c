@@ -8,7 +8,7 @@
 #include "mesh/view.h"
 #include "pipeline/repair.h"
 
-int32_t bvxi_repair_need(const bvx_certificate *c)
+static int32_t repair_need(const bvx_certificate *c)
 {
     if (!c->closed) return BVX_NEEDS_LIDS;
     if (!c->edge_manifold || !c->vertex_manifold) return BVX_NEEDS_MANIFOLD;
@@ -50,7 +50,7 @@ bvx_status bvxi_repair_needs(bvxi_repair_job *job)
     int const several = r->before.components > 1;
     int right = 1;
 
-    r->needs = bvxi_repair_need(&r->before);
+    r->needs = repair_need(&r->before);
     if (r->needs != BVX_NEEDS_NOTHING || (job->options->report == NULL && !job->options->if_needed))
         return BVX_OK;
 
@@ -87,7 +87,7 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
     }
     for (uint64_t v = 0; v < from->vertex_count; v++)
         if (number[v] != 0) number[v] = (uint32_t)vertices++;
-    BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)from->position_type, 0, vertices,
+    BVXI_TRY(bvxi_mesh_open(job->ctx, bvxi_repair_name, (int32_t)bvxi_view_type(from), 0, vertices,
                             from->triangle_count, copy));
 
     /* Corners by their new numbers, positions once for each. */
@@ -100,7 +100,7 @@ static bvx_status write_copy(bvxi_repair_job *job, const uint32_t *representativ
             copy->triangles[3 * t + k] = to;
             bvxi_view_position(from, old, p);
             for (size_t a = 0; a < 3; a++)
-                if (from->position_type == BVX_F32)
+                if (bvxi_view_type(from) == BVX_F32)
                     ((float *)copy->positions)[3 * (size_t)to + a] = (float)p[a];
                 else ((double *)copy->positions)[3 * (size_t)to + a] = p[a];
         }

@@ -1,28 +1,36 @@
 /* repair_report.c - what a repair found, how near it stayed, and what is warned of. */
 #include "mesh/view.h"
 #include "pipeline/repair.h"
+#include "pipeline/steps.h"
 #include "winding/holes.h"
 
 #include <math.h>
 
-static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
+double bvxi_longest_loop(const bvx_mesh_view *mesh, const bvxi_holes *holes)
 {
-    /* Loop by loop, from its first vertex around to it. */
     uint64_t begin = 0;
+    double longest = 0;
 
-    job->report.holes = holes->loops;
+    /* Loop by loop, from its first vertex around to it. */
     for (uint64_t l = 0; l < holes->loops; begin = holes->loop_end[l++]) {
         double length = 0;
         for (uint64_t i = begin; i < holes->loop_end[l]; i++) {
             uint64_t const next = i + 1 == holes->loop_end[l] ? begin : i + 1;
             double p[3], q[3], sum = 0;
-            bvxi_view_position(&job->mesh, holes->vertex[i], p);
-            bvxi_view_position(&job->mesh, holes->vertex[next], q);
+            bvxi_view_position(mesh, holes->vertex[i], p);
+            bvxi_view_position(mesh, holes->vertex[next], q);
             for (int a = 0; a < 3; a++) sum += (q[a] - p[a]) * (q[a] - p[a]);
             length += sqrt(sum);
         }
-        if (length > job->facts.longest_hole) job->facts.longest_hole = length;
+        longest = length > longest ? length : longest;
     }
+    return longest;
+}
+
+static void measure_loops(bvxi_repair_job *job, const bvxi_holes *holes)
+{
+    job->report.holes = holes->loops;
+    job->facts.longest_hole = bvxi_longest_loop(&job->mesh, holes);
 }
 
 static bvx_status find_holes(bvxi_repair_job *job)
@@ -142,7 +150,8 @@ bvx_status bvxi_repair_measure(bvxi_repair_job *job, const bvx_mesh *repaired)
 #define REPAIR_SHELLED 0.03 /* of the mesh's area, the same */
 #define REPAIR_LIDS    0.05 /* of the result's area, the same */
 
-int bvxi_changed_as_asked(const bvx_repair_report *r)
+/* 1: parts were dropped or cavities filled as options ask, beside crumbs: sizes changed as they were to. */
+static int changed_as_asked(const bvx_repair_report *r)
 {
     return r->parts_dropped + r->cavities_dropped > r->crumbs;
 }
@@ -170,7 +179,7 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
 
     if (after > before) BVXI_WARN(ctx, BVX_WARN_PARTS, after, before, finer);
     /* Parts that cross become one as they should. */
-    if (after < before && r->needs == BVX_NEEDS_NOTHING && !bvxi_changed_as_asked(r) && !has_lost_walls(r))
+    if (after < before && r->needs == BVX_NEEDS_NOTHING && !changed_as_asked(r) && !has_lost_walls(r))
         BVXI_WARN(ctx, BVX_WARN_JOINED, after, before, finer);
     if (f->handles >= 0 && (r->shelled_triangles == 0 || r->before.closed) &&
         has > f->handles + (int64_t)r->crossings)
@@ -179,15 +188,19 @@ static void warn_of_topology(bvx_context *ctx, const bvx_repair_report *r, const
         BVXI_WARN(ctx, BVX_WARN_SHELLS, (double)r->shelled_triangles, f->shelled_area, r->before.area);
 }
 
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest)
+{
+    if (holes != 0 && share > REPAIR_LIDS)
+        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)holes, (double)(int)(100.0 * share + 0.5), longest);
+}
+
 /* A surface crosses three lattice edges for two faces of a voxel's area, on average over all directions. */
-static void warn_of_lids(bvx_context *ctx, const bvx_repair_report *r, const bvxi_repair_facts *f)
+static double share_of_lids(const bvx_repair_report *r, const bvxi_repair_facts *f)
 {
     const double *const h = r->lattice.spacing;
     double const edges = 3.0 / (h[0] * h[1]) + 3.0 / (h[1] * h[2]) + 3.0 / (h[2] * h[0]);
-    double const share = (double)f->sheet_edges * 6.0 / (edges * r->after.area);
 
-    if (r->holes != 0 && share > REPAIR_LIDS)
-        BVXI_WARN(ctx, BVX_WARN_LIDS, (double)r->holes, (double)(int)(100.0 * share + 0.5), f->longest_hole);
+    return (double)f->sheet_edges * 6.0 / (edges * r->after.area);
 }
 
 /* How the volume has changed, once: beyond that of all parts, from the mesh's own, or from what lines of centres
@@ -203,10 +216,9 @@ static void warn_of_size(bvx_context *ctx, const bvx_repair_report *r, const bvx
 
     if (all == 0.0 && f->thin_shelled != 0)
         BVXI_WARN(ctx, BVX_WARN_SHELLED_BODIES, (double)f->thin_shelled, finer);
-    if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all &&
-        !(bvxi_changed_as_asked(r) && r->cavities_dropped))
+    if (all > 0.0 && volume > (1.0 + REPAIR_CHANGED) * all && !(changed_as_asked(r) && r->cavities_dropped))
         BVXI_WARN(ctx, BVX_WARN_THICKER, volume, all, volume / all - 1.0, finer, collapsed);
-    else if (bvxi_changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
+    else if (changed_as_asked(r) || (r->shelled_triangles != 0 && !own)) return;
     else if (bvxi_absolute(off) > (own || is_closed(r) ? REPAIR_OFF : REPAIR_CHANGED) &&
              (own || off < 0.0 || r->thin_voxels == 0))
         BVXI_WARN(ctx, BVX_WARN_VOLUME, volume, from, off, finer, collapsed);
@@ -225,7 +237,7 @@ void bvxi_repair_warn(bvx_context *ctx, bvx_repair_report *r, const bvxi_repair_
         longest = r->lattice.dims[a] > longest ? r->lattice.dims[a] : longest;
     if (has_lost_walls(r)) warn_of_walls(ctx, r, f);
     warn_of_topology(ctx, r, f, bvxi_advised(2.0 * longest));
-    warn_of_lids(ctx, r, f);
+    bvxi_warn_of_lids(ctx, share_of_lids(r, f), r->holes, f->longest_hole);
     warn_of_size(ctx, r, f, bvxi_advised(2.0 * longest), (double)collapsed);
     r->warnings = bvxi_warned(ctx);
 }

@@ -13,11 +13,8 @@
 
 /* ---- Triangles of a body ---- */
 
-/* Which triangles lie on the border of a body that the whole mesh makes: faces of a part
- * that do not touch, triangles torn apart.
- *
- * Source: Jacobson, Kavan, Sorkine-Hornung. Robust Inside-Outside Segmentation using Generalized Winding
- * Numbers. 2013.
+/* Which triangles lie on the border of a body that the whole mesh makes: faces of a part that do not touch,
+ * triangles torn apart.
  *
  * Across a triangle the winding number steps by 1. On a body's border it steps from about 0 to about 1, on a
  * lone sheet from a half below 0 to a half above. So the fraction of it tells, which is the same on either
@@ -79,7 +76,7 @@ static void ask_triangles(void *user, int32_t piece)
             e->answer[t] = BVXI_TRIANGLE_ENCLOSED;
 }
 
-bvx_status bvxi_repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
+static bvx_status repair_enclosed(bvxi_repair_job *job, uint8_t *answer)
 {
     const bvx_mesh_view *const by = &job->body;
     int const parted = job->sheets.triangle_count != 0;
@@ -470,7 +467,7 @@ static bvx_status join_open_pieces(bvxi_repair_job *job, all_sums *sums)
     for (int round = 0; asked != 0 && asked != before; round++) {
         before = asked;
         if (round > 0) BVXI_TRY(list_parted(job, sums));
-        BVXI_TRY(bvxi_repair_enclosed(job, answer));
+        BVXI_TRY(repair_enclosed(job, answer));
         sum_joined(job, round < SHEET_ROUNDS ? answer : memset(answer, 0, (size_t)bytes), sums);
         asked = ask_joined_pieces(job, sums, answer);
     }

@@ -88,9 +88,9 @@ static bvx_status open_values(bvxi_repair_job *job, bvxi_sparse *v)
 
 /* ---- The surface ---- */
 
-static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio)
+void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio)
 {
-    const bvxi_repair_job *const job = user;
+    const bvxi_lids *const lids = user;
     bvxi_winding_edge asked[BVXI_MISSING_MOST];
     double told[BVXI_MISSING_MOST];
     int32_t number[BVXI_MISSING_MOST], n = 0;
@@ -100,14 +100,14 @@ static void lid_ratios(const void *user, int32_t count, const bvxi_missing_edge 
         const int32_t *const v = edge[e].at;
         int32_t const axis = edge[e].axis;
         ratio[e] = 0.5;
-        if (job->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 ||
-            v[axis] + 1 >= job->lattice.dims[axis])
+        if (lids->winding == NULL || v[0] < 0 || v[1] < 0 || v[2] < 0 ||
+            v[axis] + 1 >= lids->lattice->dims[axis])
             continue;
         memcpy(asked[n].v, v, sizeof asked[n].v);
         asked[n].axis = axis;
         number[n++] = e;
     }
-    if (n > 0) bvxi_winding_ratios(job->winding, n, asked, told);
+    if (n > 0) bvxi_winding_ratios(lids->winding, n, asked, told);
     for (int32_t e = 0; e < n; e++) ratio[number[e]] = told[e];
 }
 
@@ -116,14 +116,15 @@ static bvx_status extract_repaired(bvxi_repair_job *job, const bvxi_sparse *v, b
     bvx_field_surface_report report = {0};
     bvx_field_surface_options o = {
         .placing = job->options->placing, .sharp_angle = BVXI_SHARP_ANGLE, .report = &report};
+    bvxi_lids const lids = {job->winding, &job->lattice};
     bvxi_cut_rule rule;
 
     o.placing.sharp = job->report.sharp ? BVX_SHARP_ALWAYS : BVX_SHARP_NEVER;
     memset(&rule, 0, sizeof rule);
     rule.values = v;
     rule.mesh = &job->body;
-    rule.missing = lid_ratios;
-    rule.missing_user = job;
+    rule.missing = bvxi_lid_ratios;
+    rule.missing_user = &lids;
     BVXI_TRY(bvxi_field_surface(job->ctx, bvxi_repair_name, &job->inside, &rule, &o, repaired));
     job->facts.sheet_edges = report.lids + report.middle;
     return BVX_OK;

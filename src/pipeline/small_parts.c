@@ -75,9 +75,7 @@ bvx_status bvxi_repair_clean(bvxi_repair_job *job)
 
 /* ---- Crumbs ---- */
 
-/* Small parts of a solid that the meshes it was made from have no part for.
- *
- * Where a body runs out in an acute edge, thinner than a voxel, centres lie inside here and there: parts of a
+/* Where a body runs out in an acute edge, thinner than a voxel, centres lie inside here and there: parts of a
  * few voxels float beside the body. In a narrow groove pockets are left in the same way. Such a part is
  * small, and it has no core, no voxel with six neighbours of its own. A small part of the mesh looks the
  * same, so the mesh is asked: the piece that is nearest to the part belongs to something larger where behind

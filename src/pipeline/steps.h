@@ -5,6 +5,8 @@
 
 #include "core/core.h"
 #include "grid/grid.h"
+#include "surface/field_surface.h"
+#include "winding/holes.h"
 
 /* Checks the lattice, or the resolution, which becomes 256 where it is 0. */
 bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit);
@@ -15,6 +17,20 @@ bvx_status bvxi_check_fit(bvx_context *ctx, const char *function, bvx_fit *fit);
  * face, in the window) that differs from them in inside, and in body too when
  * that is not NULL. Beyond the window all is outside along x; y and z stop there. */
 bvx_status bvxi_ends_mark(bvx_context *ctx, const bvx_grid *inside, const bvx_grid *body, bvx_grid *where);
+
+/* repair_surface.c: a bvxi_missing_fn, user bvxi_lids: lids lie where the winding number passes a half. winding:
+ * NULL where there is none. */
+typedef struct bvxi_lids {
+    const bvxi_winding *winding;
+    const bvx_lattice *lattice;
+} bvxi_lids;
+
+void bvxi_lid_ratios(const void *user, int32_t count, const bvxi_missing_edge *edge, double *ratio);
+
+/* repair_report.c: warn where lids are a large share of the surface. */
+void bvxi_warn_of_lids(bvx_context *ctx, double share, uint64_t holes, double longest);
+/* The longest loop of a mesh's holes. */
+double bvxi_longest_loop(const bvx_mesh_view *mesh, const bvxi_holes *holes);
 
 /* ---- Small parts of a solid that the meshes it was made from have no part for ---- */
 

@@ -204,23 +204,6 @@ static void cast_octree_piece(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status check_octree_rays(bvx_context *ctx, const double *rays, uint64_t count)
-{
-    for (uint64_t i = 0; i < count; i++) {
-        const double *const r = rays + 6 * i;
-        for (int k = 0; k < 6; k++)
-            if (!(r[k] - r[k] == 0.0))
-                return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_NOT_FINITE,
-                                     "bvx_octree_cast: ray %i is not finite", i);
-
-        /* A ray without a direction meets nothing, and is more likely a mistake than a wish. */
-        if (r[3] == 0 && r[4] == 0 && r[5] == 0)
-            return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                                 "bvx_octree_cast: the direction of ray %i is 0", i);
-    }
-    return BVX_OK;
-}
-
 static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, int32_t states,
                                   const double *rays, uint64_t count, double t_max, bvx_octree_hit *hits)
 {
@@ -229,13 +212,11 @@ static bvx_status run_octree_cast(bvx_context *context, const bvx_octree *tree, 
 
     BVXI_TRY(bvxi_octree_check(context, function, tree));
     BVXI_TRY(bvxi_octree_check_states(context, function, states));
-    if (!(t_max >= 0))
-        return bvxi_fail_for(context, BVX_ERR_ARGUMENT, BVX_REASON_RANGE,
-                             "%s: t_max is %g; it must be 0 or more", function, t_max);
+    BVXI_TRY(bvxi_check_rays(context, function, NULL, 0, t_max));
     if (count == 0) return BVX_OK;
     if (rays == NULL) return bvxi_fail_null(context, function, "rays");
     if (hits == NULL) return bvxi_fail_null(context, function, "hits");
-    BVXI_TRY(check_octree_rays(context, rays, count));
+    BVXI_TRY(bvxi_check_rays(context, function, rays, count, t_max));
     job.rays = rays;
     job.hits = hits;
     job.states = states != 0 ? states : BVX_STATE_SURFACE | BVX_STATE_INSIDE;

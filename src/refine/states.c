@@ -96,7 +96,8 @@ static void pass_to_row(bvxi_states_job *job, uint64_t row, uint64_t column, uin
     expose_base_octets(job, word, news, (d + 3) % 6);
 }
 
-void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
+/* Fill a row of base voxels with news, and pass it on. */
+static void work_on_row(bvxi_states_job *job, uint64_t row)
 {
     uint64_t const first = row * (uint64_t)job->row_words, ny = (uint64_t)job->ny, y = row % ny, z = row / ny;
 
@@ -119,7 +120,8 @@ void bvxi_work_on_row(bvxi_states_job *job, uint64_t row)
     }
 }
 
-void bvxi_expose_sides(bvxi_states_job *job)
+/* Beyond the lattice is outside: its sides are exposed. */
+static void expose_sides(bvxi_states_job *job)
 {
     uint64_t const rows = (uint64_t)job->ny * (uint64_t)job->nz;
 
@@ -381,7 +383,7 @@ static bvx_status work_until_done(bvx_context *ctx, bvxi_states_job *job)
     while (job->rows_listed > 0 || job->listed > 0) {
         /* Rows of the base first: one fills 64 voxels at a time and leaves less to the octets. Any order
          * gives the same end. */
-        if (job->rows_listed > 0) bvxi_work_on_row(job, job->row_list[--job->rows_listed]);
+        if (job->rows_listed > 0) work_on_row(job, job->row_list[--job->rows_listed]);
         else work_on_number(job, job->list[--job->listed]);
         if (++since < OCTETS_BETWEEN_QUESTIONS) continue;
         since = 0;
@@ -497,7 +499,7 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
 {
     /* A tree of one level has no octets: the base's rows are all there is. */
     if (job->bottom < 0) {
-        bvxi_expose_sides(job);
+        expose_sides(job);
         return work_until_done(ctx, job);
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
@@ -505,7 +507,7 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
         bvxi_for(ctx, "refine", job->tree->octets[job->bottom].count, STATES_GRAIN, take_cubes, job)));
-    bvxi_expose_sides(job);
+    expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
     give_octets(job);
     return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);

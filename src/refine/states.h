@@ -66,11 +66,4 @@ static inline void bvxi_expose_octet(bvxi_states_job *job, int32_t level, uint64
     bvxi_list_numbered(job, level, octet, known);
 }
 
-/* ---- states.c ---- */
-
-/* Beyond the lattice is outside: its sides are exposed. */
-void bvxi_expose_sides(bvxi_states_job *job);
-/* Fill a row of base voxels with news, and pass it on. */
-void bvxi_work_on_row(bvxi_states_job *job, uint64_t row);
-
 #endif

@@ -4,6 +4,7 @@
 #define BVXI_SIMPLIFY_ROOM_H
 
 #include "nearest/closest.h"
+#include "mesh/view.h"
 
 /* What becomes of edges that have no two triangles running along them in opposite directions. */
 enum {
@@ -68,7 +69,7 @@ static inline void bvxi_chain_take(bvxi_level_chain *chain, const bvx_mesh_view 
     chain->collapse.even = targets->even;
     chain->collapse.given = *collapse;
     if (collapse->position_type == BVX_POSITION_AUTO)
-        chain->collapse.given.position_type = (int32_t)original->position_type;
+        chain->collapse.given.position_type = (int32_t)bvxi_view_type(original);
 }
 
 /* What was done to a mesh before its edges collapse; cut_edge: the ends of the first edge that was cut. */

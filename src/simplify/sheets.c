@@ -550,8 +550,8 @@ static uint64_t name_corners(sheet_work *w, uint8_t *seen, void *positions, size
 static bvx_status split_vertices(sheet_work *w, bvxi_sheets *sheets)
 {
     uint64_t const vertices = w->view->vertex_count;
-    size_t const bytes = w->view->position_type == BVX_F64 ? 24 : 12;
-    size_t const stride = bvxi_view_position_stride(w->view);
+    uint32_t const type = bvxi_view_type(w->view);
+    size_t const bytes = type == BVX_F64 ? 24 : 12;
     uint64_t more;
     uint8_t *seen;
 
@@ -561,11 +561,13 @@ static bvx_status split_vertices(sheet_work *w, bvxi_sheets *sheets)
         BVXI_TRY(bvxi_alloc(w->ctx, BVXI_SCRATCH, (vertices + more) * bytes, "the positions of fans",
                             &sheets->positions));
         for (uint64_t v = 0; v < vertices; v++)
-            memcpy((uint8_t *)sheets->positions + v * bytes, (const uint8_t *)w->view->positions + v * stride,
-                   bytes);
+            if (type == BVX_F64) bvxi_view_position(w->view, v, (double *)sheets->positions + 3 * v);
+            else memcpy((uint8_t *)sheets->positions + v * bytes, bvxi_view_position_at(w->view, v), bytes);
         name_corners(w, seen, sheets->positions, bytes);
         w->view->positions = sheets->positions;
+        w->view->position_type = type;
         w->view->position_stride = 0;
+        w->view->transform = NULL;
         w->view->vertex_count = vertices + more;
         w->view->colours = NULL;
     }

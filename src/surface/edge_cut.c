@@ -11,10 +11,7 @@
 
 /* ---- By vectors ---- */
 
-/* Where a lattice edge is cut, from the vectors to the closest points of both its ends.
- *
- * Source: Wang, Wu. Mesh model repair based on vector field distance function. 2013, section 2.3. V and W are
- * the edge's ends, A and B their closest points; the cut lies where the line AB passes nearest to the edge's
+/* V and W are the edge's ends, A and B their closest points; the cut lies where the line AB passes nearest to the edge's
  * line. The paper's
  *     lambda = ((VW.AB)(AB.VA) - (AB.AB)(VW.VA)) / ((VW.VW)(AB.AB) - (VW.AB)^2) has the sign the wrong way
  * round: V = (0,0,0), W = (1,0,0), A = (.3,1,.2), B = (.3,-1,.2) must give +0.3. As the edge runs along an

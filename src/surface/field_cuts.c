@@ -184,9 +184,13 @@ static void find_body_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axi
 
     /* No surface is near this edge, so what crosses it is a lid over a hole. Its position follows from the
      * winding number, which is dear and therefore requested many edges together. */
-    if (k->bodies == 1 && v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE &&
-        (!known || is_lid(&edge))) {
+    if (v->missing != NULL && c->interpolation != BVX_EDGE_MIDDLE && (!known || is_lid(&edge))) {
+        bvxi_missing_edge const alone = {axis, {i, k->j, k->k}};
         cut->by = BVXI_CUT_LID;
+        if (k->bodies == 1) return;
+        /* Of two bodies the cuts are compared at once. */
+        v->missing(v->missing_user, 1, &alone, &cut->t);
+        cut->t = ratio_on_edge(cut->t);
         return;
     }
 
@@ -267,7 +271,7 @@ static void place_cut(cut_walk *k, uint64_t vertex, int32_t axis, int32_t i, con
     }
     k->count[cut.by]++;
     if (c->planes != NULL) memcpy(&c->planes[2 * vertex], cut.planes, sizeof cut.planes);
-    if (cut.by == BVXI_CUT_LID) take_missing_cut(k, vertex, axis, i);
+    if (cut.by == BVXI_CUT_LID && k->bodies == 1) take_missing_cut(k, vertex, axis, i);
     else bvxi_put_crossing(c->march, vertex, axis, i, k->j, k->k, cut.t);
 }
 

@@ -61,7 +61,7 @@ typedef struct bvxi_cut_rule {
     const void *missing_user;
     /* what these values bound: only edges whose ends differ in it are theirs; NULL: the surface's own */
     const bvx_grid *inside;
-    /* another body's values, or NULL; where there is one, missing is not asked */
+    /* another body's values, or NULL */
     const struct bvxi_cut_rule *second;
     /* an edge of both is cut by 1: the one further from the inside, 0: the nearer one */
     int32_t outer;

@@ -112,10 +112,6 @@ typedef struct bvxi_range_tally {
     double least, greatest;
 } bvxi_range_tally;
 
-/* threshold.c: the rule (a bvxi_range) for runs of samples; with tally
- * (bvxi_range_tally) where one is given. */
-bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type);
-
 /* Threshold a checked view into an open grid; report may be NULL. */
 bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const int64_t stride[3],
                           const bvxi_range *range, bvx_volume_report *report, bvx_grid *grid);

@@ -48,11 +48,9 @@ static bvxi_columns_fn *range_columns_for(const bvx_context *ctx, int32_t type)
 
 /* ---- Runs of samples to words of bits: in range or not, and what there is to count ---- */
 
-/* 64 samples make a word. The loops have no branch on a sample and are made vectors by compilers; samples
- * that lie apart, and those of a row's end, are brought together first. Infinite samples need no comparison
+/* Compilers make vectors of the loops; samples that lie apart, and those of a row's end, are brought together first. Infinite samples need no comparison
  * of their own, as the range has finite ends. Counts are taken while the samples are at hand: a block without
- * NaN and infinity, the usual one, by the extremes of all of it, any other sample by sample. The portable
- * path is the specification. */
+ * NaN and infinity, the usual one, by the extremes of all of it, any other sample by sample. */
 
 #if BVXI_HAVE_AVX2
 #include <immintrin.h>
@@ -262,7 +260,9 @@ RANGE_TYPE(f64, double, BVX_SAMPLE_F64, d, any_odd_f64)
 #undef BVXI_SIMD_LEVEL
 #endif
 
-bvxi_bits_fn *bvxi_range_run_for(const bvx_context *ctx, int32_t type)
+/* The rule (a bvxi_range) for runs of samples; with tally
+ * (bvxi_range_tally) where one is given. */
+static bvxi_bits_fn *range_run_for(const bvx_context *ctx, int32_t type)
 {
     static bvxi_bits_fn *const portable[11] = {
         NULL,          range_run_u8,  range_run_i8,  range_run_u16,       range_run_i16, range_run_u32,
@@ -417,7 +417,7 @@ bvx_status bvxi_threshold(bvxi_call call, const bvx_volume_view *volume, const i
 
     walk.first = volume->samples;
     memcpy(walk.stride, stride, sizeof walk.stride);
-    walk.run = bvxi_range_run_for(call.ctx, volume->sample_type);
+    walk.run = range_run_for(call.ctx, volume->sample_type);
     walk.columns = report == NULL ? range_columns_for(call.ctx, volume->sample_type) : NULL;
     walk.rule = range;
     walk.grid = grid;

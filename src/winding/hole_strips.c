@@ -16,7 +16,6 @@
 enum { STRIP_LOOK = 6, STRIP_EDGES = 256 };
 #define STRIP_NONE UINT32_MAX
 static const double strip_width = 1.0 / 16; /* squares of the ends' distances, over that of the edge */
-static const double strip_area = 1.0 / 4;   /* of the sheet's area, at most */
 
 typedef struct strip_work {
     const bvxi_snapped *snapped;

@@ -152,6 +152,8 @@ bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, con
     sheet->positions = view->positions;
     sheet->vertex_count = view->vertex_count;
     sheet->position_type = view->position_type;
+    sheet->position_stride = view->position_stride;
+    sheet->transform = view->transform;
     sheet->index_type = BVX_U32;
     sheet->indices = corner;
     sheet->triangle_count = bvxi_sheet_triangles(holes, corner);

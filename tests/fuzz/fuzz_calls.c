@@ -255,7 +255,7 @@ static void fuzz_one(fuzz_input *in)
         case 6:
             fuzz_normals(ctx, in, &m.view);
             fuzz_crossings(ctx, other, &m.view);
-            fuzz_measure(ctx, other, &in, &m.view);
+            fuzz_measure(ctx, other, in, &m.view);
             break;
         default: fuzz_parts(ctx, &solid);
         }

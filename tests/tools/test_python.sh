@@ -24,7 +24,7 @@ get() { "$python" -m pip install --quiet --disable-pip-version-check "$@"; }
 
 get 'setuptools>=77' 'cffi>=1.15' 'pcpp>=1.30' 'numpy>=1.22' pytest hypothesis || { echo "pip cannot install what the build needs" && exit 77; }
 if [ "$what" = package ]; then
-    set -- scipy scikit-image trimesh rtree networkx lxml tqdm meshio pyvista nibabel pydicom highdicom SimpleITK pynrrd tifffile xarray Pillow ezdxf laspy lazrs pye57 pypcd4 npe2 'dask[array,distributed]' 'zarr>=3' numpydoc mkdocs-material 'mkdocstrings[python]' nbclient nbformat ipykernel mypy pyright
+    set -- scipy scikit-image trimesh rtree networkx lxml tqdm meshio pyvista nibabel pydicom highdicom SimpleITK pynrrd tifffile xarray Pillow ezdxf laspy lazrs pye57 pypcd4 npe2 'dask[array,distributed]' 'zarr>=3' DracoPy cloud-volume numpydoc mkdocs-material 'mkdocstrings[python]' nbclient nbformat ipykernel mypy pyright
     get "$@" || for package; do # all at once is quicker
         get "$package" || echo "pip could not install $package: its tests are skipped"
     done

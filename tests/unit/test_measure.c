@@ -328,6 +328,25 @@ static void test_measure_of_bodies_that_overlap_or_lie_within_each_other(void)
     }
 }
 
+/* Boxes that overlap, or lie in each other, where no row of centres passes: sums would count that twice. */
+static void test_measure_is_not_certain_of_what_rows_do_not_see(void)
+{
+    static const double low[4][3] = {{0, 0, 0}, {0.9, 0.98, 0.98}, {0, 0, 0}, {0.6, 0.6, 0.6}};
+    static const double high[4][3] = {{1, 1, 1}, {2, 2, 2}, {2, 2, 2}, {0.9, 0.9, 0.9}};
+    static const double volume[2] = {1 + 1.1 * 1.02 * 1.02 - 0.1 * 0.02 * 0.02, 8 - 0.027};
+
+    for (int i = 0; i < 2; i++) {
+        bvx_measure_report r;
+        maker_clear(&shape.mesh);
+        maker_box(&shape.mesh, low[2 * i], high[2 * i]);
+        maker_box(&shape.mesh, low[2 * i + 1], high[2 * i + 1]);
+        r = measure(2);
+        TEST_ASSERT_EQUAL_INT32(BVX_FILL_REASON_SOUND, r.fill_reason);
+        TEST_ASSERT_EQUAL_INT32(2, r.resolution);
+        TEST_ASSERT_TRUE(fabs(r.volume - volume[i]) <= r.volume_error);
+    }
+}
+
 /* A sheet, a flat body and one far from the origin. */
 static void test_measure_of_what_encloses_nothing_or_lies_far_away(void)
 {
@@ -475,6 +494,7 @@ int main(void)
     RUN_TEST(test_measure_of_spoilt_bodies_by_default);
     RUN_TEST(test_measure_turns_flipped_triangles_and_sums_them_up);
     RUN_TEST(test_measure_of_bodies_that_overlap_or_lie_within_each_other);
+    RUN_TEST(test_measure_is_not_certain_of_what_rows_do_not_see);
     RUN_TEST(test_measure_of_what_encloses_nothing_or_lies_far_away);
     RUN_TEST(test_measure_scales_and_shows_no_threads);
     RUN_TEST(test_measure_golden);

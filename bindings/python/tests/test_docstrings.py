@@ -14,7 +14,7 @@ from conftest import REPOSITORY, public_names
 import bitvox
 
 MODULES = ("bitvox", "bitvox.formats", "bitvox.big")
-NEEDS = {"big.": ("dask", "zarr"), "import trimesh": ("trimesh",), "to_trimesh": ("trimesh",), "to_pyvista": ("pyvista",), "to_open3d": ("open3d",), "to_meshio": ("meshio",), "nifti": ("nibabel",), "images(": ("PIL",), "segmentation": ("highdicom",), "rtstruct": ("pydicom",), ".nii": ("nibabel",)}
+NEEDS = {"big.": ("dask", "zarr"), "to_neuroglancer": ("DracoPy",), "import trimesh": ("trimesh",), "to_trimesh": ("trimesh",), "to_pyvista": ("pyvista",), "to_open3d": ("open3d",), "to_meshio": ("meshio",), "nifti": ("nibabel",), "images(": ("PIL",), "segmentation": ("highdicom",), "rtstruct": ("pydicom",), ".nii": ("nibabel",)}
 
 
 def public():

@@ -12,7 +12,7 @@ import bitvox
 from bitvox import big, formats
 
 README = HERE.parent / "README.md"
-NEEDS = {"SimpleITK": ["SimpleITK"], "npe2": ["npe2"], "trimesh": ["trimesh"], "pyvista": ["pyvista"], "big": ["dask", "zarr"], "formats": ["nibabel", "PIL"]}
+NEEDS = {"SimpleITK": ["SimpleITK"], "npe2": ["npe2"], "trimesh": ["trimesh"], "pyvista": ["pyvista"], "big": ["dask", "zarr", "DracoPy"], "formats": ["nibabel", "PIL"]}
 
 
 def pieces(path=README):

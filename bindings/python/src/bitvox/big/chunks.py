@@ -8,8 +8,8 @@ from typing import Any, Iterator, Sequence
 from .. import _arrays as arrays
 from .._errors import ArgumentError, LatticeError, need
 from .._grid import Grid
-from .._lattice import Lattice, Window
-from .._run import SIDES, in_range
+from .._lattice import Lattice, Window, WindowLike, set_window
+from .._run import SIDES, ffi, in_range
 
 Index = tuple[int, int, int]
 
@@ -34,6 +34,8 @@ class Chunks:
         what is cut.
     size
         voxels of a chunk along x, y, z, or one number for all.
+    box
+        the window of the lattice that is cut; None: all of it.
 
     Examples
     --------
@@ -42,18 +44,19 @@ class Chunks:
     ((2, 2, 2), Window(low=(64, 0, 0), size=(36, 64, 64)))
     """
 
-    __slots__ = ("lattice", "size", "counts")
+    __slots__ = ("lattice", "size", "counts", "box")
     lattice: Lattice
     size: Index
     counts: Index
+    box: Window
 
-    def __init__(self, lattice: Lattice, size: int | Sequence[int]) -> None:
-        self.lattice = lattice
+    def __init__(self, lattice: Lattice, size: int | Sequence[int], box: Window | None = None) -> None:
+        self.lattice, self.box = lattice, box or Window((0, 0, 0), lattice.shape)
         sides = [size] * 3 if not hasattr(size, "__len__") else list(size)  # type: ignore[arg-type]
         if len(sides) != 3:
             raise ArgumentError("chunks must be one number or three")
-        self.size = tuple(min(in_range("chunks", n, 1, 2**25), m) for n, m in zip(sides, lattice.shape))  # type: ignore[assignment]
-        self.counts = tuple(-(-m // n) for n, m in zip(self.size, lattice.shape))  # type: ignore[assignment]
+        self.size = tuple(min(in_range("chunks", n, 1, 2**25), m) for n, m in zip(sides, self.box.size))  # type: ignore[assignment]
+        self.counts = tuple(-(-m // n) for n, m in zip(self.size, self.box.size))  # type: ignore[assignment]
 
     def __iter__(self) -> Iterator[Index]:
         """Indices (x, y, z) of all chunks, x fastest."""
@@ -72,8 +75,8 @@ class Chunks:
         >>> cut.window((1, 0, 0))
         Window(low=(8, 0, 0), size=(2, 8, 8))
         """
-        low = tuple(i * n for i, n in zip(index, self.size))
-        return Window(low, tuple(min(n, m - a) for n, m, a in zip(self.size, self.lattice.shape, low)))  # type: ignore[arg-type]
+        low = tuple(b + i * n for b, i, n in zip(self.box.low, index, self.size))
+        return Window(low, tuple(min(n, b + m - a) for n, b, m, a in zip(self.size, *self.box, low)))  # type: ignore[arg-type]
 
     def cells(self, index: Index) -> tuple[Window, list[str]]:
         """What the surface of chunk ``index`` is extracted from: its voxels and one layer of the next chunks, and which sides
@@ -97,7 +100,7 @@ class Chunks:
         return Window(low, tuple(grown)), sides  # type: ignore[arg-type]
 
     def grown(self, index: Index, margin: Sequence[int]) -> Window:
-        """The voxels of the chunk ``index`` and ``margin`` more along x, y, z on either side, as far as the lattice goes.
+        """The voxels of the chunk ``index`` and ``margin`` more along x, y, z on either side, as far as the box goes.
 
         Examples
         --------
@@ -106,8 +109,8 @@ class Chunks:
         Window(low=(6, 0, 0), size=(4, 8, 8))
         """
         low, size = self.window(index)
-        first = [max(0, a - m) for a, m in zip(low, margin)]
-        return Window(tuple(first), tuple(min(a + n + m, end) - b for a, n, m, b, end in zip(low, size, margin, first, self.lattice.shape)))  # type: ignore[arg-type]
+        wide = Window(tuple(a - m for a, m in zip(low, margin)), tuple(n + 2 * m for n, m in zip(size, margin)))  # type: ignore[arg-type]
+        return overlap(wide, self.box)  # type: ignore[return-value]
 
     def over(self, window: Window) -> list[Index]:
         """Indices of the chunks that have voxels in a window, x fastest.
@@ -118,14 +121,63 @@ class Chunks:
         >>> cut.over(bitvox.Window((7, 0, 0), (2, 1, 1)))
         [(0, 0, 0), (1, 0, 0)]
         """
-        spans = [range(a // n, (a + m - 1) // n + 1) for a, m, n in zip(window.low, window.size, self.size)]
+        spans = [range((a - b) // n, (a - b + m - 1) // n + 1) for a, m, b, n in zip(*window, self.box.low, self.size)]
         return [(x, y, z) for z, y, x in itertools.product(*spans[::-1])]
 
     def __reduce__(self) -> Any:
-        return Chunks, (self.lattice, self.size)
+        return Chunks, (self.lattice, self.size, self.box)
 
     def __repr__(self) -> str:
         return f"Chunks({' x '.join(map(str, self.counts))} of {' x '.join(map(str, self.size))})"
+
+
+def window_of(lattice: Lattice, window: WindowLike) -> Window:
+    """A window in any of the forms that grids take."""
+    if window is None:
+        raise ArgumentError("window is missing: what lies in a volume is not known before it is computed")
+    box = ffi.new("bvx_window *")
+    set_window("window", box, window)
+    found = Window(tuple(box.low), tuple(box.size))  # type: ignore[arg-type]
+    for end in (0, 1):  # is it one of the lattice?
+        Grid(lattice, (tuple(a + end * (n - 1) for a, n in zip(*found)), (1, 1, 1)))
+    return found
+
+
+# ---- the tree of chunks ----
+
+
+def stride(level: int) -> int:
+    """Chunks along the side of a piece. Level 1 collapses between the cuts of the finest one: so a piece with twice its side has no
+    triangle across its middle planes either, as viewers want it."""
+    return 1 << max(0, level - 1)
+
+
+def indices(cut: Chunks, level: int) -> list[Index]:
+    """All pieces of a level, x fastest."""
+    counts = [-(-n // stride(level)) for n in cut.counts]
+    return [(x, y, z) for z, y, x in itertools.product(*map(range, counts[::-1]))]
+
+
+def joins(cut: Chunks, level: int, index: Index) -> list[Index]:
+    """The pieces of the level before that a piece is made of."""
+    if level < 2:
+        return [index]
+    ends = [-(-n // stride(level - 1)) for n in cut.counts]
+    return [(x, y, z) for z, y, x in itertools.product(*(range(2 * i, min(2 * i + 2, n)) for i, n in zip(index[::-1], ends[::-1])))]
+
+
+def planes(cut: Chunks, level: int, index: Index) -> tuple[list[float], list[float]]:
+    """The cuts around a piece; none at the sides of the whole."""
+    low, high = [], []
+    for i, n, m, a, corner, edge in zip(index, cut.size, cut.counts, cut.box.low, cut.lattice.corner, cut.lattice.spacing):
+        ends = [i * stride(level), (i + 1) * stride(level)]
+        found = [corner + (a + end * n + 0.5) * edge for end in ends]
+        low.append(found[0] if i > 0 else float("-inf"))
+        high.append(found[1] if ends[1] < m else float("inf"))
+    return low, high
+
+
+# ---- windows ----
 
 
 def overlap(a: Window, b: Window) -> Window | None:

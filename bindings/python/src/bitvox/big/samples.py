@@ -151,7 +151,7 @@ def samples_from_zarr(path: str | os.PathLike[str], *, dataset: str | None = Non
     Samples(8 x 8 x 8, float32)
     """
     da = need("dask.array", "big")
-    found, lattice, lead, _ = array_of(path, dataset, channel)
+    found, lattice, lead, *_ = array_of(path, dataset, channel)
     pieces = (found.shards or found.chunks)[len(lead):]
     whole = da.from_array(found, chunks=(1,) * len(lead) + tuple(pieces), name=False, lock=False)[lead] if lead else da.from_array(found, chunks=pieces, name=False)
     array = whole.transpose(2, 1, 0)

@@ -7,13 +7,13 @@ from typing import Any, Sequence
 
 from .._errors import ArgumentError, FormatError, need
 from .._grid import Grid
-from .._lattice import Lattice, _lattice_from
+from .._lattice import Lattice, Window, _lattice_from
 from .._run import in_range
 from .chunks import Chunks, Index
 from .volume import Volume
 
 
-def _path_of(path: str | os.PathLike[str]) -> str:
+def path_of(path: str | os.PathLike[str]) -> str:
     name = os.fspath(path)
     return name if "://" in name else os.path.abspath(name)
 
@@ -45,7 +45,7 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
     31
     """
     dask, zarr = need("dask", "big"), need("zarr", "big")
-    cut, name = volume.chunks, _path_of(path)
+    cut, name = volume.chunks, path_of(path)
     pieces = tuple(min(inner, n) for n in cut.size[::-1])
     shards = tuple(-(-n // m) * m for n, m in zip(cut.size[::-1], pieces))  # what reaches beyond the volume is not stored
     if any(n != m and n < whole for n, m, whole in zip(cut.size[::-1], shards, volume.shape[::-1])):
@@ -58,30 +58,35 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
         raise FileExistsError(f"{name} exists and is not empty; overwrite=True replaces it") from why
     group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=shards, dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
-    group.attrs.update(_metadata(volume.lattice, unit, os.path.basename(name.rstrip("/"))))
+    group.attrs.update(_metadata(volume, unit, os.path.basename(name.rstrip("/"))))
     write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since
     tasks = [write(name, cut, index, block) for index, block in volume.blocks.items()]
     return dask.compute(*tasks) and None if compute else tasks
 
 
-def _metadata(lattice: Lattice, unit: str | None, name: str) -> dict[str, Any]:
+def _metadata(volume: Volume, unit: str | None, name: str) -> dict[str, Any]:
     axes: list[dict[str, str]] = [{"name": a, "type": "space"} for a in "zyx"]
     for axis in axes if unit else ():
         axis["unit"] = str(unit)
-    places = [{"type": "scale", "scale": list(lattice.spacing[::-1])}, {"type": "translation", "translation": list(lattice.center0[::-1])}]
+    lattice, center = volume.lattice, volume.center0
+    places = [{"type": "scale", "scale": list(lattice.spacing[::-1])}, {"type": "translation", "translation": list(center[::-1])}]
     return {
         "ome": {"version": "0.5", "multiscales": [{"name": name, "axes": axes, "datasets": [{"path": "0", "coordinateTransformations": places}]}]},
         "bitvox": {"shape": list(lattice.shape), "spacing": list(lattice.spacing), "corner": list(lattice.corner),
-                   "fraction_bits": lattice.fraction_bits},
+                   "fraction_bits": lattice.fraction_bits, "box": volume.box},
     }
+
+
+def _slices(cut: Chunks, index: Index) -> tuple[slice, ...]:
+    """Where a chunk lies in an array [z, y, x]."""
+    low, size = cut.window(index)
+    return tuple(slice(a - b, a - b + n) for a, b, n in zip(low[::-1], cut.box.low[::-1], size[::-1]))
 
 
 def _write(name: str, cut: Chunks, index: Index, grid: Grid) -> None:
     zarr = need("zarr", "big")
     array = zarr.open_array(name, path="0", mode="r+", zarr_format=3)
-    low, size = cut.window(index)
-    place = tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))
-    array[place] = grid.to_numpy("zyx").view("uint8")
+    array[_slices(cut, index)] = grid.to_numpy("zyx").view("uint8")
 
 
 def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, channel: int | Sequence[int] | None = None,
@@ -114,18 +119,21 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
     >>> bitvox.big.from_zarr('z.zarr').count()
     120
     """
-    array, lattice, lead, place = array_of(path, dataset, channel)
+    array, lattice, lead, place, box = array_of(path, dataset, channel)
     if chunks is None:
         pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
         chunks = tuple(pieces[len(lead):][::-1])
-    cut = Chunks(lattice, chunks)
-    read = need("dask", "big").delayed(_read, pure=False)
-    return Volume(cut, {index: read(_path_of(path), place, lead, threshold, cut, index) for index in cut})
+    cut = Chunks(lattice, chunks, box)
+    system, root = need("fsspec.core", "big").url_to_fs(path_of(path))
+    state = need("dask.base", "big").tokenize([(name, str(known)) for name, known in sorted(system.find(root, detail=True).items())])
+    read = need("dask", "big").delayed(_read, pure=True)
+    return Volume(cut, {index: read(path_of(path), place, lead, threshold, cut, index, state) for index in cut})
 
 
-def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str]:
-    """A stored array, the lattice of its last three axes z, y, x, the index along those before, and its path in the group."""
-    zarr, name = need("zarr", "big"), _path_of(path)
+def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str, Window]:
+    """A stored array, the lattice of its last three axes z, y, x, the index along those before, its path in the group, and its window
+    of the lattice."""
+    zarr, name = need("zarr", "big"), path_of(path)
     try:
         found = zarr.open(name, mode="r")
     except FileNotFoundError as why:  # zarr's own errors of what is not there are such ones too
@@ -143,13 +151,14 @@ def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | S
         raise FormatError(f"{name}: shape {array.shape} is not a single volume [z, y, x]")
     lead = _index(array.shape[:count], channel, name)
     shape = tuple(array.shape[count:][::-1])
-    own = attributes.get("bitvox")
-    if own is not None and tuple(own["shape"]) == shape:
-        return array, _lattice_from(shape, tuple(own["spacing"]), tuple(own["corner"]), int(own["fraction_bits"])), lead, place
+    own, box = attributes.get("bitvox"), Window((0, 0, 0), shape)
+    if own is not None and tuple(own.get("box", (0, own["shape"]))[1]) == shape:
+        box = Window(*map(tuple, own.get("box", box)))
+        return array, _lattice_from(tuple(own["shape"]), tuple(own["spacing"]), tuple(own["corner"]), int(own["fraction_bits"])), lead, place, box
     if lattice_parts is None:
-        return array, Lattice(shape), lead, place
+        return array, Lattice(shape), lead, place, box
     scale, center = ([float(x) for x in part[count:][::-1]] for part in lattice_parts)
-    return array, Lattice(shape, scale, [c - 0.5 * s for c, s in zip(center, scale)]), lead, place
+    return array, Lattice(shape, scale, [c - 0.5 * s for c, s in zip(center, scale)]), lead, place, box
 
 
 def _index(sides: Sequence[int], channel: int | Sequence[int] | None, name: str) -> tuple[int, ...]:
@@ -187,13 +196,13 @@ def _dataset(attributes: dict[str, Any], dataset: str | None, group: Any, name: 
     return chosen["path"], (scale, shift)
 
 
-def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index) -> Grid:
+def _read(name: str, place: str, lead: tuple[int, ...], threshold: float | None, cut: Chunks, index: Index, state: str) -> Grid:
+    """A chunk; ``state`` of the files is part of the task's name alone, so that what was computed before they changed is not taken."""
     zarr = need("zarr", "big")
     found = zarr.open(name, mode="r")
     array = found[place] if place else found
-    low, size = cut.window(index)
-    box = tuple(slice(a, a + n) for a, n in zip(low[::-1], size[::-1]))
-    values = array[lead + box]
+    low = cut.window(index).low
+    values = array[lead + _slices(cut, index)]
     return Grid.from_numpy(values if threshold is None else values > threshold, order="zyx", lattice=cut.lattice, low=low)
 
 

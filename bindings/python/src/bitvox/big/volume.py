@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from typing import Any, Callable, Sequence
 
 from .. import _arrays as arrays
-from .._errors import ArgumentError, need
+from .._errors import ArgumentError, LatticeError, need
 from .._grid import Grid, triple_of
 from .._html import shown
-from .._lattice import Lattice, Placed, Window
+from .._lattice import Lattice, Placed, Window, WindowLike
 from .._mesh import Mesh
 from .._run import settings
 from .._stages import merge
 from .._stages import surface as whole_surface
-from .chunks import Chunks, Index, join, laid_out, overlap
+from .chunks import Chunks, Index, join, laid_out, overlap, window_of
+from .parts import Found, found
 from .plan import check_options, load, one_type, place_chunks, source_of, split_place, voxelize_window
 from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 
@@ -23,8 +25,8 @@ from .._words import Beyond, DistanceSide, FaceRule, FloatName, Reduce
 class Volume(Placed):
     """A grid in chunks, nothing of it computed before it is requested.
 
-    Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`). All
-    methods give the bits and numbers of a single run, whatever the chunks are.
+    Operators: ``a | b``, ``a & b``, ``a - b``, ``a ^ b``, ``~a``, of volumes that share lattice and chunks (see `rechunk`), and with grids of
+    that lattice and window. All methods give the bits and numbers of a single run, whatever the chunks are.
 
     Attributes
     ----------
@@ -51,6 +53,36 @@ class Volume(Placed):
     def lattice(self) -> Lattice:
         """The lattice that all chunks are windows of."""
         return self.chunks.lattice
+
+    @property
+    def box(self) -> Window:
+        """The window of the lattice that the volume is: all of it, unless it was cropped."""
+        return self.chunks.box
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        return self.box.size
+
+    @property
+    def corner(self) -> tuple[float, float, float]:
+        """Low corner of the first voxel [world]."""
+        return self._grid().corner
+
+    @property
+    def center0(self) -> tuple[float, float, float]:
+        """Center of the first voxel [world]."""
+        return self._grid().center0
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Low and high corner of all voxels: ((x, y, z), (x, y, z)) [world]."""
+        low = self.corner
+        return low, tuple(a + n * s for a, n, s in zip(low, self.shape, self.spacing))  # type: ignore[return-value]
+
+    def _grid(self) -> Grid:
+        """Its first voxel, empty: what is wrong with options is said by it at once."""
+        return Grid(self.lattice, (self.box.low, (1, 1, 1)))
 
     @property
     def array(self) -> Any:
@@ -80,7 +112,7 @@ class Volume(Placed):
         31
         """
         parts = need("dask", "big").compute(*self.blocks.values(), **options)
-        return _whole(parts, self.lattice)
+        return join(self.lattice, self.box, parts)
 
     def persist(self, **options: Any) -> Volume:
         """The same volume whose chunks are computed (and, on a cluster, stay on the workers); ``options`` are those of ``dask.persist``.
@@ -108,7 +140,7 @@ class Volume(Placed):
         return tuple(name for block in self.blocks.values() for name in block.__dask_layers__())
 
     def __dask_tokenize__(self) -> Any:
-        return type(self).__name__, self.lattice._key(), self.chunks.size, self.__dask_keys__()
+        return type(self).__name__, self.lattice._key(), self.chunks.size, self.box, self.__dask_keys__()
 
     @staticmethod
     def __dask_optimize__(graph: Any, keys: Any, **options: Any) -> Any:
@@ -120,7 +152,7 @@ class Volume(Placed):
         return need("dask.threaded", "big").get
 
     def __dask_postcompute__(self) -> Any:
-        return _whole, (self.lattice,)
+        return _whole, (self.lattice, self.box)
 
     def __dask_postpersist__(self) -> Any:
         return _persisted, (self.chunks, self.__dask_keys__())
@@ -138,14 +170,62 @@ class Volume(Placed):
         >>> volume.rechunk(32).chunks.counts
         (1, 1, 1)
         """
-        cut, made = Chunks(self.lattice, chunks), need("dask", "big").delayed(join, pure=True)
+        return self._rejoined(Chunks(self.lattice, chunks, self.box))
+
+    def crop(self, window: WindowLike) -> Volume:
+        """The same lattice through another window: `Grid.crop`, in chunks of the same size that begin at its low corner.
+
+        Parameters
+        ----------
+        window
+            (low, size) of the lattice, which may reach beyond the volume's own, where all is empty.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.crop(((8, 8, 4), (16, 9, 5))).compute() == volume.compute().crop(((8, 8, 4), (16, 9, 5)))
+        True
+        """
+        return self._rejoined(Chunks(self.lattice, self.chunks.size, window_of(self.lattice, window)))
+
+    def _rejoined(self, cut: Chunks) -> Volume:
+        made = need("dask", "big").delayed(join, pure=True)
         return Volume(cut, {i: made(self.lattice, cut.window(i), _parts(self, cut.window(i))) for i in cut})
+
+    def resample(self, lattice: Lattice, window: WindowLike = None, *, chunks: int | Sequence[int] | None = None) -> Volume:
+        """The same set on another lattice: `Grid.resample` of the whole.
+
+        Parameters
+        ----------
+        lattice, window
+            as for `Grid.resample`.
+        chunks
+            of the result; None: as many voxels along each axis as the volume's have.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> half = bitvox.Lattice.fit('knot.ply', resolution=16)
+        >>> volume.resample(half).compute() == volume.compute().resample(half)
+        True
+        """
+        box = None if window is None else window_of(lattice, window)
+        cut = Chunks(lattice, self.chunks.size if chunks is None else chunks, box)
+        made, blocks = need("dask", "big").delayed(_resampled, pure=True), {}
+        for i in cut:
+            # a voxel more on either side: positions are rounded once on each lattice
+            low, size = cut.window(i)
+            ends = [[math.floor((c + (a + e) * s - o) / t) for c, a, e, s, o, t in zip(lattice.corner, low, end, lattice.spacing, self.lattice.corner, self.spacing)]
+                    for end in ((0, 0, 0), size)]
+            wide = overlap(Window(tuple(a - 1 for a in ends[0]), tuple(b - a + 3 for a, b in zip(*ends))), self.box)  # type: ignore[arg-type]
+            blocks[i] = made(self.lattice, wide, _parts(self, wide) if wide else [], lattice, cut.window(i))
+        return Volume(cut, blocks)
 
     # ---- set algebra ----
 
-    def map(self, function: Callable[..., Grid], *others: Volume) -> Volume:
+    def map(self, function: Callable[..., Grid], *others: Volume | Grid) -> Volume:
         """A volume of ``function(grid, ...)`` of each chunk and of the same chunk of ``others``, for local operations:
-        ``a.map(operator.or_, b)``.
+        ``a.map(operator.or_, b)``. Grids among them are sent in pieces, one a chunk.
 
         Examples
         --------
@@ -154,23 +234,39 @@ class Volume(Placed):
         True
         """
         dask = need("dask", "big")
-        for other in others:
-            if (other.lattice, other.chunks.size) != (self.lattice, self.chunks.size):
-                raise ArgumentError("volumes do not share lattice and chunks; rechunk gives one the chunks of the other")
         made = dask.delayed(function, pure=True)
-        return Volume(self.chunks, {i: made(block, *(o.blocks[i] for o in others)) for i, block in self.blocks.items()})
+        found = [self._beside(other) for other in others]
+        return Volume(self.chunks, {i: made(block, *(o[i] for o in found)) for i, block in self.blocks.items()})
+
+    def _beside(self, other: Volume | Grid) -> dict[Index, Any]:
+        """Blocks of another operand."""
+        if isinstance(other, Grid):
+            if (other.lattice, other.low, other.shape) != (self.lattice, *self.box):
+                raise LatticeError("the grid and the volume do not share lattice and window; crop or resample brings one to the other's")
+            return {i: other.crop(self.chunks.window(i)) for i in self.chunks}
+        if (other.lattice, other.chunks.size, other.box) != (self.lattice, self.chunks.size, self.box):
+            raise ArgumentError("volumes do not share lattice and chunks; rechunk gives one the chunks of the other")
+        return other.blocks
+
+    def _combined(self, operation: Callable[..., Grid], other: Any) -> Volume:
+        return self.map(operation, other) if isinstance(other, (Volume, Grid)) else NotImplemented
 
     def __or__(self, other: Any) -> Volume:
-        return self.map(operator.or_, other) if isinstance(other, Volume) else NotImplemented
+        return self._combined(operator.or_, other)
 
     def __and__(self, other: Any) -> Volume:
-        return self.map(operator.and_, other) if isinstance(other, Volume) else NotImplemented
+        return self._combined(operator.and_, other)
 
     def __sub__(self, other: Any) -> Volume:
-        return self.map(operator.sub, other) if isinstance(other, Volume) else NotImplemented
+        return self._combined(operator.sub, other)
 
     def __xor__(self, other: Any) -> Volume:
-        return self.map(operator.xor, other) if isinstance(other, Volume) else NotImplemented
+        return self._combined(operator.xor, other)
+
+    def __rsub__(self, other: Any) -> Volume:
+        return self._combined(_from_other, other)
+
+    __ror__, __rand__, __rxor__ = __or__, __and__, __xor__
 
     def __invert__(self) -> Volume:
         return self.map(operator.invert)
@@ -200,7 +296,7 @@ class Volume(Placed):
                                             _parts(self, self.chunks.grown(i, halo))) for i in self.chunks})
 
     def _morphed(self, name: str, times: int, steps: int, **options: Any) -> Volume:
-        one = Grid(self.lattice, ((0, 0, 0), (1, 1, 1)))
+        one = self._grid()
         one.dilate(steps, **options)  # what is wrong with the options is said at once
         radius = options["radius"]
         reach = (steps,) * 3 if radius is None else _reach(self.lattice, radius)
@@ -269,7 +365,7 @@ class Volume(Placed):
         >>> volume.hollow(0.3).compute() == volume.compute().hollow(0.3)
         True
         """
-        Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).hollow(thickness)
+        self._grid().hollow(thickness)
         return self.around(_morph, _reach(self.lattice, thickness), "hollow", (thickness,), {"beyond": beyond})
 
     def distance(self, limit: float, side: DistanceSide = "outside", *, beyond: Beyond = "nothing", dtype: FloatName = "float32") -> Any:
@@ -293,7 +389,7 @@ class Volume(Placed):
         """
         if not limit > 0:
             raise ArgumentError(f"limit is {limit}; it must be above 0")
-        Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).distance(side, beyond=beyond, dtype=dtype)
+        self._grid().distance(side, beyond=beyond, dtype=dtype)
         made, halo = need("dask", "big").delayed(_distances, pure=True), _reach(self.lattice, limit)
         blocks = {}
         for index in self.chunks:
@@ -304,15 +400,16 @@ class Volume(Placed):
 
     # ---- fewer, larger voxels ----
 
-    def _blocks(self, factor: Any, rule: Reduce) -> tuple[Chunks, dict[Index, Window], tuple[int, ...]]:
+    def _blocks(self, factor: Any, rule: Reduce) -> tuple[Chunks, dict[Index, Any], tuple[int, ...]]:
         """The cut lattice of the result, for each of its chunks the window that it is made of, and the factors."""
         by = tuple(triple_of(factor))
-        made = Grid(self.lattice, ((0, 0, 0), (1, 1, 1))).downsample(by, rule)
-        cut, windows = Chunks(made.lattice, [-(-n // f) for n, f in zip(self.chunks.size, by)]), {}
+        made = self._grid().downsample(by, rule)
+        first = [a // f for a, f in zip(self.box.low, by)]
+        box = Window(tuple(first), tuple((a + n - 1) // f - b + 1 for a, n, f, b in zip(*self.box, by, first)))  # type: ignore[arg-type]
+        cut, windows = Chunks(made.lattice, [-(-n // f) for n, f in zip(self.chunks.size, by)], box), {}
         for index in cut:
-            low, size = cut.window(index)
-            begin = tuple(a * f for a, f in zip(low, by))
-            windows[index] = Window(begin, tuple(min(n * f, end - a) for n, f, a, end in zip(size, by, begin, self.shape)))  # type: ignore[arg-type]
+            blocks = Window(*(tuple(a * f for a, f in zip(part, by)) for part in cut.window(index)))  # type: ignore[arg-type]
+            windows[index] = overlap(blocks, self.box)
         return cut, windows, by
 
     def downsample(self, factor: Any, rule: Reduce = "any") -> Volume:
@@ -351,12 +448,85 @@ class Volume(Placed):
         made = need("dask", "big").delayed(_coverage, pure=True)
         return _dask_array(cut, {i: made(self.lattice, window, _parts(self, window), by) for i, window in windows.items()}, "uint32")
 
+    # ---- connected parts: chunks find their own, and those that touch are joined ----
+
+    def components(self, *, connectivity: int = 6) -> Any:
+        """The connected parts: the record array of `Grid.components` of the whole; computes.
+
+        Parameters
+        ----------
+        connectivity
+            as for `Grid.components`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.components()['voxels'].tolist() == volume.compute().components()['voxels'].tolist()
+        True
+        """
+        return found(self, connectivity).components
+
+    def keep(self, *, largest: int | None = None, at_least: int = 0, connectivity: int = 6) -> Volume:
+        """`Grid.keep` of the whole. Finding the parts computes the chunks once.
+
+        Parameters
+        ----------
+        largest, at_least, connectivity
+            as for `Grid.keep`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> volume.keep(largest=1).compute() == volume.compute().keep(largest=1)
+        True
+        """
+        self._grid().keep(largest=largest, at_least=at_least, connectivity=connectivity)
+        known = found(self, connectivity)
+        voxels = known.components["voxels"]
+        chosen = voxels >= at_least
+        if largest is not None:
+            chosen[(-voxels.astype("i8")).argsort(kind="stable")[largest:]] = False  # the first ones of equal parts stay
+        return self._kept(known, chosen, connectivity)
+
+    def _kept(self, known: Found, chosen: Any, connectivity: int) -> Volume:
+        """The chosen parts, each by a voxel of it in every chunk."""
+        made = need("dask", "big").delayed(_kept, pure=True)
+        return Volume(self.chunks, {i: made(block, known.seeds[i][chosen[known.labels[i][1:] - 1]], connectivity)
+                                    for i, block in self.blocks.items()})
+
+    def fill_cavities(self, *, connectivity: int = 6, at_most: int = 0) -> Volume:
+        """`Grid.fill_cavities` of the whole. Finding the cavities computes the chunks once.
+
+        Parameters
+        ----------
+        connectivity, at_most
+            as for `Grid.fill_cavities`.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> (volume - volume.erode()).fill_cavities().compute() == volume.compute()
+        True
+        """
+        self._grid().fill_cavities(connectivity=connectivity, at_most=at_most)
+        empty = ~self
+        known = found(empty, connectivity)
+        low, size = (known.components[name].astype("i8") for name in ("low", "size"))
+        cavity = ((low > 0) & (low + size < self.shape)).all(axis=1)
+        if at_most:
+            cavity &= known.components["voxels"] <= at_most
+        return self | empty._kept(known, cavity, connectivity)
+
     def __repr__(self) -> str:
         return f"Volume({self.chunks!r})"
 
 
-def _whole(parts: Sequence[Grid], lattice: Lattice) -> Grid:
-    return join(lattice, Window((0, 0, 0), lattice.shape), parts)
+def _from_other(ours: Grid, other: Grid) -> Grid:
+    return other - ours
+
+
+def _whole(parts: Sequence[Grid], lattice: Lattice, box: Window) -> Grid:
+    return join(lattice, box, parts)
 
 
 def _flat(keys: Any) -> Any:
@@ -382,8 +552,8 @@ def _crop(grid: Grid, window: Window) -> Grid:
 
 def _parts(volume: Volume, window: Window) -> list[Any]:
     """Delayed grids that cover a window: chunks that lie in it, and of the others the part that is needed, so that no more travels."""
-    cropped, made = need("dask", "big").delayed(_crop, pure=True), []
-    for index in volume.chunks.over(window):
+    cropped, made, inside = need("dask", "big").delayed(_crop, pure=True), [], overlap(window, volume.box)
+    for index in volume.chunks.over(inside) if inside else ():
         own = volume.chunks.window(index)
         shared = overlap(own, window)
         made.append(volume.blocks[index] if shared == own else cropped(volume.blocks[index], shared))
@@ -433,6 +603,14 @@ def _distances(lattice: Lattice, wide: Window, window: Window, parts: Sequence[G
     inner = values[tuple(slice(a - b, a - b + n) for a, b, n in zip(window.low, wide.low, window.size))]
     most = inner.dtype.type(limit)
     return np.clip(inner, -most, most)
+
+
+def _kept(grid: Grid, seeds: Any, connectivity: int) -> Grid:
+    return grid.keep(seeds=seeds, connectivity=connectivity, threads=1) if len(seeds) else Grid(grid.lattice, (grid.low, grid.shape))
+
+
+def _resampled(lattice: Lattice, wide: Window | None, found: Sequence[Grid], target: Lattice, window: Window) -> Grid:
+    return join(lattice, wide, found).resample(target, window) if wide else Grid(target, window)
 
 
 def _downsampled(lattice: Lattice, window: Window, parts: Sequence[Grid], factor: Any, rule: Reduce) -> Grid:
@@ -488,10 +666,14 @@ def voxelize(mesh: Any, lattice: Lattice | None = None, *, chunks: int | Sequenc
     cut = place_chunks(source, lattice, chunks, where)
     held = source if isinstance(source, str) else dask.delayed(source, pure=True)
     make = dask.delayed(_voxelized, pure=True)
-    return Volume(cut, {index: make(held, cut, index, options) for index in cut})
+    state = None
+    if isinstance(source, str) and os.path.exists(source):  # tasks of a file that has changed are others
+        known = os.stat(source)
+        state = known.st_size, known.st_mtime_ns
+    return Volume(cut, {index: make(held, cut, index, options, state) for index in cut})
 
 
-def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any]) -> Grid:
+def _voxelized(source: Any, cut: Chunks, index: Index, options: dict[str, Any], state: Any) -> Grid:
     return voxelize_window(load(source), cut.lattice, cut.window(index), options)
 
 

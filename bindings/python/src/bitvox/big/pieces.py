@@ -1,0 +1,417 @@
+"""Surfaces in pieces on disk, and coarser levels of them.
+
+Pieces meet in cut planes, through centers of voxels. A level collapses between its cuts, whose vertices stay bit for bit from the finest
+level on, so that pieces of one level and of different ones meet without cracks. The cuts between pieces are freed where the next level
+joins them.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+import warnings
+import zipfile
+from typing import Any, Callable, Iterator, Sequence
+
+from .. import _arrays as arrays
+from .._errors import ArgumentError, FormatError, RangeError, ResultWarning, need
+from .._lattice import Lattice, Placed, Window, _lattice_from
+from .._levels import simplify
+from .._mesh import Mesh
+from .._run import in_range
+from .._stages import merge
+from .._words import FaceRule
+from . import written
+from .chunks import Chunks, Index, indices, joins, planes
+from .disk import PART, Record, compute, empty, files, index_of, listed, name_of, put, read_piece, write_piece
+from .plan import one_type
+from .store import path_of
+from .volume import Volume, surface_parts
+
+warnings.filterwarnings("ignore", "the target of|a volume of", ResultWarning, "dask")  # of single pieces, in tasks
+
+SAMPLES = 2000  # points a side from which the distance between a piece and its next level is measured
+LEFT = 4  # one triangle of so many is left by a level: that of a lattice with voxels twice as large
+
+
+class Pieces(Placed):
+    """A surface in pieces that `run` wrote, read one at a time. Level 0 is the finest: a piece a chunk. A piece of level 1 is one
+    of a chunk too; on each level after it they have twice the side.
+
+    Parameters
+    ----------
+    path
+        the folder or URL.
+
+    Attributes
+    ----------
+    chunks
+        the `Chunks` of the volume.
+    records
+        for each level the `Record` of each piece that has triangles, by its index (x, y, z).
+
+    Examples
+    --------
+    >>> volume = bitvox.big.voxelize('knot.ply', resolution=64, chunks=32)
+    >>> pieces = bitvox.big.run(volume, 'knot', levels=3, show=None)
+    >>> [len(level) for level in pieces.records], pieces.merge().check().closed, pieces.merge(2).check().closed
+    ([4, 4, 1], True, True)
+    """
+
+    __slots__ = ("path", "chunks", "records")
+    path: str
+    chunks: Chunks
+    records: list[dict[Index, Record]]
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = path_of(path)
+        known = index_of(self.path)
+        if known is None or "pieces" not in known:
+            raise FormatError(f"{self.path} holds no finished pieces of bitvox.big.run")
+        self.chunks = Chunks(_lattice_from(*known["lattice"]), known["size"], Window(*map(tuple, known["box"])))
+        self.records = [{tuple(map(int, name.split("_"))): Record(*record) for name, record in level.items()} for level in known["pieces"]]  # type: ignore[misc]
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice of the volume."""
+        return self.chunks.lattice
+
+    def _of(self, level: int) -> dict[Index, Record]:
+        return self.records[in_range("level", level, 0, len(self.records) - 1)]
+
+    def n_faces(self, level: int = 0) -> int:
+        """Triangles of a level.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> bitvox.big.run(volume, 'a', show=None).n_faces() == bitvox.big.surface(volume).n_faces
+        True
+        """
+        return sum(record.triangles for record in self._of(level).values())
+
+    def error(self, level: int) -> float:
+        """Largest distance of a level from the finest one, sampled [world].
+
+        Examples
+        --------
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', levels=2, show=None)
+        >>> 0 == pieces.error(0) < pieces.error(1) < 2 * max(pieces.spacing)
+        True
+        """
+        return max((record.error for record in self._of(level).values()), default=0.0)
+
+    def read(self, index: Index, level: int = 0) -> Mesh:
+        """One piece.
+
+        Parameters
+        ----------
+        index
+            (x, y, z) of a piece of the level.
+        level
+            0 is the finest.
+
+        Examples
+        --------
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', show=None)
+        >>> pieces.read((1, 0, 0)).n_faces == pieces.records[0][1, 0, 0].triangles
+        True
+        """
+        if tuple(index) not in self._of(level):
+            raise ArgumentError(f"level {level} has no triangles in piece {tuple(index)}")
+        return read_piece(self.path, level, index)[0]
+
+    def meshes(self, level: int = 0, box: Sequence[Any] | None = None) -> Iterator[Mesh]:
+        """The pieces of a level, one after another.
+
+        Parameters
+        ----------
+        level
+            0 is the finest.
+        box
+            ((x, y, z), (x, y, z)): only pieces whose bounds meet it [world].
+
+        Examples
+        --------
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', show=None)
+        >>> sum(mesh.n_faces for mesh in pieces.meshes()) == pieces.n_faces()
+        True
+        """
+        for index, (_, _, low, high, *_) in self._of(level).items():
+            if box is None or all(a <= q and p <= b for a, b, p, q in zip(low, high, *box)):
+                yield self.read(index, level)
+
+    def merge(self, level: int = 0, box: Sequence[Any] | None = None) -> Mesh:
+        """Pieces as one mesh, where they fit into memory. All of level 0 are the bytes of `surface`.
+
+        Parameters
+        ----------
+        level, box
+            as for `meshes`; of a part the sides where it was cut are open.
+
+        Examples
+        --------
+        >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+        >>> bitvox.big.run(volume, 'a', show=None).merge() == bitvox.big.surface(volume)
+        True
+        """
+        found = list(self.meshes(level, box))
+        return _welded(found) if level or not found else merge(found)
+
+    def save(self, path: str | os.PathLike[str], level: int = 0) -> None:
+        """Write a level as one file, .ply or .stl by its ending, piece after piece.
+
+        Parameters
+        ----------
+        level
+            0 is the finest.
+
+        Examples
+        --------
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', show=None)
+        >>> pieces.save('a.ply')
+        >>> bitvox.read('a.ply').check().closed
+        True
+        """
+        written.save(self, path, level)
+
+    def save_regions(self, folder: str | os.PathLike[str], level: int = 0, *, format: str = "glb", client: Any = None) -> None:
+        """Write each piece of a level as a file of its own, named by its index: ``1_0_2.glb``.
+
+        Parameters
+        ----------
+        folder
+            or a URL, that all workers reach.
+        level
+            0 is the finest.
+        format
+            of meshes, as for `bitvox.write`.
+        client
+            as for `run`.
+
+        Examples
+        --------
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', show=None)
+        >>> pieces.save_regions('regions')
+        >>> bitvox.read('regions/1_0_0.glb').n_faces == pieces.read((1, 0, 0)).n_faces
+        True
+        """
+        task = need("dask", "big").delayed(written.region, pure=False)
+        compute([task(self.path, level, index, path_of(folder), format) for index in self._of(level)], client)
+
+    def to_neuroglancer(self, folder: str | os.PathLike[str], *, segment: int = 1, bits: int = 16, sharded: bool = False,
+                        nanometers: float = 1.0, client: Any = None) -> None:
+        """Write all levels as Neuroglancer's precomputed multi-resolution mesh, by Draco, with its ``info``; needs DracoPy.
+
+        Positions are rounded to a fragment's side over ``2**bits - 1``; fragments of a level then still join. A body that the low sides
+        of the volume cut ends half a voxel further in.
+
+        Parameters
+        ----------
+        folder
+            or a URL, that all workers reach.
+        segment
+            id of the body.
+        bits
+            of a position in its fragment, 10 or 16.
+        sharded
+            one file, ``0.shard``, in place of ``1`` and ``1.index``.
+        nanometers
+            of one unit of the world.
+        client
+            as for `run`.
+
+        Examples
+        --------
+        >>> import os
+        >>> pieces = bitvox.big.run(bitvox.big.voxelize('knot.ply', resolution=32, chunks=16), 'a', levels=3, show=None)
+        >>> pieces.to_neuroglancer('precomputed')
+        >>> sorted(os.listdir('precomputed'))
+        ['1', '1.index', 'info']
+        """
+        written.neuroglancer(self, path_of(folder), segment, bits, sharded, nanometers, client)
+
+    def __repr__(self) -> str:
+        return f"Pieces({', '.join(str(self.n_faces(level)) for level in range(len(self.records)))} faces in {self.chunks!r})"
+
+
+def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_rule: FaceRule = "separate", dtype: Any = None,
+        overwrite: bool = False, client: Any = None, show: Callable[[str], Any] | None = print) -> Pieces:
+    """Write the surface of a volume in pieces, and coarser levels of it, each of a fourth of the triangles.
+
+    Nothing is gathered here: tasks write pieces, and return what is known of them. A task holds its chunk and the pieces that it joins,
+    so its memory depends on the chunk alone. A run that was stopped continues where it was, with the pieces whose hash is right.
+
+    Parameters
+    ----------
+    path
+        a folder or a URL that all workers reach.
+    levels
+        how many, with the finest.
+    face_rule, dtype
+        as for `surface`.
+    overwrite
+        begin anew where there are pieces of another volume or other options.
+    client
+        of Dask's distributed. Default: the one that is active, or threads here.
+    show
+        called with the plan, from a timed sample of chunks, and with what came out of it; threads show Dask's bar too. None: silent.
+
+    Returns
+    -------
+    Pieces
+        All that was written.
+
+    Raises
+    ------
+    FileExistsError
+        the folder holds other things.
+
+    Examples
+    --------
+    >>> volume = bitvox.big.voxelize('knot.ply', resolution=32, chunks=16)
+    >>> bitvox.big.run(volume, 'knot', levels=2, show=None)
+    Pieces(6748, 1682 faces in Chunks(2 x 2 x 1 of 16 x 16 x 13))
+    """
+    dask, cut, place = need("dask", "big"), volume.chunks, path_of(path)
+    count = in_range("levels", levels, 1, 24)
+    options = one_type(volume.lattice, {"face_rule": face_rule, "dtype": dtype})
+    head = {"job": need("dask.base", "big").tokenize(volume, options), "lattice": volume.lattice._key(), "size": cut.size, "box": cut.box}
+    _begin(place, head, overwrite)
+
+    # Pieces that are there and whole, then tasks for the others; coarser ones take the records of those that they join. Of the finest
+    # ones a few are made at once, as a sample.
+    wanted = [(level, index) for level in range(count) for index in indices(cut, level)]
+    files_there = listed(place)
+    look, make, join = (dask.delayed(function, pure=False) for function in (_known, _made, _joined))
+    there = [at for at in wanted if name_of(*at) in files_there]
+    made: dict[Any, Any] = {at: record for at, record in zip(there, compute([look(place, *at) for at in there], client)) if record}
+    old = len(made)
+    for index, part in zip(cut, surface_parts(volume, **options)):
+        if (0, index) not in made:
+            made[0, index] = make(place, index, part)
+    if show:
+        show(f"{_by(cut.box.size)} voxels in {len(cut)} chunks of {_by(cut.size)}; {count} levels, {len(wanted)} pieces, {old} of them there")
+        _sample(cut, made, client, show)
+    for level, index in wanted:
+        if (level, index) not in made:
+            made[level, index] = join(place, cut, level, index, [(i, made[level - 1, i]) for i in joins(cut, level, index)])
+
+    begin = time.perf_counter()
+    records = dict(zip(wanted, compute([made[at] for at in wanted], client, bar=bool(show))))
+    found = [{"_".join(map(str, i)): records[level, i] for level, i in wanted if level == k and records[level, i].triangles} for k in range(count)]
+    put(place, "index.json", json.dumps({**head, "pieces": found}).encode())
+    system, root = files(place)
+    for name in system.find(root):
+        if name.endswith(PART):  # of workers that were killed
+            system.rm_file(name)
+    pieces = Pieces(place)
+    for level in range(count) if show else ():
+        show(f"level {level}: {pieces.n_faces(level)} triangles in {len(found[level])} pieces, at most {pieces.error(level):.3g} from the finest")  # type: ignore[misc]
+    if show:
+        show(f"in {time.perf_counter() - begin:.0f} s")
+    return pieces
+
+
+def _sample(cut: Chunks, made: dict[Any, Any], client: Any, show: Callable[[str], Any]) -> None:
+    """Make a few pieces, and say what all will take."""
+    left = [index for index in cut if not isinstance(made[0, index], Record)]
+    chosen = sorted({left[len(left) * k // 4] for k in (1, 2, 3)}) if left else []
+    if not chosen:
+        return
+    begin = time.perf_counter()
+    made.update(zip([(0, index) for index in chosen], compute([made[0, index] for index in chosen], client)))
+    seconds = (time.perf_counter() - begin) / len(chosen)
+    found = [made[0, index] for index in chosen]
+    faces = sum(record.triangles for record in found) / len(chosen)
+    bits = 3 * cut.size[0] * cut.size[1] * cut.size[2] / 8
+    memory, disk = 2**27 + max(bits, 300 * max(record.triangles for record in found)), 40 * faces * len(cut)
+    show(f"by {len(chosen)} chunks: {faces:.0f} triangles and {seconds:.2g} s each; {memory / 2**30:.2g} GiB a thread of a worker, "
+         f"{disk / 2**30:.2g} GiB on the disk, about {seconds * len(left):.0f} s for the finest level")
+
+
+def _collapsed(mesh: Mesh, low: Sequence[float], high: Sequence[float], near: Sequence[float]) -> Mesh:
+    """A level of a piece that stays between its cuts.
+
+    Vertices on cuts stay. So do the triangles at low cuts: collapses there could lay triangles into the cut, and the piece beyond it
+    could do so too, where they would overlap. New vertices may come to lie beyond a cut: then those of the mesh stay that are as near
+    to it, and where that does not help, no vertex is new.
+    """
+    np = arrays.numpy("bitvox.big")
+    at, faces, (first, last) = np.asarray(mesh.vertices), np.asarray(mesh.faces), mesh.bounds
+    locked = np.zeros(len(at), bool)
+    locked[faces[(at < np.add(low, near)).any(axis=1)[faces].any(axis=1)]] = True
+    wanted: dict[str, Any] = {"triangles": max(1, mesh.n_faces // LEFT), "lock_border": True, "samples": SAMPLES, "threads": 1}
+    low, high = np.minimum(low, first), np.maximum(high, last)
+    for _ in range(3):
+        made = simplify(mesh, locked=locked, **wanted)
+        found = np.asarray(made.vertices)
+        below, above = (np.maximum(0, beyond.max(axis=0)) for beyond in (low - found, found - high))
+        if not below.any() and not above.any():
+            return made
+        locked |= (at < low + 4 * below).any(axis=1) | (at > high - 4 * above).any(axis=1)
+    kept = simplify(mesh, vertices="kept", locked=locked, **wanted)
+    made = kept._part(slice(None))
+    made.report = kept.report
+    return made
+
+
+def _welded(meshes: Sequence[Mesh]) -> Mesh:
+    """One mesh, its vertices at equal positions one."""
+    mesh = _beside(meshes or [empty()])
+    np = arrays.numpy("bitvox.big")
+    at = np.ascontiguousarray(mesh.vertices)
+    _, first, number = np.unique(at.view(f"V{at.itemsize * 3}").ravel(), return_index=True, return_inverse=True)
+    return Mesh(at[first], number.astype(np.uint32)[mesh.faces])
+
+
+def _beside(meshes: Sequence[Mesh]) -> Mesh:
+    np = arrays.numpy("bitvox.big")
+    begin = np.cumsum([0, *(mesh.n_vertices for mesh in meshes)])
+    if begin[-1] >= 2**32:
+        raise RangeError(f"{begin[-1]} vertices are more than one mesh holds; take a box, or a coarser level")
+    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]),
+                np.concatenate([np.asarray(mesh.faces) + np.uint32(n) for mesh, n in zip(meshes, begin)]))
+
+
+# ---- what tasks do ----
+
+
+def _made(place: str, index: Index, mesh: Mesh) -> Record:
+    return write_piece(place, 0, index, mesh, 0.0)
+
+
+def _joined(place: str, cut: Chunks, level: int, index: Index, parts: Sequence[tuple[Index, Record]]) -> Record:
+    parts = [(i, record) for i, record in parts if record.triangles]
+    if not parts:
+        return write_piece(place, level, index, None, 0.0)
+    fine = _beside([read_piece(place, level - 1, i)[0] for i, _ in parts])
+    mesh = _collapsed(fine, *planes(cut, level, index), [edge / 8 for edge in cut.lattice.spacing])
+    return write_piece(place, level, index, mesh, max(record.error for _, record in parts) + mesh.report.distance.max)
+
+
+def _known(place: str, level: int, index: Index) -> Record | None:
+    """The record of a piece that is there, or None when it is not the mesh that the record says."""
+    try:
+        mesh, record = read_piece(place, level, index)
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        return None
+    return record if not record.triangles or mesh.content_hash() == record.hash else None
+
+
+def _begin(place: str, head: dict[str, Any], overwrite: bool) -> None:
+    """A folder for the pieces of this job: an empty one, or that of a run that was stopped."""
+    system, root = files(place)
+    known = index_of(place)
+    if known is not None and (overwrite or known.get("job") == head["job"]):
+        if overwrite:
+            system.rm(root, recursive=True)
+    elif known is not None or (system.exists(root) and system.ls(root)):
+        raise FileExistsError(f"{place} holds " + ("pieces of another volume, or of other options; overwrite=True replaces them" if known else "other files"))
+    if overwrite or known is None:
+        put(place, "index.json", json.dumps(head).encode())
+
+
+def _by(numbers: Sequence[int]) -> str:
+    return " x ".join(map(str, numbers))

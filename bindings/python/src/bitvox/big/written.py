@@ -1,0 +1,183 @@
+"""Pieces as files of others: one PLY or STL, a file a piece, and the meshes of Neuroglancer. One piece is held at a time."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import shutil
+import struct
+import tempfile
+from typing import TYPE_CHECKING, Any, BinaryIO, Sequence
+
+from .. import _arrays as arrays
+from .._errors import ArgumentError, RangeError, need
+from .._files import dumps
+from .._run import in_range
+from .chunks import Chunks, Index, planes
+from .disk import compute, files, put, read_piece, whole
+
+if TYPE_CHECKING:
+    from .pieces import Pieces
+
+
+def save(pieces: Pieces, path: str | os.PathLike[str], level: int) -> None:
+    """A single file, which is there when it is whole."""
+    name = os.fspath(path)
+    write = {".ply": _ply, ".stl": _stl}.get(os.path.splitext(name)[1].lower())
+    if write is None:
+        raise ArgumentError(f"{name}: pieces are written as one .ply or .stl")
+    with tempfile.NamedTemporaryFile(dir=os.path.dirname(os.path.abspath(name)), delete=False) as file:
+        try:
+            write(pieces, level, file)  # type: ignore[arg-type]
+            file.close()
+            os.replace(file.name, name)
+        except BaseException:
+            os.unlink(file.name)
+            raise
+
+
+def _stl(pieces: Pieces, level: int, file: BinaryIO) -> None:
+    file.write(bytes(80) + struct.pack("<I", pieces.n_faces(level)))
+    for mesh in pieces.meshes(level):
+        file.write(dumps(mesh, "stl")[84:])
+
+
+def _ply(pieces: Pieces, level: int, file: BinaryIO) -> None:
+    """Vertices on cuts are those of the piece that came first; no more than two layers of pieces can share one."""
+    np, total, layer = arrays.numpy("bitvox.big"), 0, -1
+    above: dict[bytes, int] = {}
+    here: dict[bytes, int] = {}
+    near = [edge / 8 for edge in pieces.spacing]
+    kind = np.dtype("f8" if any(mesh.vertices.itemsize == 8 for mesh in itertools.islice(pieces.meshes(level), 1)) else "f4")
+    head = _ply_head(kind, 0, pieces.n_faces(level))
+    file.write(head)
+    with tempfile.TemporaryFile(dir=os.path.dirname(file.name)) as triangles:
+        for index in pieces.records[level]:
+            mesh = pieces.read(index, level)
+            if index[2] != layer:
+                above, here, layer = here if index[2] == layer + 1 else {}, {}, index[2]
+            at, number = np.ascontiguousarray(mesh.vertices, kind), np.full(mesh.n_vertices, -1)
+            low, high = planes(pieces.chunks, level, index)
+            cut = np.nonzero(((at < np.add(low, near)) | (at > np.subtract(high, near))).any(axis=1))[0].tolist()
+            keys = {v: at[v].tobytes() for v in cut}
+            for v, key in keys.items():
+                here[key] = number[v] = here.get(key, above.get(key, -1))
+            new = number < 0
+            number[new] = np.arange(total, total + new.sum())
+            here.update((key, int(number[v])) for v, key in keys.items())
+            total += int(new.sum())
+            rows = np.empty(mesh.n_faces, np.dtype([("n", "u1"), ("v", "<u4", 3)]))
+            rows["n"], rows["v"] = 3, number[np.asarray(mesh.faces)]
+            file.write(at[new].astype(kind.newbyteorder("<")).tobytes())
+            triangles.write(rows.tobytes())
+        if total > 2**32:
+            raise RangeError(f"{total} vertices are more than a PLY with indices of 32 bits holds; take a coarser level")
+        triangles.seek(0)
+        shutil.copyfileobj(triangles, file, 2**20)
+    file.seek(0)
+    file.write(_ply_head(kind, total, pieces.n_faces(level)))
+
+
+def _ply_head(kind: Any, vertices: int, triangles: int) -> bytes:
+    """Of one length, whatever the counts are."""
+    name = {4: "float", 8: "double"}[kind.itemsize]
+    lines = [f"element vertex {vertices}", *(f"property {name} {axis}" for axis in "xyz"), f"element face {triangles}", "property list uchar uint vertex_indices", "end_header\n"]
+    return "\n".join(["ply", "format binary_little_endian 1.0", "comment " + "-" * (24 - len(str(vertices))), *lines]).encode()
+
+
+def region(place: str, level: int, index: Index, folder: str, format: str) -> None:
+    """A piece as a file of its own."""
+    put(folder, f"{'_'.join(map(str, index))}.{format}", dumps(read_piece(place, level, index)[0], format))
+
+
+# ---- Neuroglancer's multi-resolution meshes ----
+#
+# Source: google/neuroglancer, src/datasource/precomputed/meshes.md and sharded.md. A fragment of level 0 is a piece; one of a coarser
+# level holds 2 x 2 x 2 pieces, so no triangle crosses its middle planes. Positions are in voxels from the corner of the lattice.
+
+
+def fragments(pieces: Pieces, level: int) -> dict[Index, list[Index]]:
+    """The fragments of a level in the order of a Z-curve, and the pieces that each holds."""
+    found: dict[Index, list[Index]] = {}
+    for index in pieces.records[level]:
+        found.setdefault(tuple(i >> min(level, 1) for i in index), []).append(index)  # type: ignore[arg-type]
+    return {index: found[index] for index in sorted(found, key=_morton)}
+
+
+def _morton(index: Index) -> int:
+    return sum((n >> bit & 1) << (3 * bit + axis) for axis, n in enumerate(index) for bit in range(n.bit_length()))
+
+
+def encode(source: str, cut: Chunks, level: int, index: Index, held: Sequence[Index], place: str, name: str, bits: int) -> int:
+    """Write a fragment; its bytes are returned. Vertices on cuts get equal numbers in the fragments beside them. What reaches half a
+    voxel beyond the first centers, at the low sides of the whole, is put onto the side of the fragment."""
+    np, draco = arrays.numpy("bitvox.big"), need("DracoPy", "big")
+    size, most = np.multiply(cut.size, 2**level), 2**bits - 1
+    begin = origin(cut) + np.multiply(index, size)
+    every, faces, count = [], [], 0
+    for mesh in (read_piece(source, level, i)[0] for i in held):
+        at = (mesh.in_world() - cut.lattice.corner) / cut.lattice.spacing
+        x, y, z = np.clip(np.rint((at - begin) / size * most), 0, most).astype(np.uint64).T
+        every.append(x << np.uint64(32) | y << np.uint64(16) | z)
+        faces.append(np.asarray(mesh.faces, np.int64) + count)
+        count += mesh.n_vertices
+    packed, number = np.unique(np.concatenate(every), return_inverse=True)
+    points, corners = np.stack([packed >> np.uint64(32), packed >> np.uint64(16) & np.uint64(0xFFFF), packed & np.uint64(0xFFFF)], axis=1), number[np.concatenate(faces)]
+    flat = (corners == np.roll(corners, 1, axis=1)).any(axis=1)
+    # Numbers as floats whose quantization by Draco is the identity: the viewer takes what is below it, and unsigned integers it refuses.
+    options = {"quantization_bits": bits, "quantization_range": most, "quantization_origin": (0, 0, 0), "compression_level": 7}
+    data = draco.encode(points.astype(np.float32), corners[~flat].astype(np.uint32), **options) if not flat.all() else b""
+    put(place, name, data)
+    return len(data)
+
+
+def origin(cut: Chunks) -> Any:
+    """Where the first fragment begins: at centers of voxels, as all cuts."""
+    return arrays.numpy("bitvox.big").add(cut.box.low, 0.5)
+
+
+def manifest(pieces: Pieces, sizes: Sequence[dict[Index, int]]) -> bytes:
+    """The index of a segment from the bytes of its fragments."""
+    np, cut = arrays.numpy("bitvox.big"), pieces.chunks
+    levels = len(sizes)
+    head = [*map(float, cut.size), *origin(cut)]
+    scales = [2.0**level for level in range(levels)]
+    made = [struct.pack("<6fI", *head, levels), np.array([*scales, *[0.0] * 3 * levels], "<f4").tobytes(), np.array([len(one) for one in sizes], "<u4").tobytes()]
+    for one in sizes:
+        made += [np.array(list(one), "<u4").reshape(-1, 3).T.tobytes(), np.array(list(one.values()), "<u4").tobytes()]
+    return b"".join(made)
+
+
+def neuroglancer(pieces: Pieces, place: str, segment: int, bits: int, sharded: bool, nanometers: float, client: Any) -> None:
+    if bits not in (10, 16):
+        raise ArgumentError(f"bits is {bits}; it must be 10 or 16")
+    need("DracoPy", "big")
+    segment, count = in_range("segment", segment, 1, 2**64 - 1), len(pieces.records)
+    task, every = need("dask", "big").delayed(encode, pure=False), [fragments(pieces, level) for level in range(count)]
+    names = [[f".{segment}/{level}_{'_'.join(map(str, index))}" for index in one] for level, one in enumerate(every)]
+    made = compute([[task(pieces.path, pieces.chunks, level, index, every[level][index], place, name, bits) for index, name in zip(every[level], names[level])]
+                    for level in range(count)], client)
+    sizes = [dict(zip(one, found)) for one, found in zip(every, made)]
+    index = manifest(pieces, sizes)
+
+    system, root = files(place)
+    shard = {"@type": "neuroglancer_uint64_sharded_v1", "preshift_bits": 0, "hash": "identity", "minishard_bits": 0, "shard_bits": 0,
+             "minishard_index_encoding": "raw", "data_encoding": "raw"}
+    total = sum(sum(one.values()) for one in sizes)
+    with whole(place, "0.shard" if sharded else str(segment)) as file:
+        if sharded:  # where the only minishard's index is: after the fragments and the manifest
+            file.write(struct.pack("<2Q", total + len(index), total + len(index) + 24))
+        for name in itertools.chain(*names):
+            with system.open(f"{root}/{name}", "rb") as part:
+                shutil.copyfileobj(part, file, 2**20)
+        if sharded:
+            file.write(index + struct.pack("<3Q", segment, total, len(index)))
+    if not sharded:
+        put(place, f"{segment}.index", index)
+    (a, b, c), (x, y, z) = ([n * nanometers for n in part] for part in (pieces.spacing, pieces.lattice.corner))
+    info = {"@type": "neuroglancer_multilod_draco", "vertex_quantization_bits": bits, "transform": [a, 0, 0, x, 0, b, 0, y, 0, 0, c, z],
+            "lod_scale_multiplier": 1, **({"sharding": shard} if sharded else {})}
+    put(place, "info", json.dumps(info).encode())
+    system.rm(f"{root}/.{segment}", recursive=True)
+

@@ -1,0 +1,222 @@
+"""Surfaces in pieces on disk: the bytes of the whole, levels that close where pieces meet, and what others read."""
+
+import json
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+from conftest import REPOSITORY
+
+import bitvox
+
+dask = pytest.importorskip("dask")
+pytest.importorskip("zarr")
+from bitvox import big  # noqa: E402
+from bitvox.big.chunks import planes  # noqa: E402
+
+KNOT = REPOSITORY / "fixtures" / "knot.ply"
+pytestmark = [pytest.mark.skipif(not KNOT.is_file(), reason="fixtures/knot.ply is not here"), pytest.mark.filterwarnings("ignore::bitvox.ResultWarning")]
+LEVELS = 4
+
+
+def volume(size, resolution=90):
+    return big.voxelize(KNOT, resolution=resolution, padding=2, chunks=size)
+
+
+@pytest.fixture(scope="module", params=[24, (33, 50, 11), 500])
+def made(request, tmp_path_factory):
+    """Pieces in chunks of several shapes, one of them the whole."""
+    cut, said = volume(request.param), []
+    folder = tmp_path_factory.mktemp("pieces") / "knot"
+    return cut, big.run(cut, folder, levels=LEVELS, show=said.append), said
+
+
+def test_the_finest_level_is_that_of_the_whole(made):
+    cut, pieces, said = made
+    whole = bitvox.surface(cut.compute(), keys=True)
+    joined = pieces.merge()
+    assert joined.content_hash() == whole.content_hash() and np.array_equal(joined.keys[1], whole.keys[1])
+    assert pieces.n_faces() == whole.n_faces and pieces.lattice == cut.lattice and big.Pieces(pieces.path).records == pieces.records
+    assert f"{len(cut.chunks)} chunks" in said[0] and "GiB a thread of a worker" in said[1] and "level 3" in said[-2]
+
+
+def test_levels_close_where_pieces_meet(made):
+    cut, pieces, _ = made
+    whole = pieces.merge()
+    for level in range(1, LEVELS):
+        mesh = pieces.merge(level)
+        found = mesh.check()
+        assert found.closed and found.oriented and found.vertex_manifold and not len(mesh.crossings()), level
+        assert mesh.n_faces < 0.6 * pieces.n_faces(level - 1) and abs(mesh.volume / whole.volume - 1) < (0.01, 0.08, 0.15)[level - 1]
+        assert bitvox.compare(whole, mesh, samples=2000).max <= 1.05 * pieces.error(level) < 4 * max(cut.spacing) * 2**level
+        for index in pieces.records[level]:
+            low, high = planes(cut.chunks, level, index)
+            at = pieces.read(index, level).in_world()
+            assert (at > np.subtract(low, 1e-6)).all() and (at < np.add(high, 1e-6)).all()
+
+
+def test_pieces_of_different_levels_meet(made):
+    _, pieces, _ = made
+    some = [pieces.read(index, level=sum(index) % 2) for index in pieces.records[0]]
+    mixed = big.pieces._welded(some)
+    assert mixed.check().closed and mixed.check().vertex_manifold and not len(mixed.crossings())
+
+
+def test_a_box_reads_what_lies_in_it(made):
+    _, pieces, _ = made
+    middle = tuple(np.mean(pieces.bounds, axis=0))
+    low = (pieces.bounds[0], middle)
+    part = pieces.merge(0, low)
+    assert 0 < part.n_faces <= pieces.n_faces() and sum(m.n_faces for m in pieces.meshes(0, low)) == part.n_faces
+    inside = (pieces.merge().in_world() < middle).all(axis=1).sum()
+    assert (part.in_world() < middle).all(axis=1).sum() == inside
+    assert pieces.merge(0, ((1e3,) * 3, (1e4,) * 3)).n_faces == 0
+    for wrong in (lambda: pieces.read((9, 9, 9)), lambda: pieces.merge(LEVELS), lambda: pieces.error(-1)):
+        with pytest.raises(bitvox.Error):
+            wrong()
+
+
+def test_a_run_that_was_stopped_continues(tmp_path):
+    cut, said = volume((40, 90, 20)), []
+    folder = tmp_path / "knot"
+    first = big.run(cut, folder, levels=3, show=None)
+    names = sorted(os.path.join(p, n) for p, _, ns in os.walk(folder) for n in ns if n.endswith(".npz"))
+    times = {name: os.stat(name).st_mtime_ns for name in names}
+    lost, torn, other = names[1], names[4], names[-1]
+    os.unlink(lost)
+    with open(torn, "r+b") as file:
+        file.truncate(100)
+    data = bytearray(open(other, "rb").read())
+    data[300] ^= 1
+    open(other, "wb").write(data)
+    index = json.loads((folder / "index.json").read_text())
+    del index["pieces"]  # as it is before the end
+    (folder / "index.json").write_text(json.dumps(index))
+    with pytest.raises(bitvox.FormatError, match="no finished pieces"):
+        big.Pieces(folder)
+    again = big.run(volume((40, 90, 20)), folder, levels=3, show=said.append)
+    assert again.records == first.records and f"{len(names) - 3} of them there" in said[0]
+    assert {name for name in names if os.stat(name).st_mtime_ns != times[name]} == {lost, torn, other}
+
+    more = big.run(cut, folder, levels=4, show=None)  # further levels of the same
+    assert more.records[:3] == first.records and len(more.records) == 4
+    for different in (lambda: big.run(cut.erode(), folder, show=None), lambda: big.run(cut, tmp_path, show=None), lambda: big.run(cut, folder, face_rule="join", show=None)):
+        with pytest.raises(FileExistsError, match="overwrite|other files"):
+            different()
+    anew = big.run(cut.erode(), folder, overwrite=True, show=None)
+    assert anew.merge() == big.surface(cut.erode()) and len(anew.records) == 1
+    big.to_zarr(cut.rechunk(32), tmp_path / "knot.zarr", inner=32)
+    for there in (0, 18):  # tasks of files have equal names until the files change
+        big.run(big.from_zarr(tmp_path / "knot.zarr"), tmp_path / "z", show=said.append)
+        assert f"18 pieces, {there} of them there" in said[-3 if there else -4]
+
+
+def test_a_disk_that_is_full(tmp_path, monkeypatch):
+    cut, written, replace = volume((40, 90, 20)), [], os.replace
+
+    def full(source, target):
+        written.append(target)
+        if len(written) > 5:
+            raise OSError(28, "No space left on device")
+        replace(source, target)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "replace", full)
+        with pytest.raises(OSError, match="No space"):
+            big.run(cut, tmp_path / "knot", levels=2, show=None)
+    (tmp_path / "knot" / "0" / f"0_0_0.npz.killed{big.disk.PART}").touch()
+    said = []
+    assert big.run(cut, tmp_path / "knot", levels=2, show=said.append).merge() == big.surface(cut)
+    assert "4 of them there" in said[0] and not list((tmp_path / "knot").rglob("*" + big.disk.PART))
+
+
+def test_new_vertices_stay_between_cuts(ball, monkeypatch):
+    monkeypatch.setattr(big.pieces, "LEFT", 16)
+    none, cut = [float("inf")] * 3, ball.bounds[1]  # coarse triangles of a ball reach beyond it
+    free = big.pieces._collapsed(ball, [-n for n in none], none, [0.01] * 3)
+    assert (free.in_world() > cut).any()
+    held = big.pieces._collapsed(ball, [-n for n in none], cut, [0.01] * 3)
+    assert (held.in_world() <= cut).all() and held.check().closed and held.n_faces < ball.n_faces / 3 and held.report.distance.max > 0
+
+
+def test_pieces_behind_a_url():
+    cut = volume(50)
+    pieces = big.run(cut, "memory://knot", levels=2, show=None)
+    assert big.run(cut, "memory://knot", levels=2, show=None).records == pieces.records == big.Pieces("memory://knot").records
+    assert pieces.merge() == big.surface(cut) and pieces.merge(1).check().closed
+
+
+def test_empty_volumes_and_chunks_of_one(tmp_path):
+    nothing = big.from_dask(np.zeros((4, 4, 4)), chunks=2)
+    pieces = big.run(nothing, tmp_path / "a", levels=2, show=None)
+    assert pieces.n_faces(1) == 0 == pieces.merge(1).n_faces == pieces.error(1)
+    cut = big.from_dask(np.random.default_rng(1).random((3, 2, 3)) < 0.5, chunks=1)
+    pieces = big.run(cut, tmp_path / "b", levels=3, show=None)
+    assert pieces.merge() == big.surface(cut) and all(pieces.merge(level).check().closed for level in (1, 2))
+
+
+@pytest.mark.parametrize("level", [0, 2])
+def test_one_file_of_all(made, tmp_path, level):
+    _, pieces, _ = made
+    whole = pieces.merge(level)
+    for ending in ("ply", "stl"):
+        name = tmp_path / f"a.{ending}"
+        pieces.save(name, level)
+        back = bitvox.read(name)
+        assert os.listdir(tmp_path) == [name.name] and back.n_faces == whole.n_faces and back.check(weld=ending == "stl").closed
+        corners = [np.sort(np.asarray(m.vertices)[m.faces].reshape(-1, 9).view("V36").ravel()) for m in (back, whole)]
+        if ending == "ply":
+            assert back.n_vertices == whole.n_vertices and back.volume == pytest.approx(whole.volume)
+        assert len(corners[0]) == len(corners[1])
+        os.unlink(name)
+    with pytest.raises(bitvox.ArgumentError, match=r"\.ply or \.stl"):
+        pieces.save(tmp_path / "a.obj")
+    pieces.save_regions(tmp_path / "regions", level)
+    assert len(os.listdir(tmp_path / "regions")) == len(pieces.records[level])
+    index = list(pieces.records[level])[-1]
+    assert bitvox.read(tmp_path / "regions" / ("_".join(map(str, index)) + ".glb")).n_faces == pieces.read(index, level).n_faces
+
+
+@pytest.mark.parametrize("sharded", [False, True])
+def test_neuroglancer_reads_what_is_written(made, tmp_path, sharded):
+    pytest.importorskip("DracoPy")
+    cut, pieces, _ = made
+    pieces.to_neuroglancer(tmp_path / "mesh", segment=7, sharded=sharded, nanometers=2.0)
+    assert sorted(os.listdir(tmp_path / "mesh")) == (["0.shard", "info"] if sharded else ["7", "7.index", "info"])
+    if not sharded:
+        draco, head = pytest.importorskip("DracoPy"), np.frombuffer((tmp_path / "mesh" / "7.index").read_bytes(), "<u4")
+        sizes = head[7 + 4 * LEVELS :][:LEVELS]  # fragments of each level; then their positions and bytes
+        first = int(head[7 + 5 * LEVELS + 3 * sizes[0]])
+        points = draco.decode((tmp_path / "mesh" / "7").read_bytes()[:first]).points
+        assert np.array_equal(points, np.rint(points)) and points.max() <= 65535
+    cloudvolume = pytest.importorskip("cloudvolume")
+    info = cloudvolume.CloudVolume.create_new_info(1, "segmentation", "uint64", "raw", [1, 1, 1], [0, 0, 0], cut.shape, mesh="mesh")
+    (tmp_path / "info").write_text(json.dumps(info))
+    store = cloudvolume.CloudVolume(f"file://{tmp_path}", progress=False)
+    for level in range(LEVELS):
+        read = store.mesh.get(7, lod=level)
+        read = read[7] if isinstance(read, dict) else read
+        whole = pieces.merge(level)
+        mesh = big.pieces._welded([bitvox.Mesh(read.vertices / 2, read.faces)])
+        assert mesh.check().closed and mesh.check().oriented and abs(mesh.volume / whole.volume - 1) < 1e-3, level
+        assert bitvox.compare(mesh, whole, samples=500).max < 1e-3 + (0 if level else max(cut.spacing))
+
+
+def test_two_workers_and_one_that_is_killed(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    cut = volume(32, 120)
+    alone = big.run(cut, tmp_path / "alone", levels=3, show=None)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None,
+                                  local_directory=str(tmp_path / "dask")) as cluster, distributed.Client(cluster) as client:
+        pid = list(client.run(os.getpid).values())[0]
+        found = []
+        thread = threading.Thread(target=lambda: found.append(big.run(cut, tmp_path / "two", levels=3, show=None, client=client)))
+        thread.start()
+        while len(list((tmp_path / "two").rglob("*.npz"))) < 12 and thread.is_alive():
+            thread.join(0.02)
+        assert thread.is_alive()
+        os.kill(pid, signal.SIGKILL)
+        thread.join()
+    assert found[0].records == alone.records

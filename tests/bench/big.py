@@ -1,0 +1,87 @@
+"""big.py [SIDE [CHUNK [WORKERS]]] - surfaces larger than memory: SIDE^3 voxels [512] in chunks of CHUNK [256] on WORKERS processes [2].
+
+The body is a formula, tubes and cells of known volume, so that nothing is read. Prints Markdown: what each stage took of all processes
+together (processor seconds; voxels a second of them), bytes written, and the most memory that a worker and this process ever held. Then
+levels are joined where they fit: closed, without crossings, and their volume against the formula's.
+"""
+
+import os
+import resource
+import sys
+import tempfile
+import time
+
+import dask.array
+import distributed
+import numpy as np
+
+import bitvox
+from bitvox import big
+
+PERIOD, CELL, TUBE = 64, 15.3, 9.7  # voxels; centers of cells lie at 20, 20, 20 of each period, axes of tubes at 48, 48
+
+
+def bodies(block_info=None):
+    """A chunk [x, y, z] of the formula, slice by slice."""
+    (x, y, z), end = (np.arange(*place) for place in block_info[None]["array-location"]), block_info[None]["shape"][0]
+    made = np.empty((len(x), len(y), len(z)), bool)
+    wave = [((at + 0.5) % PERIOD).astype("f4") for at in (x, y, z)]
+    tube = ((wave[1] - 48) ** 2)[:, None] + (wave[2] - 48) ** 2 < TUBE**2
+    cell = ((wave[1] - 20) ** 2)[:, None] + (wave[2] - 20) ** 2
+    for i, at in enumerate(x):
+        made[i] = cell < CELL**2 - (wave[0][i] - 20) ** 2
+        if 2 <= at < end - 2:
+            made[i] |= tube
+    return made
+
+
+def spent():
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 2**20
+
+
+def written(folder):
+    return sum(os.path.getsize(os.path.join(path, name)) for path, _, names in os.walk(folder) for name in names)
+
+
+def main():
+    side, chunk, workers = (int(given) for given in (*sys.argv[1:], *(512, 256, 2)[len(sys.argv) - 1 :]))
+    with tempfile.TemporaryDirectory() as folder, distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None, memory_limit=0, local_directory=folder) as cluster, distributed.Client(cluster) as client:
+
+        def seconds():
+            return sum(each[0] for each in client.run(spent).values()) + spent()[0]
+
+        print(f"| {side}³, chunks of {chunk}, {workers} workers | processor s | s | million voxels a processor s | written [MiB] |\n| --- | --- | --- | --- | --- |")
+
+        def stage(name, work, output=None):
+            begin, clock = seconds(), time.perf_counter()
+            made = work()
+            used, clock = seconds() - begin, time.perf_counter() - clock
+            print(f"| {name} | {used:.1f} | {clock:.1f} | {side**3 / used / 1e6:.1f} | {written(output) / 2**20 if output else 0:.1f} |", flush=True)
+            return made
+
+        at = [os.path.join(folder, name) for name in ("bits.zarr", "pieces", "precomputed")]
+        formula = dask.array.map_blocks(bodies, chunks=dask.array.core.normalize_chunks(chunk, (side,) * 3), dtype=bool, meta=np.zeros((0, 0, 0), bool))
+        stage("formula to Zarr", lambda: big.to_zarr(big.from_dask(formula), at[0]), at[0])
+        volume = big.from_zarr(at[0])
+        parts = stage("parts", lambda: len(volume.components()))
+        pieces = stage("surface and 3 levels in pieces", lambda: big.run(volume, at[1], levels=4, show=None), at[1])
+        stage("sharded Draco", lambda: pieces.to_neuroglancer(at[2], sharded=True), at[2])
+        stage("one PLY of level 1", lambda: pieces.save(os.path.join(folder, "level.ply"), 1))
+        print(f"\n{parts} parts; most memory: {max(each[1] for each in client.run(spent).values()):.2f} GiB a worker, {spent()[1]:.2f} GiB here\n")
+
+        # What was printed is measured; from here on this process holds whole levels.
+        periods = side // PERIOD
+        known = periods**2 * (periods * 4 / 3 * np.pi * CELL**3 + (side - 4) * np.pi * TUBE**2)
+        for level in range(4):
+            whole = f"{pieces.n_faces(level)} triangles, at most {pieces.error(level):.2f} voxels from the finest"
+            if pieces.n_faces(level) < 5e6:
+                mesh = pieces.merge(level)
+                found = mesh.check()
+                whole += f", {'closed' if found.closed and found.vertex_manifold else 'OPEN'}, {len(mesh.crossings())} crossings, volume {100 * (found.volume / known - 1):+.2f} %"
+            print(f"- level {level}: {whole}")
+
+
+if __name__ == "__main__":
+    main()
