@@ -9,9 +9,10 @@
  * triangle_rows.c.
  *
  * Exactness: corners are taken relative to the block's first centre. With |y|, |z| < 2^23 there and 2^16 from
- * centre to centre edge functions are below 2^50, their sum below 2^52: integers, exact in doubles. The crossing x_a + (dx_b E_ca + dx_c E_ab) / (E_bc + E_ca
- * + E_ab) has weights of one sign, so its error stays below 4 * 2^-53 * 2^32 + 2^-22 < 2^-18 fixed-point
- * steps; nearer than that to a centre, and for larger triangles, 128-bit integers decide (covered_rows.h).
+ * centre to centre edge functions are below 2^50, their sum below 2^52: integers, exact in doubles. The
+ * crossing x_a + (dx_b E_ca + dx_c E_ab) / (E_bc + E_ca + E_ab) has weights of one sign, so its error stays
+ * below 4 * 2^-53 * 2^32 + 2^-22 < 2^-18 fixed-point steps; nearer than that to a centre, and for larger
+ * triangles, 128-bit integers decide (covered_rows.h).
  * Guarantee: the exact crossings; the vector code is the same code, compiled for wider registers. */
 #include "solid/solid.h"
 
@@ -89,9 +90,10 @@ BVXI_VECTOR_INLINE void measure_boxes(bvxi_cross_batch *b, uint32_t kept)
     }
 }
 
-/* One edge (u, v) at the four centres of a block: e is its function u_y v_z - v_y u_z at the first. A zero has
- * the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when 2^32 dz - dy < 0.
- * Half a unit stands for that: it decides where the function is 0, and cannot reach the next integer. */
+/* One edge (u, v) at the four centres of a block: e is its function u_y v_z - v_y u_z at the first. A zero
+ * has the sign that the displacement gives it: + when dz < 0, or dz = 0 and dy > 0, which is when
+ * 2^32 dz - dy < 0. Half a unit stands for that: it decides where the function is 0, and cannot reach the
+ * next integer. */
 BVXI_VECTOR_INLINE void judge_edge(double e, double dy, double dz, double turn, double step, double least[4])
 {
     double const first = turn * (e + (dz * 4294967296.0 - dy < 0 ? 0.5 : -0.5));

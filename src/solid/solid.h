@@ -162,9 +162,6 @@ void bvxi_find_crossings(void *job, int32_t chunk, int32_t worker);
 typedef void bvxi_crossing_fn(void *sink, uint32_t row, int32_t code);
 void bvxi_cover_spans(const bvxi_solid_job *job, bvxi_rows rows, uint32_t triangle, bvxi_crossing_fn *take,
                       void *sink);
-/* solid.c: set a tile's words to 0 before its crossings; turn what they toggled into runs. */
-void bvxi_clear_tile(const bvxi_solid_job *job, int32_t tile);
-void bvxi_close_tile(bvxi_solid_job *job, int32_t tile);
 /* solid_rounds.c: run rounds until all triangles are done, the tiles doing what mode says. */
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to);
 /* The same triangles once more in another mode; where one round was enough

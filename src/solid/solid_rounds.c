@@ -5,6 +5,79 @@
  * depend on rounds or threads. */
 #include "solid/solid.h"
 
+/* Bit i becomes the parity of the toggles at 0..i. Returns the parity of them all. */
+static uint32_t close_row(uint64_t *words, int32_t n)
+{
+    uint64_t carry = 0;
+
+    for (int32_t k = 0; k < n; k++) {
+        uint64_t const w = words[k];
+
+        /* Most words of a row hold no crossing: they are all inside or all outside. */
+        if (w == 0) {
+            words[k] = carry;
+            continue;
+        }
+
+        /* The carry is all ones after an odd number of toggles, so it turns a whole word at once. */
+        words[k] = bvxi_prefix_parity(w) ^ carry;
+        carry = 0 - (words[k] >> 63);
+    }
+    return (uint32_t)(carry & 1);
+}
+
+/* The same, adding the steps of the row's runs to *sum: up where one begins, down where it ends. */
+static uint32_t close_row_summed(uint64_t *words, int32_t n, uint64_t row, uint64_t *sum)
+{
+    uint64_t carry = 0;
+
+    for (int32_t k = 0; k < n; k++) {
+        uint64_t const w = words[k];
+        words[k] = w == 0 ? carry : bvxi_prefix_parity(w) ^ carry;
+        /* Up where a run begins, down where it ends. */
+        for (uint64_t left = w; left != 0; left &= left - 1) {
+            int32_t const bit = bvxi_lowest(left);
+            uint64_t const step = bvxi_step_sum(row, k * BVXI_WORD_BITS + bit);
+            *sum += (words[k] >> bit & 1) != 0 ? step : 0 - step;
+        }
+        carry = 0 - (words[k] >> 63);
+    }
+    return (uint32_t)(carry & 1);
+}
+
+static void clear_tile(const bvxi_solid_job *job, int32_t tile)
+{
+    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
+    size_t const slice_bytes = (size_t)(r.j1 - r.j0) * (size_t)job->grid->words_per_row * 8;
+    for (int32_t k = r.k0; k < r.k1; k++) memset(bvxi_block_words(job, r.j0, k), 0, slice_bytes);
+}
+
+static void close_tile(bvxi_solid_job *job, int32_t tile)
+{
+    const bvx_grid *const g = job->grid;
+    bvxi_rows const r = bvxi_tiles_rows(&job->tiles, tile);
+    uint64_t const tail = bvxi_tail_mask(g->size[0]);
+    uint64_t sum = 0;
+
+    for (int32_t k = r.k0; k < r.k1; k++) {
+        for (int32_t j = r.j0; j < r.j1; j++) {
+            uint64_t *const words = bvxi_block_words(job, j, k);
+            uint64_t const row = bvxi_block_row(job, j, k);
+            uint32_t const odd = (job->summed ? close_row_summed(words, g->words_per_row,
+                                                                 bvxi_window_row(job, j, k), &sum)
+                                              : close_row(words, g->words_per_row)) ^
+                                 job->beyond[row];
+
+            /* A run that is open at the end of the window would set bits past the row. */
+            words[g->words_per_row - 1] &= tail;
+            job->beyond[row] = (uint8_t)odd; /* from here on: rows that do not balance */
+            if (job->odd_rows != NULL) job->odd_rows[bvxi_window_row(job, j, k)] = (uint8_t)odd;
+            job->unbalanced[tile] += odd;
+        }
+    }
+    job->tile_sums[tile][1] = sum;
+}
+
 /* Where the rows of a tile are, by themselves: stores of words cannot change them. */
 typedef struct row_places {
     uint64_t *words; /* of the block's first row */
@@ -79,7 +152,7 @@ static void take_tile(void *user, int32_t tile)
     tile_sink sink = {job, places, tile, 0};
 
     /* A tile's words stay in the cache from the first crossing to the runs between them. */
-    if (toggles && job->rounds == 1) bvxi_clear_tile(job, tile);
+    if (toggles && job->rounds == 1) clear_tile(job, tile);
 
     for (int32_t c = 0; c < job->chunks; c++) {
         const bvxi_chunk *const chunk = job->chunk + c;
@@ -106,7 +179,7 @@ static void take_tile(void *user, int32_t tile)
             bvxi_cover_spans(job, rows, chunk->large[i], take_large, &sink);
     }
     job->tile_sums[tile][0] += sink.sum;
-    if (toggles && job->last_round) bvxi_close_tile(job, tile);
+    if (toggles && job->last_round) close_tile(job, tile);
 }
 
 bvx_status bvxi_solid_rounds(bvx_context *ctx, bvxi_solid_job *job, int32_t mode, double from, double to)
