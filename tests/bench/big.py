@@ -15,7 +15,6 @@ import dask.array
 import distributed
 import numpy as np
 
-import bitvox
 from bitvox import big
 
 PERIOD, CELL, TUBE = 64, 15.3, 9.7  # voxels; centers of cells lie at 20, 20, 20 of each period, axes of tubes at 48, 48
