@@ -36,7 +36,7 @@ class Complex(NamedTuple):
 class Surfaces(Mapping[int, Mesh]):
     """The body of each label, by its value; made by `Volume.surfaces`.
 
-    A body is made when it is asked for: closed, manifold and oriented, with the positions and faces of its neighbors where they touch.
+    A body is made when it is requested: closed, manifold and oriented, with the positions and faces of its neighbors where they touch.
 
     Examples
     --------
