@@ -18,6 +18,7 @@
  *     Fewer triangles, Repair, Levels of detail, Booleans of meshes
  *     Levels by samples, Closest points, Distance fields   further ways from mesh to mesh, and measuring
  *     Set algebra, Morphology and distances, Components, Seeds and filling, Queries of grids
+ *     Mass
  *     Points, Volumes, Section contours, Refinement        other things that go in, voxels of several sizes
  *     Surfaces of labels                                   segmentations to bodies that share faces
  * What holds for all stages: docs/exactness.md. How each decides: docs/rules.md. What each call takes, and where its
@@ -1677,7 +1678,7 @@ BVX_API bvx_status bvx_grid_compare(bvx_context *context, const bvx_grid *a, con
 
 typedef struct bvx_measure_options {
     size_t struct_size;
-    double density; /**< mass of a unit of volume [Limit: > 0, finite] [Default: 1] */
+    double density; /**< mass of a unit of volume [Limit: > 0] [Default: 1] */
     int32_t resolution; /**< voxels along each axis of what has to be counted [Limit: 1..2048] [Default: 128] */
     int32_t reserved;
 } bvx_measure_options;

@@ -453,7 +453,7 @@ static bvx_status open_complex(label_work *w, uint64_t vertices, uint64_t faces)
     if (w->options.staircase) return BVX_OK;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 12, "the vertices' offsets", &w->net.offset));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, vertices * 24, "the vertices' links", &w->net.links));
-    memset(w->net.links, 0xff, vertices * 24);
+    memset(w->net.links, 0xff, (size_t)vertices * 24);
     return BVX_OK;
 }
 

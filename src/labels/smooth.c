@@ -280,7 +280,7 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
 
     BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
-    memset(w.other, 0, vertices * 12);
+    memset(w.other, 0, (size_t)vertices * 12);
     return bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
                            correct_pairs, &w);
 }

@@ -93,7 +93,7 @@ static bvx_status gather_near_faces(bvx_context *ctx, tangle *t)
     t->vertex_count = 0;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 24, "the near triangles", &t->triangles));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, faces * 16, "the near vertices", &t->vertices));
-    memset(t->index, 0xff, c->mesh.vertex_count * 4);
+    memset(t->index, 0xff, (size_t)c->mesh.vertex_count * 4);
     for (uint64_t f = 0; f < c->face_count; f++) {
         if (!is_near_face(t, f)) continue;
         for (uint64_t k = 0; k < 6; k++) {
@@ -149,7 +149,7 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
         BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, *count * 8, "the crossings", &pairs));
         BVXI_TRY(bvx_mesh_crossings(ctx, &view, count, pairs, *count));
     } else BVXI_TRY(status);
-    memset(t->blocks, 0, t->block_count);
+    memset(t->blocks, 0, (size_t)t->block_count);
     for (uint64_t i = 0; i < 2 * *count; i++)
         for (uint64_t k = 0; k < 3; k++) move_back(t, t->vertices[t->triangles[3 * (size_t)pairs[i] + k]]);
     return BVX_OK;
@@ -176,7 +176,7 @@ bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net)
     }
 
     /* Not seen yet; the staircase does not cross. */
-    memset(net->offset, 0, vertices * 12);
+    memset(net->offset, 0, (size_t)vertices * 12);
     for (uint64_t v = 0; v < vertices; v++) bvxi_net_put(net, v);
     return BVX_OK;
 }

@@ -251,6 +251,16 @@ static bvx_status crossings(void *user, bvx_context *ctx)
     return status;
 }
 
+/* Voxels counted over holes. */
+static bvx_status mass(void *user, bvx_context *ctx)
+{
+    bvx_measure_options o = {.struct_size = sizeof o, .resolution = 12};
+    bvx_measure_report report;
+    (void)user;
+    memset(&report, 0, sizeof report);
+    return end_with_plain(bvx_measure(ctx, &holes_view, &o, &report), &report, sizeof report);
+}
+
 static bvx_status distance(void *user, bvx_context *ctx)
 {
     bvx_distance_report report;
@@ -460,6 +470,7 @@ static fault_row stages[] = {
     {"check", check, 1, 1, 0},
     {"normals", normals, 1, 0, 0},
     {"crossings", crossings, 1, 1, 0},
+    {"mass", mass, 1, 1, 0},
     {"distance", distance, 1, 1, 0},
     {"read STL", read_stl, 1, 1, 0},
     {"read OBJ", read_obj, 1, 1, 0},

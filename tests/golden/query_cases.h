@@ -37,6 +37,19 @@ static uint64_t mixed_integers(uint64_t hash, const int32_t *values, uint64_t co
     return hash;
 }
 
+/* Of triangles that are summed up, and of voxels that are counted where a fifth of them is missing. */
+static void mass_values(golden *g, const bvx_mesh_view *view)
+{
+    bvx_measure_options o = {.struct_size = sizeof o, .density = 3.0, .resolution = 24};
+    bvx_measure_report whole, rest;
+    bvx_mesh_view open = *view;
+
+    open.triangle_count -= open.triangle_count / 5;
+    if (golden_good(g, bvx_measure(g->context, view, &o, &whole)) &&
+        golden_good(g, bvx_measure(g->context, &open, &o, &rest)))
+        golden_hex(g, "mass", mixed_doubles(mixed_doubles(0, &whole.volume, 15), &rest.volume, 15));
+}
+
 enum { QUERY_COUNT = 200, QUERY_PAIRS = 20000 };
 
 /* Points and rays from a fixed generator, in and around the torus. */
@@ -116,6 +129,7 @@ static void mesh_questions(golden *g, const bvx_mesh_view *view, bvx_mesh *surfa
         golden_u64(g, "edges", c.edges);
         golden_hex(g, "volume", mixed_doubles(mixed_doubles(0, &c.volume, 1), &c.area, 1));
     }
+    mass_values(g, view);
     /* across the body */
     for (uint32_t i = 0; i < 3 * QUERY_COUNT; i++) corners[i] = i * 37 % (uint32_t)view->vertex_count;
     loose.indices = corners;

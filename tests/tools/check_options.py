@@ -265,7 +265,7 @@ FILLED = {
     "convert": ["write", "read_volume", "keep", "context"],
     "render": ["render", "voxelize", "read_volume", "keep", "context"],
     "compare": ["context"],
-    "info": ["read_volume", "context"],
+    "info": ["measure", "read_volume", "context"],
 }
 # Rows whose name is not the field's.
 SYNONYMS = {

@@ -1,4 +1,4 @@
-/* measure.c - volume, centre of mass and inertia of the body that a mesh encloses: bvx_measure.
+/* mass.c - volume, centre of mass and inertia of the body that a mesh encloses: bvx_measure.
  *
  * BVX_FILL_AUTO decides what is inside, and shows how far triangles can be trusted. Closed shells that cross
  * nothing and face one way, as given or once flipped triangles have been turned, are summed over: each triangle
@@ -19,7 +19,7 @@
 
 static const char mass_name[] = "bvx_measure";
 
-enum { MASS_GRAIN = 4096, MEASURE_RESOLUTION = 128, MEASURE_MOST = 2048 };
+enum { MASS_GRAIN = 4096, MEASURE_RESOLUTION = 128 };
 
 #define MEASURE_ROUNDING 0x1p-46 /* of all products, in sums that are compensated */
 
@@ -429,7 +429,7 @@ static bvx_status mass_of_body(bvx_context *ctx, const bvx_mesh_view *mesh, meas
 
 static const bvxi_option mass_rows[] = {
     BVXI_OR(bvx_measure_options, density, ABOVE, 1.0, 0.0, BVXI_FINITE),
-    BVXI_OR(bvx_measure_options, resolution, WHOLE, MEASURE_RESOLUTION, 1, MEASURE_MOST),
+    BVXI_OR(bvx_measure_options, resolution, WHOLE, 128, 1, 2048),
     BVXI_RESERVED(bvx_measure_options, reserved),
 };
 
