@@ -510,8 +510,9 @@ const cli_command cli_info = {
         "(.raw, with --shape and --sample-type). Several files are reported one after the other; --json "
         "lists them.",
     .example = "bitvox info fixtures/knot.ply\n"
-               "bitvox info fixtures/knot.ply --crossings --json\n"
                "bitvox info fixtures/knot.ply --measure --density 2700",
+    .most = "--crossings --measure --density --resolution --shape --sample-type --voxel-size --memory-limit "
+            "--threads --json --progress --quiet",
     .rows = info_rows,
     .own = sizeof(info_options),
     .choose = choose_info};
