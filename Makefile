@@ -373,4 +373,8 @@ golden: $(call built,,$(golden_tests)) $(BUILD)/libbitvox.so ## recompute golden
 bench: bench-programs program ## speed, memory and quality beside other libraries (pip, in build/bench/venv)
 	@BUILD=$(BUILD) BENCHES=$(folder)/tests/bench sh tests/bench/run.sh
 
+bench-pages: ## put the tables of the last bench into README.md and docs/measured.md
+	@cp $(BUILD)/bench/report.json docs/measured.json
+	@python3 tests/bench/page.py fill docs/measured.json README.md docs/measured.md
+
 endif

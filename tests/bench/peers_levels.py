@@ -3,7 +3,7 @@
 Writes OUT/levels.md, levels_each.md (every level), levels.json (the same as numbers), levels.jsonl (what was to be reached).
 
 PROGRAM is bitvox. Ours gets the file; the others get it welded (vertices at equal positions merged, triangles with two equal
-corners dropped), which is kinder to them than the file. Open meshes have a table of their own. All are measured by levels_judge.py against the file's triangles.
+corners dropped), which is kinder to them than the file. All are measured by levels_judge.py against the file's triangles.
 
 What the others made is kept in OUT/levels by input, version and count, so that a second run measures ours alone.
     BENCH_LEVELS_OPTIONS=...  more options of `bitvox lod`, such as --collapse 4
@@ -36,8 +36,9 @@ command = os.environ.get("BENCH_LEVELS_COMMAND", "lod IN -o OUT --triangles COUN
 SHARES = (0.10, 0.03, 0.01)
 CAD_SHARE, CAD_FILES = 0.05, ("fandisk", "rocker-arm", "gears", "thingi_72214")
 LARGE, LARGE_TARGETS = "dragon_vrip_871414", (27000, 4000)
+ASSETS = {"stratocaster": 4300, "dungeon": 5000, "terrain_turbineSiting": 5000, "motorBike": 80000, "cow": 2900}  # parts, borders, bad vertices
 PEER_SECONDS = 900
-OURS = "bitvox"
+OURS, SOLID = "bitvox", "the same with `--solid`"
 NAMES = (OURS, *PEERS)
 MORE = 1.02  # a level with more triangles than this times the count asked for did not reach it
 SAME = 1e-4  # percent of the diagonal, about what floats lose: levels within it count as equally near
@@ -190,7 +191,7 @@ def job_ms(report, level):
     return total
 
 
-def run_ours(source, targets, tag):
+def run_ours(source, targets, tag, more=""):
     """One call for all counts; a level that it does not write is tried alone. Returns (path, ms) or a reason for each."""
     made = {}
     chain = "COUNTS" in command.split()
@@ -198,18 +199,18 @@ def run_ours(source, targets, tag):
         group = [t for t in group if not isinstance(made.get(t), tuple)]
         if group:
             pattern = os.path.join(folder, f"ours_{source.name}_{tag}_%d.ply")
-            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0)
+            call_ours(made, source.path, group, pattern, pattern if chain else pattern % 0, more)
     return made
 
 
-def call_ours(made, path, group, pattern, result):
+def call_ours(made, path, group, pattern, result, more):
     for i in range(len(group)):
         if os.path.exists(pattern % i):
             os.remove(pattern % i)
     counts = ",".join(map(str, group))
     words = {"IN": path, "OUT": result, "COUNTS": counts, "COUNT": counts}
     line = [program] + [words.get(word, word) for word in shlex.split(command)]
-    line += shlex.split(os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
+    line += shlex.split(more + " " + os.environ.get("BENCH_LEVELS_OPTIONS", "")) + ["--json", "--quiet"]
     done = subprocess.run(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     try:
@@ -246,12 +247,15 @@ def check_judge(source, level):
 def measure_input(source, targets, tag, with_sharp=False):
     """Rows {target, triangles, shape, NAME: result} of an input."""
     made = run_ours(source, targets, tag)
+    solid = run_ours(source, targets, tag + "_solid", "--solid") if tag == "large" else {}
     for name in available:
         run_peer(name, source, targets)
     rows = []
     for target in targets:
         row = {"input": source.name, "triangles": source.count, "target": target, "set": tag, "shape": source.shape(), "by": {}}
         row["by"][OURS] = our_level(made[target], source, with_sharp)
+        if solid:
+            row["by"][SOLID] = our_level(solid[target], source, with_sharp)
         for name in available:
             row["by"][name] = peer_level(name, source, target, with_sharp)
         rows.append(row)
@@ -356,6 +360,25 @@ def show_cad(rows, file):
           [[r["input"], *(values(r, n) for n in names)] for r in rows], file)
 
 
+def show_first_page(rows, file):
+    """The large dragon, a library a row, with our measured surface beside."""
+    given = rows[0]["shape"]["crossing_triangles"]
+    asked = [f"{r['target']:,}" for r in rows]
+    lines = []
+    for name in (OURS, SOLID, *available):
+        levels = [r["by"][name] for r in rows if usable(r, name)]
+        if len(levels) == len(rows):
+            counts = [", ".join(str(level[key]) for level in levels) for key in ("nonmanifold_edges", "crossing_triangles")]
+            title = f"`bitvox lod --triangles {','.join(str(r['target']) for r in rows)}`" if name == OURS else name
+            lines.append([title, *(f"{level['mean']:.4f}" for level in levels), *counts, f"{levels[0]['ms'] / 1e3:.2f} s"])
+    print("\n### The large dragon by each", file=file)
+    table(["", *asked, "non-manifold edges", f"crossing triangles, of {given} given", f"time to {asked[0]}"], lines, file)
+
+
+def show_times(rows, file):
+    table(["ms, one thread", *NAMES], [[r["input"], *(f"{r['by'][n]['ms']:.0f}" if usable(r, n) else "-" for n in NAMES)] for r in rows], file)
+
+
 def show_details(rows, file):
     lines = []
     for r in rows:
@@ -384,16 +407,15 @@ def write_tables(sets, off, file):
         if sets[share]:
             show_distances(f"Real meshes at {100 * share:.0f} %", sets[share], file)
     show_nearer({f"at {100 * share:.0f} %": sets[share] for share in SHARES}, file)
-    if sets["open"]:
-        show_distances("Open meshes that keep their borders", sets["open"], file)
-        show_nearer({"with borders": sets["open"]}, file)
     if sets["large"]:
         show_distances("The large dragon", sets["large"], file)
+        show_first_page(sets["large"], file)
+    if sets["asset"]:
+        show_distances("Assets of many parts, with borders and bad vertices", sets["asset"], file)
+        show_times(sets["asset"], file)
     if sets["cad"]:
         show_cad(sets["cad"], file)
     show_sums("Defects and time, real meshes", sum((sets[s] for s in SHARES), []), file)
-    if sets["open"]:
-        show_sums("Defects and time, open meshes that keep their borders", sets["open"], file)
     show_sums("Defects and time, the large dragon and parts", sets["large"] + sets["cad"], file)
     if off:
         print(f"\n`bitvox compare` agrees with these distances within {max(map(abs, off)):.1f} % on {len(off)} levels.", file=file)
@@ -406,9 +428,6 @@ def write_targets(sets, file):
     def say(title, value, unit, target, below):
         print(json.dumps({"title": title, "value": value, "unit": unit, "target": target, "below": below}), file=file)
 
-    if sets["open"]:
-        count, both = nearer(sets["open"], "meshoptimizer")
-        say("levels: levels with borders nearer than meshoptimizer's", count, "levels", both, False)
     for row, goal in zip(sets["large"], (0.0115, 0.054)):
         if usable(row, OURS):
             say(f"levels: large dragon to {row['target']:,}", row["by"][OURS]["mean"], "% of the diagonal", goal, True)
@@ -417,7 +436,7 @@ def write_targets(sets, file):
         say(f"levels: meshes nearer than by meshoptimizer at {100 * share:.0f} %", count, "meshes", 17, False)
     parts = nearer(sets["cad"], "meshoptimizer", 1.2)
     say("levels: parts at most 1.2 times as far as by meshoptimizer at 5 %", parts[0], "parts", parts[1], False)
-    found = [defects(r, OURS) for key, rows in sets.items() for r in rows if key != "open" and usable(r, OURS)]
+    found = [defects(r, OURS) for rows in sets.values() for r in rows if usable(r, OURS)]
     for key, title in (("crossing_triangles", "crossing triangles"), ("components", "components that the input has not")):
         say(f"levels: {title}", sum(d[key] for d in found), "in all", 0, True)
 
@@ -444,10 +463,10 @@ def jobs_of(real, parts):
     for source in real:
         counts = source.targets(SHARES)
         yield source, counts, "share"
-        if source.shape()["boundary_edges"] and command.startswith("lod "):
-            yield source, counts, "open"
         if source.name in CAD_FILES:
             yield source, source.targets([CAD_SHARE]), "cad"
+        if source.name in ASSETS:
+            yield source, [ASSETS[source.name]], "asset"
         if source.name == LARGE:
             yield source, list(LARGE_TARGETS), "large"
     for source in parts:
@@ -455,7 +474,7 @@ def jobs_of(real, parts):
 
 
 def measure_all(jobs):
-    sets = {share: [] for share in SHARES} | {"large": [], "cad": [], "open": []}
+    sets = {share: [] for share in SHARES} | {"large": [], "cad": [], "asset": []}
     off = []
     for source, counts, tag in jobs:
         rows = measure_input(source, counts, tag, tag == "cad")

@@ -1,12 +1,16 @@
-"""report.py - puts what was measured beside what was to be reached: FOLDER/report.md and FOLDER/ours.json.
+"""report.py - puts what was measured beside what was to be reached: FOLDER/report.md, and FOLDER/report.json for pages (page.py).
 
     report.py FOLDER
 
 Needs nothing but Python. Ratios are peer's time : our time, so larger is better; a target is a ratio, a time in
 milliseconds or a distance in percent.
 """
+import datetime
 import json
 import os
+import platform
+import re
+import subprocess
 import sys
 
 folder = sys.argv[1]
@@ -209,11 +213,9 @@ if second:
 
 # ---- the paper, what is missing ----
 
-if os.path.exists(path("files.md")):
-    say("", "## Files", "", "From bytes in memory to arrays, one thread. STL is welded by us, not by the raw readers.", "")
-    with open(path("files.md")) as file:
-        say(file.read().rstrip())
+texts = {"speed": "\n".join(out)}
 tables = (
+    ("files.md", "Files"),
     ("voxels.md", "Surfaces of voxels, fills, the TIN paper's tables"),
     ("peers_voxels.md", "Surfaces of voxels by others"),
     ("fills.md", "Fills beside winding numbers"),
@@ -230,6 +232,9 @@ tables = (
     ("peers_morph.md", "Morphology by others"),
     ("step.md", "The repair paper's experiment"),
     ("levels.md", "Levels of detail by others"),
+    ("sections.md", "Bodies from sections"),
+    ("planes.md", "Bodies from planes of any direction, by others"),
+    ("paper.md", "The LOD paper's tables"),
 )
 if any(os.path.exists(path(name)) for name, _ in tables):
     rows = []
@@ -241,20 +246,48 @@ if any(os.path.exists(path(name)) for name, _ in tables):
 for name, title in tables:
     if os.path.exists(path(name)):
         say("", "## " + title, "")
-        with open(path(name)) as file:
-            say(file.read().rstrip())
-if os.path.exists(path("paper.md")):
-    say("", "## The LOD paper's tables", "", "The paper's: one thread of an i7-4720HQ at 2.6 GHz, other copies of the models.")
-    say("Aphrodite is not to be had; Nefertiti stands for it and for the head. Totals and rates: the edge ratio, the paper's own.")
-    with open(path("paper.md")) as file:
-        say(file.read().rstrip())
+        with open(path(name), encoding="utf-8") as file:
+            texts[name.removesuffix(".md")] = file.read().rstrip()
+        say(texts[name.removesuffix(".md")])
 if peers.get("versions"):
     say("", "Versions: " + ", ".join(f"{k} {v}" for k, v in peers["versions"].items()) + ".")
 if peers["missing"]:
     say("", "## Missing", "")
     say(*(f"- {k}: {v}" for k, v in peers["missing"].items()))
 
-with open(path("report.md"), "w") as file:
+
+
+# ---- the run, for pages ----
+
+
+def first_line(*command):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[0]
+    except (OSError, subprocess.CalledProcessError, IndexError):
+        return "unknown"
+
+
+def processor():
+    try:
+        with open("/proc/cpuinfo") as file:
+            return re.search(r"model name\s*: (.*)", file.read())[1]
+    except (OSError, TypeError):
+        return platform.machine()
+
+
+about = {
+    "processor": f"{processor()}, {os.cpu_count()} processors",
+    "compiler": first_line(os.environ.get("CC", "cc"), "--version"),
+    "system": platform.system() + " " + platform.machine(),
+    "date": datetime.date.today().isoformat(),
+    "load before and after": f"{loads[0]}, {loads[-1]}",
+    "others": ", ".join(f"{k} {v}" for k, v in peers.get("versions", {}).items()) or "none",
+    "missing": "; ".join(f"{k}: {v}" for k, v in peers["missing"].items()) or "none",
+}
+texts["run"] = "\n".join(["| the run | |", "|---|---|"] + [f"| {k} | {v} |" for k, v in about.items()])
+with open(path("report.md"), "w", encoding="utf-8") as file:
     file.write("\n".join(out) + "\n")
-with open(path("ours.json"), "w") as file:
-    json.dump({"core": core, "quality": ours, "judged": judged, "peers": peers, "load": loads}, file, indent=1)
+with open(path("report.json"), "w", encoding="utf-8") as file:
+    rows = {"core": core, "quality": ours, "judged": judged, "peers": peers}
+    json.dump({"about": about, "texts": texts, "rows": rows}, file, indent=1)
+    file.write("\n")

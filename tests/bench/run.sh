@@ -7,14 +7,8 @@
 #     BENCH_RUNS=N          runs of each of our jobs [25]
 #     BENCH_PEERS=0         leave the other libraries out
 #     BENCH_PYTHON=PROGRAM  a Python that has the other libraries, instead of the venv
-#     BENCH_ONLY=voxels     surfaces of voxels, fills and refinement alone; their tables are then printed, without a report
-#     BENCH_ONLY=field      distance fields, repair and its paper's experiment alone
-#     BENCH_ONLY=grids      set algebra and booleans of meshes alone
-#     BENCH_ONLY=morph      morphology and distances of grids alone
-#     BENCH_ONLY=volumes    thresholds and surfaces of scalar volumes alone
-#     BENCH_ONLY=components parts of grids alone
-#     BENCH_ONLY=levels     levels of detail beside other libraries alone
-#     BENCH_ONLY=calls      the smallest call of each kind, and no more than that; in Python too where BENCH_PYTHON has the package
+#     BENCH_ONLY=a,b        these parts alone, without a report: core files voxels field grids morph volumes components levels sections
+#                           paper, and calls: the smallest call of each kind, in Python too where BENCH_PYTHON has the package
 #     BENCH_VDB_FLAGS=...   for the C++ compiler: where OpenVDB is, when not in the usual folders
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -126,90 +120,39 @@ measure_levels() {
     fi
 }
 
-if [ "$BENCH_ONLY" = calls ]; then
-    "$BENCHES/bench_calls" | tee "$out/calls.md"
-    if [ -n "$BENCH_PYTHON" ]; then "$BENCH_PYTHON" tests/bench/calls.py | tee -a "$out/calls.md"; fi
-    exit 0
-fi
-find_python
-if [ "$BENCH_ONLY" = levels ]; then
-    measure_levels
-    cat "$out/levels.jsonl" 2>/dev/null
-    load >>"$out/load"
-    exit 0
-fi
-if [ "$BENCH_ONLY" = components ]; then
-    measure_components
-    load >>"$out/load"
-    exit 0
-fi
-if [ "$BENCH_ONLY" = volumes ]; then
-    measure_volumes
-    exit 0
-fi
-if [ "$BENCH_ONLY" = grids ]; then
-    measure_grids
-    cat "$out/grids.jsonl" "$out/peers_grids.jsonl" 2>/dev/null
-    load >>"$out/load"
-    exit 0
-fi
-if [ "$BENCH_ONLY" = morph ]; then
-    measure_morph
-    cat "$out/morph.jsonl"
-    load >>"$out/load"
-    exit 0
-fi
-if [ "$BENCH_ONLY" = field ]; then
-    measure_field
-    cat "$out/field.jsonl" "$out/peers_field.jsonl" 2>/dev/null
-    load >>"$out/load"
-    exit 0
-fi
-if [ "$BENCH_ONLY" = voxels ]; then
-    measure_voxels
-    cat "$out/voxels.jsonl" "$out/refine.jsonl"
-    load >>"$out/load"
-    exit 0
-fi
-rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl" "$out/report.md"
-
-echo "== ours"
-"$BENCHES/bench_core" "$mesh" "$out" "$BENCH_RUNS" | tee "$out/core.txt"
-[ -s "$out/solid.json" ] || exit 1
-echo "== levels of detail: distance to the original, two-way in percent of the diagonal"
-"$BENCHES/bench_quality" ours "$mesh" "$out/ours" 2>&1 >"$out/ours.jsonl" | tee "$out/quality.txt"
-
-if [ -n "$python" ]; then
+measure_core() {
+    rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl"
+    echo "== ours"
+    "$BENCHES/bench_core" "$mesh" "$out" "$BENCH_RUNS" | tee "$out/core.txt"
+    [ -s "$out/solid.json" ] || exit 1
+    echo "== levels of detail: distance to the original, two-way in percent of the diagonal"
+    "$BENCHES/bench_quality" ours "$mesh" "$out/ours" 2>&1 >"$out/ours.jsonl" | tee "$out/quality.txt"
+    if [ -z "$python" ]; then return; fi
     echo "== other libraries (least and median milliseconds, ours in turns with them)"
     peer tests/bench/peers.py "$out" "$BENCHES/bench_turns"
     if [ -d "$out/peers" ]; then
         "$BENCHES/bench_quality" judge "$mesh" "$out"/peers/*.ply 2>&1 >"$out/judged.jsonl" | tee -a "$out/quality.txt"
     fi
-fi
+}
 
-echo "== files"
-mkdir -p "$out/files"
-rm -f "$out/files.md"
-"$BENCHES/bench_files" "$mesh" "$out" 9 >"$out/files.jsonl" && cat "$out/files.jsonl"
-if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
+measure_files() {
+    echo "== files"
+    mkdir -p "$out/files"
+    rm -f "$out/files.md"
+    "$BENCHES/bench_files" "$mesh" "$out" 9 >"$out/files.jsonl" && cat "$out/files.jsonl"
+    if [ -n "$python" ]; then "$python" tests/bench/peers_files.py "$out" && cat "$out/files.md"; fi
+}
 
-measure_voxels
-measure_field
-measure_grids
-measure_morph
-measure_volumes
-measure_components
-
-measure_levels
-
-echo "== bodies from sections"
-"$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
-if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
-if [ -n "$python" ] && "$python" -c 'import scipy, skimage, itk' 2>/dev/null; then
-    "$python" tests/bench/peers_planes.py "$out" "$BUILD/bitvox" "$MESHES" >"$out/planes.md" && cat "$out/planes.md"
-fi
-contours=${CONTOURS:-$MESHES/../contours}
-if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
+measure_sections() {
+    rm -f "$out/sections.md" "$out/planes.md" "$out/blend.md"
+    echo "== bodies from sections"
+    "$BENCHES/bench_sections" "$out" 9 >"$out/sections.md" && cat "$out/sections.md"
+    if [ -n "$python" ]; then "$python" tests/bench/peers_sections.py "$out" 9 | tee -a "$out/sections.md"; fi
+    if [ -n "$python" ] && "$python" -c 'import scipy, skimage, itk' 2>/dev/null; then
+        "$python" tests/bench/peers_planes.py "$out" "$BUILD/bitvox" "$MESHES" >"$out/planes.md" && cat "$out/planes.md"
+    fi
+    contours=${CONTOURS:-$MESHES/../contours}
+    if [ ! -e "$contours/pig_heart_A05.tsv.gz" ]; then return; fi
     for frame in 10 29; do # a heart's inner and outer wall, and both
         for part in 0 1 2; do
             gzip -dc "$contours/pig_heart_A05.tsv.gz" | awk -v f=$frame -v c=$part 'BEGIN { print "section,position,loop,x,y" }
@@ -219,11 +162,27 @@ if [ -e "$contours/pig_heart_A05.tsv.gz" ]; then
     "$BENCHES/bench_blend" "$contours"/orex_eight_15.csl.gz "$contours"/orex_SideBishop.csl "$out"/heart_*.csv "$MESHES"/rocker-arm.obj.gz \
         "$MESHES"/cow.obj.gz "$MESHES"/fandisk.obj.gz "$MESHES"/nefertiti_100k.obj.gz "$MESHES"/dragon_100k.obj.gz "$MESHES"/unit_sphere.stl.gz \
         "$MESHES"/gears.stl.gz >"$out/blend.md" && cat "$out/blend.md"
-fi
+}
 
-echo "== the LOD paper's tables"
-"$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
-load >>"$out/load"
+measure_paper() {
+    echo "== the LOD paper's tables"
+    "$BENCHES/bench_paper" "$MESHES" >"$out/paper.md" && echo "in $out/paper.md"
+}
+
+measure_calls() {
+    "$BENCHES/bench_calls" | tee "$out/calls.md"
+    if [ -n "$BENCH_PYTHON" ]; then "$BENCH_PYTHON" tests/bench/calls.py | tee -a "$out/calls.md"; fi
+}
+
+find_python
+if [ -z "$BENCH_ONLY" ]; then rm -f "$out/report.md" "$out/report.json"; fi
+for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,components,levels,sections,paper}" | tr , ' '); do
+    started=$(date +%s)
+    "measure_$part"
+    echo "== $part took $(($(date +%s) - started)) s"
+    load >>"$out/load"
+done
+if [ -n "$BENCH_ONLY" ]; then exit 0; fi
 
 if command -v python3 >/dev/null 2>&1; then
     python3 tests/bench/report.py "$out" || exit 1

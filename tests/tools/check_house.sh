@@ -281,6 +281,7 @@ add_script abi "$(log_of abi)" $?
 check 'links of the pages' sh tests/tools/check_docs.sh links
 check 'C examples of the pages' sh tests/tools/check_docs.sh programs
 check 'commands of the pages' sh tests/tools/check_docs.sh commands
+check 'figures of the pages' python3 tests/bench/page.py check docs/measured.json README.md docs/measured.md
 check 'pictures of the pages' sh tests/tools/check_docs.sh pictures
 check 'all sources as one unit' as_one_unit
 check 'amalgamation' amalgamation
