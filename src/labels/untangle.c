@@ -2,8 +2,8 @@
  *
  * Where junctions have become straight, narrow faces beside them may fold over. Crossings are found exactly
  * (nearest/crossing_pairs.c), and the vertices of both triangles go half the way to their cells' centres, the third
- * time all of it. On the staircase nothing crosses, so it ends; what was moved has crossings only near it, so later
- * rounds look there alone. Sheets away from junctions have not been seen to cross and are left out.
+ * time all of it. On the staircase nothing crosses, so it ends. The first round looks at all triangles; what was
+ * moved has crossings only near it, so later rounds look there alone.
  * Guarantee: pairs are listed in the order of triangles, and each vertex moves once a round, so the result follows
  * from the labels alone. */
 #include "labels/labels.h"
@@ -51,25 +51,17 @@ static void mark_near_blocks(const tangle *t, uint64_t vertex)
             for (b[0] = low[0]; b[0] <= high[0]; b[0]++) t->blocks[block_at(t, b)] = 1;
 }
 
-/* Vertices whose faces are looked at: first those at junctions and beside them, then those near what was moved. */
-static void choose_near(tangle *t, int first)
+/* Vertices near what was moved, whose faces are looked at. */
+static void choose_near(tangle *t)
 {
     const bvx_complex *const c = t->net->complex;
 
     for (uint64_t v = 0; v < c->mesh.vertex_count; v++) {
-        int near = c->junctions[v] != 0;
-        if (first) {
-            for (int side = 0; side < 6 && !near; side++) {
-                uint32_t const link = t->net->links[6 * v + (uint64_t)side];
-                near = link != UINT32_MAX && c->junctions[link] != 0;
-            }
-        } else {
-            uint64_t cell[3];
-            cell_of(c, v, cell);
-            for (int a = 0; a < 3; a++) cell[a] /= BLOCK;
-            near = t->blocks[block_at(t, cell)];
-        }
-        t->state[v] = (uint8_t)((t->state[v] & ~(IS_NEAR | IS_MOVED)) | (near ? IS_NEAR : 0));
+        uint64_t cell[3];
+        cell_of(c, v, cell);
+        for (int a = 0; a < 3; a++) cell[a] /= BLOCK;
+        t->state[v] = (uint8_t)((t->state[v] & ~(IS_NEAR | IS_MOVED)) |
+                                (t->blocks[block_at(t, cell)] ? IS_NEAR : 0));
     }
 }
 
@@ -132,16 +124,19 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     uint32_t *pairs;
 
     *count = 0;
-    choose_near(t, first);
-    BVXI_TRY(gather_near_faces(ctx, t));
-    bvx_mesh_view const view = {.positions = t->positions,
-                                .indices = t->triangles,
-                                .vertex_count = t->vertex_count,
-                                .triangle_count = t->triangle_count,
-                                .position_type = (uint32_t)c->mesh.position_type,
-                                .index_type = BVX_U32};
+    bvx_mesh_view view;
+    bvx_mesh_view_of(&c->mesh, &view);
+    const uint32_t *corners = c->mesh.triangles;
+    if (!first) {
+        choose_near(t);
+        BVXI_TRY(gather_near_faces(ctx, t));
+        view.positions = t->positions;
+        view.indices = corners = t->triangles;
+        view.vertex_count = t->vertex_count;
+        view.triangle_count = t->triangle_count;
+    }
     /* Far more than there are; else they are searched for again. */
-    uint64_t const capacity = t->triangle_count;
+    uint64_t const capacity = view.triangle_count;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, capacity * 8, "the crossings", &pairs));
     bvx_status const status = bvx_mesh_crossings(ctx, &view, count, pairs, capacity);
     if (status == BVX_ERR_CAPACITY) {
@@ -151,7 +146,10 @@ static bvx_status look_for_crossings(bvx_context *ctx, tangle *t, int first, uin
     } else BVXI_TRY(status);
     memset(t->blocks, 0, (size_t)t->block_count);
     for (uint64_t i = 0; i < 2 * *count; i++)
-        for (uint64_t k = 0; k < 3; k++) move_back(t, t->vertices[t->triangles[3 * (size_t)pairs[i] + k]]);
+        for (uint64_t k = 0; k < 3; k++) {
+            uint32_t const v = corners[3 * (size_t)pairs[i] + k];
+            move_back(t, first ? v : t->vertices[v]);
+        }
     return BVX_OK;
 }
 

@@ -307,6 +307,7 @@ def everything(mesh, grid):
                                   grid.transform([[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]))],
         grid.distance("signed", nearest=True)[1].tobytes(), grid.distance(squares=True).tobytes(), grid.coverage(3).tobytes(), grid.content(),
         volume.threshold(-20, 5).content_hash(), volume.surface(-3, keys=True).content_hash(), volume.labels(), volume.label(10).count,
+        volume.surfaces()[10].content_hash(),
         grid.components().tobytes(), grid.label(connectivity=26).tobytes(), grid.keep(largest=1).content_hash(), grid.fill_cavities().content_hash(),
         grid.topology(), [level.content_hash() for level in bitvox.lod(mesh, triangles=(300, 100))],
         bitvox.simplify(mesh, error="1%").content_hash(),

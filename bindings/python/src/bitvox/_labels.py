@@ -26,6 +26,12 @@ class Complex(NamedTuple):
         (m, 3) vertex indices; two after one another make the face between two voxels.
     sides
         (m, 2) the labels behind each triangle and in front of it, from where it is seen counter-clockwise.
+
+    Examples
+    --------
+    >>> faces = bitvox.Volume(np.arange(27).reshape(3, 3, 3) % 3).surfaces().complex
+    >>> len(faces.faces), np.unique(faces.sides, axis=0).tolist()
+    (102, [[1, 0], [1, 2], [2, 0]])
     """
 
     vertices: Array
@@ -45,8 +51,12 @@ class Surfaces(Mapping[int, Mesh]):
     [(1, 60), (2, 60)]
     """
 
-    __slots__ = ("_background", "_c", "_place", "_type", "labels")
-
+    __slots__ = ("_at", "_background", "_c", "_place", "_type", "labels")
+    _at: dict[int, int]
+    _background: int
+    _c: Any
+    _place: Callable[[Mesh], Mesh]
+    _type: str
     labels: list[Label]
 
     @classmethod
@@ -54,23 +64,19 @@ class Surfaces(Mapping[int, Mesh]):
         self = cls.__new__(cls)
         found = [record(made.labels[i]) for i in range(made.label_count)]
         self.labels = [one._replace(value=one.value % 2**64) for one in found] if unsigned else found
+        self._at = {one.value: i for i, one in enumerate(self.labels)}
         self._c, self._place, self._background = made, place, background
         self._type = "uint64" if unsigned else "int64"
         return self
 
     def __getitem__(self, value: int) -> Mesh:
-        for i, one in enumerate(self.labels):
-            if one.value == value:
-                break
-        else:
-            raise KeyError(value)
-        mesh = new_mesh()
+        at, mesh = self._at[value], new_mesh()
         with Run() as run:
-            run.check(lib.bvx_label_mesh(run.context, self._c, i, mesh))
+            run.check(lib.bvx_label_mesh(run.context, self._c, at, mesh))
         return self._place(Mesh._made(mesh))
 
     def __iter__(self) -> Iterator[int]:
-        return iter([one.value for one in self.labels])
+        return iter(self._at)
 
     def __len__(self) -> int:
         return len(self.labels)

@@ -160,10 +160,12 @@ class Pieces(Placed):
         return _welded(found) if level or not found else merge(found)
 
     def save(self, path: str | os.PathLike[str], level: int = 0) -> None:
-        """Write a level as one file, .ply or .stl by its ending, piece after piece.
+        """Write a level as one file, piece after piece.
 
         Parameters
         ----------
+        path
+            ends in .ply or .stl.
         level
             0 is the finest.
 

@@ -266,7 +266,14 @@ class Volume(Placed):
     def __rsub__(self, other: Any) -> Volume:
         return self._combined(_from_other, other)
 
-    __ror__, __rand__, __rxor__ = __or__, __and__, __xor__
+    def __ror__(self, other: Any) -> Volume:
+        return self._combined(operator.or_, other)
+
+    def __rand__(self, other: Any) -> Volume:
+        return self._combined(operator.and_, other)
+
+    def __rxor__(self, other: Any) -> Volume:
+        return self._combined(operator.xor, other)
 
     def __invert__(self) -> Volume:
         return self.map(operator.invert)
