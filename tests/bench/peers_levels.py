@@ -1,4 +1,4 @@
-"""peers_levels.py OUT PROGRAM MESHES - levels of detail by us and by others: nearness, defects, time.
+"""peers_levels.py OUT PROGRAM MESHES - levels of detail by us and by others: nearness, defects.
 
 Writes OUT/levels.md, levels_each.md (every level), levels.json (the same as numbers), levels.jsonl (what was to be reached).
 
@@ -327,7 +327,7 @@ def defects(row, name):
 
 
 def show_sums(title, rows, file):
-    """Over all rows: levels with each kind of defect, and time."""
+    """Over all rows: levels with each kind of defect. No times: the others' may be of an earlier run."""
     lines = []
     for name in NAMES:
         good = [r for r in rows if usable(r, name)]
@@ -335,12 +335,11 @@ def show_sums(title, rows, file):
             continue
         found = [defects(r, name) for r in good]
         bad = [sum(d[key] > 0 for d in found) for key in ("nonmanifold_edges", "boundary_edges", "components", "crossing_triangles")]
-        times = sum(r["by"][name]["ms"] for r in good)
         more = sum(not reached(r, name) for r in good)
-        lines.append([name, len(good), more, *bad, sum(d["crossing_triangles"] for d in found), f"{times / 1e3:.1f} s"])
+        lines.append([name, len(good), more, *bad, sum(d["crossing_triangles"] for d in found)])
     print(f"\n### {title}", file=file)
     table(["", "levels", "more triangles than asked", "with more non-manifold edges than the input", "more boundary edges",
-           "more components", "with crossing triangles", "crossing triangles", "time"], lines, file)
+           "more components", "with crossing triangles", "crossing triangles"], lines, file)
 
 
 def show_cad(rows, file):
@@ -399,7 +398,7 @@ def write_tables(sets, off, file):
     """Everything but the single levels."""
     print("Distances of surfaces in percent of the diagonal of the input's bounds: mean of both ways' means, "
           f"{levels_judge.SAMPLES:,} points each way. A star: the nearest of those that reach the count; a plus: more triangles than "
-          "asked for, so the distance says little. Others get the welded mesh. Times: one thread; ours is the whole job.", file=file)
+          "asked for, so the distance says little. Others get the welded mesh.", file=file)
     for share in SHARES:
         if sets[share]:
             show_distances(f"Real meshes at {100 * share:.0f} %", sets[share], file)
@@ -411,8 +410,8 @@ def write_tables(sets, off, file):
         show_distances("Assets of many parts, with borders and bad vertices", sets["asset"], file)
     if sets["cad"]:
         show_cad(sets["cad"], file)
-    show_sums("Defects and time, real meshes", sum((sets[s] for s in SHARES), []), file)
-    show_sums("Defects and time, the large dragon and parts", sets["large"] + sets["cad"], file)
+    show_sums("Defects, real meshes", sum((sets[s] for s in SHARES), []), file)
+    show_sums("Defects, the large dragon and parts", sets["large"] + sets["cad"], file)
     if off:
         print(f"\n`bitvox compare` agrees with these distances within {max(map(abs, off)):.1f} % on {len(off)} levels.", file=file)
     print("\nVersions: " + ", ".join(f"{n} {version_of(n)}" for n in available) + ".", file=file)

@@ -174,7 +174,7 @@ measure_calls() {
     if [ -n "$BENCH_PYTHON" ]; then "$BENCH_PYTHON" tests/bench/calls.py | tee -a "$out/calls.md"; fi
 }
 
-find_python
+if [ "$BENCH_ONLY" != calls ]; then find_python; fi
 if [ -z "$BENCH_ONLY" ]; then rm -f "$out/report.md" "$out/report.json"; fi
 for part in $(echo "${BENCH_ONLY:-core,files,voxels,field,grids,morph,volumes,components,levels,sections,paper}" | tr , ' '); do
     started=$(date +%s)
