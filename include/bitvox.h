@@ -1701,11 +1701,12 @@ typedef struct bvx_measure_report {
 } bvx_measure_report;
 
 /** Volume, area, centre of mass and inertia of the body that a mesh encloses, with bounds of their errors. What is
- *  inside is what BVX_FILL_AUTO fills. Of sound closed shells (BVX_FILL_REASON_SOUND) without crossing triangles,
- *  flipped ones turned, the moments of triangles are summed up: the errors are those of rounding. Several shells need a
- *  resolution of 128 for it. Of meshes with holes, crossings or cavities that face outwards, voxels of 1/resolution of
- *  the bounds along each axis are counted: the bounds are what all voxels at the surface can make; over a hole the body
- *  ends where its winding number passes a half. Vertices have no frame here: add a mesh's own to center.
+ *  inside is what BVX_FILL_AUTO fills. Of one sound closed shell (BVX_FILL_REASON_SOUND) without crossing triangles,
+ *  flipped ones turned, the moments of triangles are summed up: the errors are those of rounding. Of several shells, and
+ *  of meshes with holes, crossings or cavities that face outwards, voxels of 1/resolution of the bounds along each axis
+ *  are counted: the bounds are what all voxels at the surface can make, and sums within them are taken where AUTO finds
+ *  shells sound or open. Over a hole the body ends where its winding number passes a half. Vertices have no frame here:
+ *  add a mesh's own to center.
  *  Returns BVX_ERR_EMPTY also where there is one position only. */
 BVX_API bvx_status bvx_measure(bvx_context *context, const bvx_mesh_view *mesh, const bvx_measure_options *options,
                                bvx_measure_report *report);

@@ -7,7 +7,8 @@
  *
  * Contents: the titles of the sections below, in their order.
  *     Formats, Pictures                                    bytes of files; shaded pictures, slices
- * What holds for every function stands at the top of bitvox.h. */
+ * What holds for every function stands at the top of bitvox.h. [Memory:] and [Cost:] say what a call takes beside its
+ * inputs. */
 #ifndef BITVOX_IO_H
 #define BITVOX_IO_H
 

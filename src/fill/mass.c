@@ -1,13 +1,13 @@
 /* mass.c - volume, centre of mass and inertia of the body that a mesh encloses: bvx_measure.
  *
- * BVX_FILL_AUTO decides what is inside, and shows how far triangles can be trusted. Closed shells that cross
- * nothing and face one way, as given or once flipped triangles have been turned, are summed over: each triangle
+ * BVX_FILL_AUTO decides what is inside, and shows how far triangles can be trusted. A closed shell that crosses
+ * nothing and faces one way, as given or once flipped triangles have been turned, is summed over: each triangle
  * and the bounds' centre are a tetrahedron, whose moments are polynomials of its corners. Of all others voxels
- * are counted, and their places summed in integers.
+ * are counted, and their places summed in integers; sums that these bear out are taken within their bounds.
  *
  * Guarantee: sums are compensated, in pieces of the mesh's shape only, and bounded by their rounding. A voxel
- * that the surface does not touch, and whose neighbors are as it is, lies on one side as a whole: all others
- * bound what is counted.
+ * that no triangle touches, and whose neighbors are as it is, lies on one side as a whole, but for corners that a
+ * lid over a hole cuts off: all others bound what is counted.
  * Source: Mirtich. Fast and Accurate Computation of Polyhedral Mass Properties. 1996 (what is integrated). */
 #include "mesh/facet.h"
 #include "mesh/mesh.h"
@@ -19,7 +19,7 @@
 
 static const char mass_name[] = "bvx_measure";
 
-enum { MASS_GRAIN = 4096, MEASURE_RESOLUTION = 128 };
+enum { MASS_GRAIN = 4096 };
 
 #define MEASURE_ROUNDING 0x1p-46 /* of all products, in sums that are compensated */
 
@@ -147,18 +147,17 @@ static bvx_status sum_sheet(bvx_context *ctx, measure_work *w, const bvx_mesh_vi
     return BVX_OK;
 }
 
-/* A surface that crosses itself nowhere has one side in and one out. Of several, rows of centres have seen
- * whether some lie in others: enough of them see all that matters. */
+/* A single surface that crosses itself nowhere has one side in and one out. Of several, one may lie in another
+ * between two rows of centres. */
 static bvx_status find_doubts(bvx_context *ctx, measure_work *w, const bvx_mesh_view *view)
 {
     uint64_t crossings = 0;
     bvx_certificate c;
 
     BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.3, bvx_mesh_check(ctx, view, 1, &c)));
-    if (c.closed && c.oriented)
+    if (c.closed && c.oriented && c.components <= 1)
         BVXI_TRY(BVXI_SHARE(ctx, 0.3, 1.0, bvx_mesh_crossings(ctx, view, &crossings, NULL, 0)));
-    w->certain = c.closed && c.oriented && crossings == 0 &&
-                 (c.components <= 1 || w->options.resolution >= MEASURE_RESOLUTION);
+    w->certain = c.closed && c.oriented && c.components <= 1 && crossings == 0;
     return BVX_OK;
 }
 

@@ -499,7 +499,10 @@ static bvx_status make_complex(label_work *w)
     bvxi_drop(ctx, w->scratch);
     BVXI_TRY(list_faces(w));
     w->net.complex = c;
-    if (!w->options.staircase) BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+    if (!w->options.staircase) {
+        BVXI_TRY(BVXI_SHARE(ctx, 0.6, 0.8, bvxi_net_smooth(ctx, &w->net)));
+        bvxi_drop(ctx, w->net.links);
+    }
     BVXI_TRY(bvxi_for(ctx, "positions", vertices, POSITION_GRAIN, put_positions, &w->net));
     return w->options.staircase ? BVX_OK : BVXI_SHARE(ctx, 0.8, 1.0, bvxi_net_untangle(ctx, &w->net));
 }

@@ -41,6 +41,15 @@ static inline int32_t bvxi_face_owner(const bvx_complex *complex, uint32_t face)
     return cells[bvxi_face_vertex(complex, face, 0)] > cells[bvxi_face_vertex(complex, face, 3)] ? 0 : 3;
 }
 
+/* The cell that holds a vertex. */
+static inline void bvxi_cell_of(const bvx_complex *complex, uint64_t vertex, uint64_t cell[3])
+{
+    uint64_t const row = (uint64_t)complex->size[0] + 1, rows = (uint64_t)complex->size[1] + 1;
+    cell[0] = complex->cells[vertex] % row;
+    cell[1] = complex->cells[vertex] / row % rows;
+    cell[2] = complex->cells[vertex] / row / rows;
+}
+
 /* What smoothing needs of vertices. */
 typedef struct bvxi_net {
     bvx_complex *complex;
@@ -51,10 +60,10 @@ typedef struct bvxi_net {
 
 /* smooth.c: write the position of a vertex; without offsets it is at its cell's centre. */
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex);
-/* Move the offsets. Memory: 28 bytes a vertex and 40 a face. */
+/* Move the offsets. Memory: 12 bytes a vertex, and 12 a face and what sorting them takes. */
 bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net);
 /* untangle.c: move offsets back until no two triangles cross, and write their positions; the others are written.
- * Memory: 5 bytes a vertex, a byte for 64 voxels, 200 bytes a face near a junction and 32 a crossing. */
+ * Memory: 5 bytes a vertex, a byte for 64 voxels, 16 bytes a face, and what bvx_mesh_crossings takes of all. */
 bvx_status bvxi_net_untangle(bvx_context *ctx, bvxi_net *net);
 
 #endif

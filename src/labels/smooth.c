@@ -7,10 +7,9 @@
  * What the faces between two labels have swept since the staircase is then undone: their free vertices move along
  * normals. A label's volume is that of its voxels and what all its faces have swept, since the walls that edges
  * sweep cancel; so it comes back without a system of equations over labels. */
+#include "core/vec3.h"
 #include "labels/labels.h"
 #include "mesh/mesh.h"
-
-#include <math.h>
 
 enum { STEPS = 12, CORRECTIONS = 16, VERTEX_GRAIN = 4096 };
 
@@ -64,11 +63,6 @@ static void relax_range(void *user, uint64_t begin, uint64_t end)
 
 /* ---- Volumes between pairs of labels ---- */
 
-static double length_of(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* A face on the staircase, from its first corner, and how its corners have moved. */
 typedef struct net_face {
     uint32_t vertex[4];
@@ -107,9 +101,7 @@ static void area_at(const net_face *f, int32_t a, int32_t b, int32_t c, double t
         p[d] = f->at[b][d] - f->at[a][d] + t * (f->moved[b][d] - f->moved[a][d]);
         q[d] = f->at[c][d] - f->at[a][d] + t * (f->moved[c][d] - f->moved[a][d]);
     }
-    area[0] = p[1] * q[2] - p[2] * q[1];
-    area[1] = p[2] * q[0] - p[0] * q[2];
-    area[2] = p[0] * q[1] - p[1] * q[0];
+    bvxi_vec_cross(p, q, area);
 }
 
 static double face_diagonal(const net_face *f, int32_t from)
@@ -117,7 +109,7 @@ static double face_diagonal(const net_face *f, int32_t from)
     double way[3];
     for (int32_t d = 0; d < 3; d++)
         way[d] = f->at[from + 2][d] + f->moved[from + 2][d] - f->at[from][d] - f->moved[from][d];
-    return way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+    return bvxi_vec_dot(way, way);
 }
 
 /* Split faces along the shorter diagonal: beside a junction that has become straight the longer one would lie on it. */
@@ -169,7 +161,7 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
 
         read_face(w, w->faces[i], &f);
         volume += swept(&f, 1, 2, half[0]) + swept(&f, 2, 3, half[1]);
-        double const size[2] = {length_of(half[0]), length_of(half[1])};
+        double const size[2] = {bvxi_vec_length(half[0]), bvxi_vec_length(half[1])};
         for (int32_t n = 0; n < 4; n++) {
             if (!is_free_vertex(w, f.vertex[n])) continue;
             float *const sum = w->other + 3 * (size_t)f.vertex[n];
@@ -192,7 +184,8 @@ static void move_pair(const net_work *w, uint64_t begin, uint64_t end, double di
         for (int32_t n = 0; n < 4; n++) {
             float *const sum = w->other + 3 * (size_t)vertex[n], *const o = w->net->offset +
                                                                             3 * (size_t)vertex[n];
-            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]}, size = length_of(area);
+            double const area[3] = {(double)sum[0], (double)sum[1], (double)sum[2]},
+                         size = bvxi_vec_length(area);
             if (!is_free_vertex(w, vertex[n]) || size == 0.0) continue;
             for (int32_t d = 0; d < 3; d++) {
                 o[d] = clamp((float)((double)o[d] + distance * area[d] / size));
@@ -251,9 +244,9 @@ static bvx_status sort_faces(bvx_context *ctx, net_work *w)
 void bvxi_net_put(const bvxi_net *net, uint64_t vertex)
 {
     const bvx_complex *const c = net->complex;
-    uint64_t const n = (uint64_t)c->size[0] + 1, row = c->cells[vertex] / n, rows = (uint64_t)c->size[1] + 1;
-    uint64_t const cell[3] = {c->cells[vertex] % n, row % rows, row / rows};
+    uint64_t cell[3];
 
+    bvxi_cell_of(c, vertex, cell);
     for (uint64_t a = 0; a < 3; a++) {
         double const offset = net->offset != NULL ? (double)net->offset[3 * vertex + a] : 0.0;
         double const p = net->origin[a] + ((double)c->low[a] + (double)cell[a] + offset) * net->spacing[a];
@@ -281,6 +274,10 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
     BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
     memset(w.other, 0, (size_t)vertices * 12);
-    return bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
-                           correct_pairs, &w);
+    BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
+                             correct_pairs, &w));
+    bvxi_drop(ctx, w.pairs);
+    bvxi_drop(ctx, w.faces);
+    bvxi_drop(ctx, w.other);
+    return BVX_OK;
 }

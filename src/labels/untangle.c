@@ -1,6 +1,7 @@
 /* untangle.c - move vertices of a smoothed complex back until no two of its triangles cross.
  *
- * Where junctions have become straight, narrow faces beside them may fold over. Crossings are found exactly
+ * Where junctions have become straight, narrow faces beside them may fold over, and sheets that share a cell may
+ * meet. Crossings are found exactly
  * (nearest/crossing_pairs.c), and the vertices of both triangles go half the way to their cells' centres, the third
  * time all of it. On the staircase nothing crosses, so it ends. The first round looks at all triangles; what was
  * moved has crossings only near it, so later rounds look there alone.
@@ -22,14 +23,6 @@ typedef struct tangle {
     uint64_t vertex_count, triangle_count;
 } tangle;
 
-static void cell_of(const bvx_complex *c, uint64_t vertex, uint64_t cell[3])
-{
-    uint64_t const row = (uint64_t)c->size[0] + 1, rows = (uint64_t)c->size[1] + 1;
-    cell[0] = c->cells[vertex] % row;
-    cell[1] = c->cells[vertex] / row % rows;
-    cell[2] = c->cells[vertex] / row / rows;
-}
-
 static uint64_t block_at(const tangle *t, const uint64_t block[3])
 {
     return (block[2] * t->size[1] + block[1]) * t->size[0] + block[0];
@@ -40,7 +33,7 @@ static void mark_near_blocks(const tangle *t, uint64_t vertex)
     uint64_t cell[3], low[3], high[3], b[3];
 
     /* Triangles that meet lie within two cells of each other. */
-    cell_of(t->net->complex, vertex, cell);
+    bvxi_cell_of(t->net->complex, vertex, cell);
     for (int a = 0; a < 3; a++) {
         low[a] = (cell[a] < 3 ? 0 : cell[a] - 3) / BLOCK;
         high[a] = (cell[a] + 3) / BLOCK;
@@ -58,7 +51,7 @@ static void choose_near(tangle *t)
 
     for (uint64_t v = 0; v < c->mesh.vertex_count; v++) {
         uint64_t cell[3];
-        cell_of(c, v, cell);
+        bvxi_cell_of(c, v, cell);
         for (int a = 0; a < 3; a++) cell[a] /= BLOCK;
         t->state[v] = (uint8_t)((t->state[v] & ~(IS_NEAR | IS_MOVED)) |
                                 (t->blocks[block_at(t, cell)] ? IS_NEAR : 0));

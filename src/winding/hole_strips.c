@@ -52,11 +52,11 @@ static bvx_status pair_along(bvx_context *ctx, strip_work *w, uint32_t moved)
     for (uint64_t i = 0; i < w->count; i++) {
         const int32_t *const p = w->snapped->xyz + 3 * (w->edge[i] >> 32);
         const int32_t *const q = w->snapped->xyz + 3 * (uint64_t)(uint32_t)w->edge[i];
-        /* Coordinates lie within 2^30 of 0, so the sum of two and of the move is below 2^32. */
+        /* Coordinates lie within 2^30 of 0, so the sum of two is below 2^32, with the move below 2^33. */
         w->key[i] = 0;
         for (int a = 0; a < 3; a++)
             w->key[i] |=
-                bvxi_curve_spread(((uint64_t)((int64_t)p[a] + q[a] + INT64_C(0x80000000)) + moved) >> 11)
+                bvxi_curve_spread(((uint64_t)((int64_t)p[a] + q[a] + INT64_C(0x80000000)) + moved) >> 12)
                 << a;
         w->order[i] = (uint32_t)i;
     }
@@ -132,7 +132,8 @@ bvx_status bvxi_holes_strips(bvx_context *ctx, const bvxi_holes *holes, const bv
     strip_work w = {.snapped = snapped, .scale = scale, .count = holes->points};
 
     memset(strips, 0, sizeof *strips);
-    if (holes->points < STRIP_EDGES) return BVX_OK;
+    /* Strips have up to three times as many points, which are counted in 32 bits. */
+    if (holes->points < STRIP_EDGES || holes->points > UINT32_MAX / 8) return BVX_OK;
     BVXI_TRY(part_loops(ctx, &w, holes, strips));
     bvxi_drop(ctx, w.other);
     bvxi_drop(ctx, w.order);

@@ -1,8 +1,8 @@
 """levels_time.py OUT PROGRAM MESH - time of levels of the large dragon beside meshoptimizer's, in turns; one or two threads.
 
 meshoptimizer's C function gets the welded arrays that peers_levels.py left in OUT/levels; ours is the whole job, from the arrays
-as they are in the file to those of 27,000 and 4,000 triangles, without reading and writing. meshoptimizer and one thread of ours:
-the least of the runs. Writes OUT/levels_time.json.
+as they are in the file to those of 27,000 and 4,000 triangles, without reading and writing. Time of day for both, which
+needs an idle machine; the least of the runs. Writes OUT/levels_time.json.
     BENCH_LEVELS_OPTIONS=...  more options of `bitvox lod`
 """
 import ctypes
@@ -23,7 +23,7 @@ FINEST, LEVELS = 27000, "27000,4000"
 
 
 def meshoptimizer_job():
-    """One simplification, arrays to arrays; returns milliseconds of the processor and the number of triangles."""
+    """One simplification, arrays to arrays; returns milliseconds and the number of triangles."""
     name = hashlib.sha256(open(mesh, "rb").read()).hexdigest()[:16]
     with np.load(os.path.join(out, "levels", f"{name}_welded.npz")) as file:
         positions = np.ascontiguousarray(file["positions"], dtype=np.float32)
@@ -35,10 +35,10 @@ def meshoptimizer_job():
     simplify.argtypes = [pointer, pointer, size, pointer, size, size, size, ctypes.c_float, ctypes.c_uint, pointer]
 
     def job():
-        start = time.process_time()
+        start = time.perf_counter()
         used = simplify(result.ctypes.data, indices.ctypes.data, len(indices), positions.ctypes.data, len(positions), 12,
                         3 * FINEST, 1e9, 0, None)
-        return (time.process_time() - start) * 1e3, used // 3
+        return (time.perf_counter() - start) * 1e3, used // 3
 
     return job
 
@@ -63,7 +63,7 @@ def main():
             ours[threads].append(our_job(threads))
 
     least = min(theirs)
-    print(f"\n### Time on the large dragon, least of {runs} runs in turns\n")
+    print(f"Time of day, least of {runs} runs in turns.\n")
     print("| | ms | of meshoptimizer's |\n|---|--:|--:|")
     print(f"| meshoptimizer simplify to {job()[1]:,}, one thread | {least:.0f} | 1 |")
     for threads, times in ours.items():

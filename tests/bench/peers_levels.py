@@ -368,11 +368,12 @@ def show_first_page(rows, file):
     for name in (OURS, SOLID, *available):
         levels = [r["by"][name] for r in rows if usable(r, name)]
         if len(levels) == len(rows):
-            counts = [", ".join(str(level[key]) for level in levels) for key in ("nonmanifold_edges", "crossing_triangles")]
+            keys = ("nonmanifold_edges", "boundary_edges", "crossing_triangles")
+            counts = [", ".join(str(level[key]) for level in levels) for key in keys]
             title = f"`bitvox lod --triangles {','.join(str(r['target']) for r in rows)}`" if name == OURS else name
             lines.append([title, *(f"{level['mean']:.4f}" for level in levels), *counts])
     print("\n### The large dragon by each", file=file)
-    table(["", *asked, "non-manifold edges", f"crossing triangles, of {given} given"], lines, file)
+    table(["", *asked, "non-manifold edges", "open edges", f"crossing triangles, of {given} given"], lines, file)
 
 
 def show_details(rows, file):

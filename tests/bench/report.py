@@ -232,6 +232,7 @@ tables = (
     ("peers_morph.md", "Morphology by others"),
     ("step.md", "The repair paper's experiment"),
     ("levels.md", "Levels of detail by others"),
+    ("levels_time.md", "Time of levels of the large dragon"),
     ("sections.md", "Bodies from sections"),
     ("planes.md", "Bodies from planes of any direction, by others"),
     ("paper.md", "The LOD paper's tables"),
@@ -281,7 +282,7 @@ about = {
     "system": platform.system() + " " + platform.machine(),
     "date": datetime.date.today().isoformat(),
     "load before and after": f"{loads[0]}, {loads[-1]}",
-    "others": ", ".join(f"{k} {v}" for k, v in peers.get("versions", {}).items()) or "none",
+    "others of the first table": ", ".join(f"{k} {v}" for k, v in peers.get("versions", {}).items()) or "none",
     "missing": "; ".join(f"{k}: {v}" for k, v in peers["missing"].items()) or "none",
 }
 texts["run"] = "\n".join(["| the run | |", "|---|---|"] + [f"| {k} | {v} |" for k, v in about.items()])

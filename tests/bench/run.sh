@@ -108,7 +108,7 @@ measure_components() {
 }
 
 measure_levels() {
-    rm -f "$out"/levels.md "$out"/levels_each.md "$out"/levels*.json*
+    rm -f "$out"/levels.md "$out"/levels_time.md "$out"/levels_each.md "$out"/levels*.json*
     echo "== levels of detail beside other libraries"
     if [ -z "$python" ] || ! "$python" -c 'import igl, manifold3d, scipy, trimesh'; then
         echo "missing: Python with libigl, manifold3d, scipy and trimesh, which measure levels"
@@ -116,12 +116,12 @@ measure_levels() {
     fi
     "$python" tests/bench/peers_levels.py "$out" "$BUILD/bitvox" "$MESHES" && cat "$out/levels.md"
     if "$python" -c 'import meshoptimizer' 2>/dev/null; then
-        peer tests/bench/levels_time.py "$out" "$BUILD/bitvox" "$mesh" | tee -a "$out/levels.md"
+        peer tests/bench/levels_time.py "$out" "$BUILD/bitvox" "$mesh" | tee "$out/levels_time.md"
     fi
 }
 
 measure_core() {
-    rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl"
+    rm -rf "$out/peers" "$out/peers.json" "$out/judged.jsonl" "$out/core.json" "$out/solid.json"
     echo "== ours"
     "$BENCHES/bench_core" "$mesh" "$out" "$BENCH_RUNS" | tee "$out/core.txt"
     [ -s "$out/solid.json" ] || exit 1

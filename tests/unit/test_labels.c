@@ -217,6 +217,7 @@ static void same_complex(const bvx_complex *a, const bvx_complex *b)
     TEST_ASSERT_EQUAL_MEMORY(a->mesh.triangles, b->mesh.triangles, a->face_count * 24);
     TEST_ASSERT_EQUAL_MEMORY(a->sides, b->sides, a->face_count * 8);
     TEST_ASSERT_EQUAL_MEMORY(a->cells, b->cells, a->mesh.vertex_count * 8);
+    TEST_ASSERT_EQUAL_MEMORY(a->junctions, b->junctions, a->mesh.vertex_count);
     TEST_ASSERT_EQUAL_MEMORY(a->first, b->first, (a->label_count + 1) * 8);
     TEST_ASSERT_EQUAL_MEMORY(a->faces, b->faces, a->first[a->label_count] * 4);
 }

@@ -331,18 +331,22 @@ static void test_measure_of_bodies_that_overlap_or_lie_within_each_other(void)
 /* Boxes that overlap, or lie in each other, where no row of centres passes: sums would count that twice. */
 static void test_measure_is_not_certain_of_what_rows_do_not_see(void)
 {
-    static const double low[4][3] = {{0, 0, 0}, {0.9, 0.98, 0.98}, {0, 0, 0}, {0.6, 0.6, 0.6}};
-    static const double high[4][3] = {{1, 1, 1}, {2, 2, 2}, {2, 2, 2}, {0.9, 0.9, 0.9}};
-    static const double volume[2] = {1 + 1.1 * 1.02 * 1.02 - 0.1 * 0.02 * 0.02, 8 - 0.027};
+    static const double low[6][3] = {{0, 0, 0},       {0.9, 0.98, 0.98}, {0, 0, 0},
+                                     {0.6, 0.6, 0.6}, {0, 0, 0},         {0.1, 0.1, 0.995}};
+    static const double high[6][3] = {{1, 1, 1},       {2, 2, 2}, {2, 2, 2},
+                                      {0.9, 0.9, 0.9}, {2, 2, 2}, {1.9, 1.9, 1.005}};
+    static const double volume[3] = {1 + 1.1 * 1.02 * 1.02 - 0.1 * 0.02 * 0.02, 8 - 0.027,
+                                     8 - 1.8 * 1.8 * 0.01};
+    static const int32_t resolution[3] = {2, 2, 128};
 
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         bvx_measure_report r;
         maker_clear(&shape.mesh);
         maker_box(&shape.mesh, low[2 * i], high[2 * i]);
         maker_box(&shape.mesh, low[2 * i + 1], high[2 * i + 1]);
-        r = measure(2);
+        r = measure(resolution[i]);
         TEST_ASSERT_EQUAL_INT32(BVX_FILL_REASON_SOUND, r.fill_reason);
-        TEST_ASSERT_EQUAL_INT32(2, r.resolution);
+        TEST_ASSERT_EQUAL_INT32(resolution[i], r.resolution);
         TEST_ASSERT_TRUE(fabs(r.volume - volume[i]) <= r.volume_error);
     }
 }

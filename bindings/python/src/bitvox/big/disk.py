@@ -58,7 +58,8 @@ PART = ".part"  # ending of files that are not whole yet
 
 @contextmanager
 def whole(place: str, name: str) -> Iterator[Any]:
-    """A file to write that is there whole or not at all: object stores do so, on disks another name becomes its own at the end."""
+    """A file to write. On disks it is there whole or not at all: another name becomes its own at the end. Of a store of objects a write
+    that was cut off may stay; pieces know it by their hash."""
     system, root = files(place)
     target = f"{root}/{name}"
     system.makedirs(target.rpartition("/")[0], exist_ok=True)

@@ -19,7 +19,7 @@ from .._errors import ArgumentError, FormatError, RangeError, ResultWarning, nee
 from .._lattice import Lattice, Placed, Window, _lattice_from
 from .._levels import simplify
 from .._mesh import Mesh
-from .._run import in_range
+from .._run import in_range, version
 from .._stages import merge
 from .._words import FaceRule
 from . import written
@@ -279,7 +279,7 @@ def run(volume: Volume, path: str | os.PathLike[str], *, levels: int = 1, face_r
     dask, cut, place = need("dask", "big"), volume.chunks, path_of(path)
     count = in_range("levels", levels, 1, 24)
     options = one_type(volume.lattice, {"face_rule": face_rule, "dtype": dtype})
-    head = {"job": need("dask.base", "big").tokenize(volume, options), "lattice": volume.lattice._key(), "size": cut.size, "box": cut.box}
+    head = {"job": need("dask.base", "big").tokenize(version(), volume, options), "lattice": volume.lattice._key(), "size": cut.size, "box": cut.box}
     _begin(place, head, overwrite)
 
     # Pieces that are there and whole, then tasks for the others; coarser ones take the records of those that they join. Of the finest
@@ -397,7 +397,7 @@ def _known(place: str, level: int, index: Index) -> Record | None:
     """The record of a piece that is there, or None when it is not the mesh that the record says."""
     try:
         mesh, record = read_piece(place, level, index)
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+    except (OSError, EOFError, ValueError, TypeError, KeyError, zipfile.BadZipFile):
         return None
     return record if not record.triangles or mesh.content_hash() == record.hash else None
 
@@ -406,12 +406,14 @@ def _begin(place: str, head: dict[str, Any], overwrite: bool) -> None:
     """A folder for the pieces of this job: an empty one, or that of a run that was stopped."""
     system, root = files(place)
     known = index_of(place)
-    if known is not None and (overwrite or known.get("job") == head["job"]):
-        if overwrite:
-            system.rm(root, recursive=True)
-    elif known is not None or (system.exists(root) and system.ls(root)):
-        raise FileExistsError(f"{place} holds " + ("pieces of another volume, or of other options; overwrite=True replaces them" if known else "other files"))
-    if overwrite or known is None:
+    ours = isinstance(known, dict) and "job" in known
+    if ours and overwrite:
+        system.rm(root, recursive=True)
+    elif not ours and system.exists(root) and system.ls(root):
+        raise FileExistsError(f"{place} holds other files")
+    elif ours and known["job"] != head["job"]:
+        raise FileExistsError(f"{place} holds pieces of another volume, or of other options; overwrite=True replaces them")
+    if overwrite or not ours:
         put(place, "index.json", json.dumps(head).encode())
 
 

@@ -13,7 +13,7 @@ from .._stages import merge
 from .._volume import Volume as WholeVolume
 from .._words import FaceRule
 from .chunks import Chunks, Index, laid_out
-from .store import array_of
+from .store import array_of, state_of
 from .volume import Volume
 
 
@@ -153,6 +153,7 @@ def samples_from_zarr(path: str | os.PathLike[str], *, dataset: str | None = Non
     da = need("dask.array", "big")
     found, lattice, lead, *_ = array_of(path, dataset, channel)
     pieces = (found.shards or found.chunks)[len(lead):]
-    whole = da.from_array(found, chunks=(1,) * len(lead) + tuple(pieces), name=False, lock=False)[lead] if lead else da.from_array(found, chunks=pieces, name=False)
+    name = f"samples-{state_of(path)}-{found.path.replace('/', '-')}"  # the same for the same files, so that a run can go on
+    whole = da.from_array(found, chunks=(1,) * len(lead) + tuple(pieces), name=name)[lead or ...]
     array = whole.transpose(2, 1, 0)
     return Samples(array if chunks is None else array.rechunk(Chunks(lattice, chunks).size), lattice)

@@ -58,10 +58,12 @@ def to_zarr(volume: Volume, path: str | os.PathLike[str], *, inner: int = 64, un
         raise FileExistsError(f"{name} exists and is not empty; overwrite=True replaces it") from why
     group.create_array("0", shape=volume.shape[::-1], chunks=pieces, shards=shards, dtype="uint8", fill_value=0,
                        compressors=zarr.codecs.ZstdCodec(level=3), dimension_names=("z", "y", "x"))
-    group.attrs.update(_metadata(volume, unit, os.path.basename(name.rstrip("/"))))
     write = dask.delayed(_write, pure=False)  # what is on the disk may have changed since
     tasks = [write(name, cut, index, block) for index, block in volume.blocks.items()]
-    return dask.compute(*tasks) and None if compute else tasks
+    if compute:
+        dask.compute(*tasks)
+    group.attrs.update(_metadata(volume, unit, os.path.basename(name.rstrip("/"))))  # last: without it the group is not read
+    return None if compute else tasks
 
 
 def _metadata(volume: Volume, unit: str | None, name: str) -> dict[str, Any]:
@@ -124,10 +126,16 @@ def from_zarr(path: str | os.PathLike[str], *, dataset: str | None = None, chann
         pieces = array.shards or tuple(max(n, n * max(1, 256 // n)) for n in array.chunks)
         chunks = tuple(pieces[len(lead):][::-1])
     cut = Chunks(lattice, chunks, box)
-    system, root = need("fsspec.core", "big").url_to_fs(path_of(path))
-    state = need("dask.base", "big").tokenize([(name, str(known)) for name, known in sorted(system.find(root, detail=True).items())])
+    state = state_of(path)
     read = need("dask", "big").delayed(_read, pure=True)
     return Volume(cut, {index: read(path_of(path), place, lead, threshold, cut, index, state) for index in cut})
+
+
+def state_of(path: str | os.PathLike[str]) -> str:
+    """A name of what is stored now: another one once a file has changed."""
+    system, root = need("fsspec.core", "big").url_to_fs(path_of(path))
+    name: str = need("dask.base", "big").tokenize([(one, str(known)) for one, known in sorted(system.find(root, detail=True).items())])
+    return name
 
 
 def array_of(path: str | os.PathLike[str], dataset: str | None, channel: int | Sequence[int] | None) -> tuple[Any, Lattice, tuple[int, ...], str, Window]:

@@ -27,14 +27,9 @@ def save(pieces: Pieces, path: str | os.PathLike[str], level: int) -> None:
     write = {".ply": _ply, ".stl": _stl}.get(os.path.splitext(name)[1].lower())
     if write is None:
         raise ArgumentError(f"{name}: pieces are written as one .ply or .stl")
-    with tempfile.NamedTemporaryFile(dir=os.path.dirname(os.path.abspath(name)), delete=False) as file:
-        try:
-            write(pieces, level, file)  # type: ignore[arg-type]
-            file.close()
-            os.replace(file.name, name)
-        except BaseException:
-            os.unlink(file.name)
-            raise
+    folder, own = os.path.split(os.path.abspath(name))
+    with whole(folder, own) as file:
+        write(pieces, level, file)
 
 
 def _stl(pieces: Pieces, level: int, file: BinaryIO) -> None:
