@@ -61,10 +61,9 @@ static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
-        uint32_t plane;
 
         if (x->sign == 0) continue;
-        plane = bvxi_first_plane(o, (uint32_t)i);
+        uint32_t const plane = bvxi_first_plane(o, (uint32_t)i);
         if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
         x->sign = 1;
         if (!bvxi_joint_is_beyond(o, plane, x->at)) continue;
@@ -175,9 +174,7 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
 {
     uint32_t const v[2] = {(cut->among[a] & JOINT_OUTSIDE) != 0 ? b : a,
                            (cut->among[a] & JOINT_OUTSIDE) != 0 ? a : b};
-    uint64_t bodies;
     double at[3];
-    uint32_t m;
 
     /* Beyond the ends everything is outside already, and the caps are the planes' own faces. */
     *made = (cut->among[v[0]] & JOINT_OUTSIDE) == 0 && cut->among[v[1]] == JOINT_OUTSIDE &&
@@ -185,8 +182,8 @@ static bvx_status cut_from_outside(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_
     if (!*made) return BVX_OK;
     place_between(o, v, cut->among[v[0]], JOINT_OUTSIDE, at);
     BVXI_TRY(cut_edge(o, cut, t, v, JOINT_OUTSIDE, at));
-    m = (uint32_t)o->vertex_count - 1;
-    bodies = bodies_at_crossing(o, cut, v, m);
+    uint32_t const m = (uint32_t)o->vertex_count - 1;
+    uint64_t bodies = bodies_at_crossing(o, cut, v, m);
     if ((bodies & (bodies - 1)) != 0)
         bodies = UINT64_C(1) << bvxi_joint_kind_among(o, o->vertex[m].at, bodies);
     cut->among[m] |= bodies;
@@ -265,10 +262,9 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
                                  uint32_t other)
 {
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
-    uint32_t root;
 
     if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
-    root = bvxi_root(w->joined, v);
+    uint32_t const root = bvxi_root(w->joined, v);
     /* Contours of the body on the surface: its part there is wanted. */
     if (common != 0 && other < first) w->count[root] = UINT32_MAX;
     if (common != 0 || other < first) return;
@@ -424,14 +420,13 @@ static bvx_status drop_specks(bvxi_oblique *o, bvxi_joint_cut *cut)
 bvx_status bvxi_joint_cut_all(bvxi_oblique *o, bvxi_joint_cut *cut)
 {
     tetra_job job = {o, cut};
-    uint64_t crossings;
 
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.1, open_plane_faces(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.1, 0.4, give_kinds(o)));
     BVXI_TRY(open_among(o, cut));
 
     /* First the outside is cut off, then the bodies are cut apart, up to where that was. */
-    crossings = o->vertex_count;
+    uint64_t const crossings = o->vertex_count;
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.6, cut_edges(o, cut, cut_from_outside)));
     BVXI_TRY(BVXI_SCOPE(o->ctx, drop_surface_specks(o, cut, crossings)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.6, 0.8, cut_edges(o, cut, cut_between_bodies)));

@@ -144,13 +144,12 @@ static void drop_surface(bvxi_stack *s, uint64_t mark)
  * at least one slab less has levels, and after some times none. The bar waits meanwhile. */
 static bvx_status build_body(bvxi_stack *s, bvx_mesh *mesh)
 {
-    bvx_sections_report before;
     bvxi_slab *slabs = NULL;
     uint32_t crossed = 0;
 
     BVXI_TRY(BVXI_SHARE(s->ctx, 0.0, 0.02, bvxi_stack_ends(s)));
     BVXI_TRY(bvxi_nesting_open(s));
-    before = s->report;
+    bvx_sections_report const before = s->report;
     for (int times = 0;; times++) {
         uint64_t const mark = bvxi_scratch_begin(s->ctx);
 
@@ -223,10 +222,9 @@ static bvx_status check_body(const body_job *job)
 {
     bvx_certificate c;
     bvx_mesh_view view;
-    bvx_status status;
 
     bvx_mesh_view_of(job->mesh, &view);
-    status = bvx_mesh_check(job->ctx, &view, 0, &c);
+    bvx_status status = bvx_mesh_check(job->ctx, &view, 0, &c);
     if (status == BVX_OK && !(c.closed && c.edge_manifold && c.vertex_manifold && c.oriented))
         status = bvxi_fail_for(
             job->ctx, BVX_ERR_FORMAT, BVX_REASON_LOOPS_MEET,
@@ -396,7 +394,6 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
                                      const bvx_sections_options *options, bvx_mesh *mesh)
 {
     bvx_sections_options o;
-    body_job job;
     bvx_sections_report report = {0};
 
     if (mesh == NULL) return bvxi_fail_null(context, sections_name, "mesh");
@@ -405,7 +402,7 @@ static bvx_status run_build_sections(bvx_context *context, const bvx_sections *s
     BVXI_TRY(bvxi_sections_check(context, sections_name, sections));
     BVXI_TRY(bvxi_sections_check_extent(context, sections_name, sections));
     BVXI_TRY(bvxi_mesh_check_reserved(context, sections_name, mesh));
-    job = (body_job){context, &o, &report, mesh, mesh->positions == NULL, BVXI_NONE};
+    body_job job = {context, &o, &report, mesh, mesh->positions == NULL, BVXI_NONE};
     BVXI_TRY(build_any(&job, sections));
     if (o.report == NULL) return BVX_OK;
     bvxi_sections_warn(context, &report, o.slabs.depth);

@@ -159,14 +159,13 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
 {
     bvx_keep_options o;
     bvx_grid made;
-    bvx_status status;
 
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
-    status = keep_parts(context, grid, &o, &made);
+    bvx_status const status = keep_parts(context, grid, &o, &made);
     return bvxi_grid_put(context, status, &made, result);
 }
 

@@ -21,7 +21,6 @@ enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
     uint32_t *found = NULL;
-    bvxi_mend_node *n;
 
     BVXI_TRY(bvxi_stack_map_add(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
     *number = *found;
@@ -29,7 +28,7 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
 
     *number = *found = w->node_count;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->node, w->node_count, w->node_room, "the points of loops to mend"));
-    n = &w->node[w->node_count++];
+    bvxi_mend_node *const n = &w->node[w->node_count++];
     memcpy(n->q, q, sizeof n->q);
     memcpy(n->at, at, sizeof n->at);
     n->loop = BVXI_NONE;
@@ -40,10 +39,8 @@ static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const doub
 static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint32_t *count, uint64_t *room,
                                 uint32_t a, uint32_t b, uint32_t loop)
 {
-    bvxi_mend_edge *e;
-
     BVXI_TRY(BVXI_SLAB_GROW(w->s, *edges, *count, *room, "the segments of loops to mend"));
-    e = &(*edges)[(*count)++];
+    bvxi_mend_edge *const e = &(*edges)[(*count)++];
     e->node[0] = a;
     e->node[1] = b;
     e->loop = loop;
@@ -149,13 +146,11 @@ static bvx_status mend_pair(void *user, uint32_t j, uint32_t i)
 
 static bvx_status mend_find_pairs(bvxi_mend_work *w)
 {
-    bvx_status status;
-
     BVXI_TRY(BVXI_RESERVE(w->s, w->box, w->edge_count, w->box_room, "the segments of loops to mend"));
     for (uint32_t i = 0; i < w->edge_count; i++)
         w->box[i] = bvxi_box_segment(w->node[w->edge[i].node[0]].q, w->node[w->edge[i].node[1]].q, i);
     w->split_count = w->crossings = 0;
-    status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
+    bvx_status const status = bvxi_sweep(w->s->ctx, w->box, w->edge_count, mend_pair, w);
     return w->split_count == BVXI_NONE ? BVX_OK : status;
 }
 
@@ -276,14 +271,12 @@ static bvx_status mend_apply_splits(bvxi_mend_work *w)
 
 bvx_status bvxi_mend_split_plane(bvxi_mend_work *w, int *done)
 {
-    uint64_t most;
-
     w->node_count = w->edge_count = 0;
     bvxi_map_clear(w->map);
     memset(w->changed, 0, w->plane->contour_count);
     for (uint32_t i = 0; i < w->plane->contour_count; i++) BVXI_TRY(mend_take_loop(w, i));
 
-    most = UINT32_MAX;
+    uint64_t most = UINT32_MAX;
     *done = 0;
     /* Until nothing meets; bounded, since moved segments may meet new ones. */
     for (int round = 0; round < MEND_ROUNDS && !*done && w->edge_count <= most; round++) {

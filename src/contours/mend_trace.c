@@ -80,14 +80,13 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
-    int low, other;
 
     bvxi_mend_direction(t->w, t->edge, a, d);
     bvxi_mend_direction(t->w, t->edge, b, e);
     /* Directions of the lower half-plane come after those of
      * the upper one; within one, the cross product decides. */
-    low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
-    other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
+    int const low = d[1] < 0 || (d[1] == 0 && d[0] < 0);
+    int const other = e[1] < 0 || (e[1] == 0 && e[0] < 0);
     if (low != other) return low < other;
     return d[0] * e[1] - d[1] * e[0] > 0;
 }
@@ -217,26 +216,22 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
     uint64_t const size = edges * (8 + 4 + 4 + 8 + 8 + 4 + 2 * stops + 1) +
                           (nodes + 1) * (8 + 4 + 4 + 4 + stops);
     unsigned char *block, *at;
-    double *narrowest;
-    uint64_t *key;
-    uint32_t *order, *stays;
     mend_trace t = {.w = w, .mended = mended};
-    bvxi_mend_paths paths;
     int16_t(*nudge)[2];
 
     BVXI_TRY(bvxi_alloc(w->s->ctx, BVXI_SCRATCH, size, "the paths of loops to mend", &block));
     /* Wide items first, so that each part is aligned. */
     at = block;
-    key = (uint64_t *)(void *)mend_part(&at, edges * 8);
-    narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
-    order = mend_part(&at, edges * 4);
+    uint64_t *const key = (uint64_t *)(void *)mend_part(&at, edges * 8);
+    double *const narrowest = (double *)(void *)mend_part(&at, (nodes + 1) * 8);
+    uint32_t *const order = mend_part(&at, edges * 4);
     t.edge = mend_part(&at, edges * 4);
     t.end = mend_part(&at, edges * 8);
     t.rank = mend_part(&at, edges * 8);
     t.loop = mend_part(&at, edges * 4);
     t.start = mend_part(&at, (nodes + 1) * 4);
     t.place = mend_part(&at, (nodes + 1) * 4);
-    stays = mend_part(&at, (nodes + 1) * 4);
+    uint32_t *const stays = mend_part(&at, (nodes + 1) * 4);
     t.path = (bvxi_mend_stop *)(void *)mend_part(&at, (nodes + 1 + edges) * stops);
     t.stop = (bvxi_mend_stop *)(void *)mend_part(&at, edges * stops);
     t.used = (uint8_t *)at;
@@ -248,7 +243,7 @@ bvx_status bvxi_mend_trace(bvxi_mend_work *w, bvxi_mended *mended)
         if (!t.used[i]) mend_follow(&t, i);
 
     /* The stop that stays is chosen first, as all others move away from it. */
-    paths = (bvxi_mend_paths){w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
+    bvxi_mend_paths paths = {w, t.edge, t.rank, t.stop, t.loop, t.stop_count, t.loop_count};
     mend_choose_stay(&t, &paths, narrowest, stays);
     BVXI_TRY(BVXI_ZEROS(w->s->ctx, t.stop_count, "the steps of points", nudge));
     BVXI_TRY(bvxi_mend_apart(&paths, stays, nudge));

@@ -64,11 +64,10 @@ int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t
 
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
-        int64_t s;
         /* Half open, so that a place level with a point counts it once. */
         if ((a[1] <= at[1]) == (b[1] <= at[1])) continue;
-        s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
-            ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
+        int64_t const s = ((int64_t)b[0] - a[0]) * ((int64_t)at[1] - a[1]) -
+                          ((int64_t)at[0] - a[0]) * ((int64_t)b[1] - a[1]);
         odd ^= (s > 0) == (b[1] > a[1]);
     }
     return odd;

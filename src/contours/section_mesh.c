@@ -78,10 +78,8 @@ bvx_status bvxi_map_reserve(bvx_context *ctx, bvxi_map *m, uint64_t count)
 
 bvx_status bvxi_map_add(bvx_context *ctx, bvxi_map *m, uint64_t key, uint32_t **value)
 {
-    uint64_t at;
-
     if (2 * m->count >= m->room) BVXI_TRY(map_resize(ctx, m, m->room == 0 ? 1024 : 2 * m->room));
-    at = map_slot(m, key);
+    uint64_t const at = map_slot(m, key);
     if (m->key[at] == UINT64_MAX) {
         m->key[at] = key;
         m->value[at] = BVXI_NONE;
@@ -98,10 +96,8 @@ bvx_status bvxi_stack_map_add(const bvxi_stack *s, bvxi_map *m, uint64_t key, ui
 
 uint32_t bvxi_map_find(const bvxi_map *m, uint64_t key)
 {
-    uint64_t at;
-
     if (m->room == 0) return BVXI_NONE;
-    at = map_slot(m, key);
+    uint64_t const at = map_slot(m, key);
     return m->key[at] == UINT64_MAX ? BVXI_NONE : m->value[at];
 }
 

@@ -79,7 +79,6 @@ bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t co
     static const char what[] = "the order of segments";
     uint32_t *order, *active;
     uint64_t *key;
-    bvx_status status;
 
     BVXI_TRY(BVXI_ARRAY(ctx, count, what, key));
     BVXI_TRY(BVXI_ARRAY(ctx, count, what, order));
@@ -89,7 +88,7 @@ bvx_status bvxi_sweep(bvx_context *ctx, const bvxi_segment_box *box, uint32_t co
         order[i] = i;
     }
     BVXI_TRY(bvxi_radix_sort(ctx, key, order, count));
-    status = sweep_boxes(box, order, count, active, pair, user);
+    bvx_status const status = sweep_boxes(box, order, count, active, pair, user);
     bvxi_drop(ctx, active);
     bvxi_drop(ctx, order);
     bvxi_drop(ctx, key);

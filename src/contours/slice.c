@@ -81,13 +81,12 @@ static bvx_status make_planes(slice_work *w, const bvx_slice_options *o, double 
         BVXI_TRY(check_positions(w, o));
         w->plane_count = o->position_count;
     } else {
-        double count;
         if (!(o->spacing > 0.0) || o->spacing - o->spacing != 0.0)
             return bvxi_fail_for(w->ctx, BVX_ERR_ARGUMENT, BVX_REASON_NULL,
                                  "%s: a spacing above 0 or positions are needed", slice_name);
 
         /* As many as fit at that distance, the first half of it above the lowest vertex. */
-        count = floor((high - low) / o->spacing + 0.5);
+        double const count = floor((high - low) / o->spacing + 0.5);
         if (!(count <= SLICE_MOST_PLANES))
             return bvxi_fail_for(w->ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                                  "%s: a spacing of %g makes %g planes, %d is the limit", slice_name,
@@ -304,7 +303,6 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
     for (uint64_t start = 0; start < n; start++) {
         bvx_section_loop l;
         uint64_t const first = w->from[start];
-        const double *begin, *last;
         if (w->used[start]) continue;
         memset(&l, 0, sizeof l);
         l.first_point = s->point_count;
@@ -321,8 +319,8 @@ static bvx_status follow_pieces(slice_work *w, uint64_t plane, uint64_t n)
             i = find_piece(w, w->from, n, key);
             if (i == n) return open_contour(w, z, key);
         }
-        begin = s->points + 3 * l.first_point;
-        last = s->points + 3 * (s->point_count - 1);
+        const double *const begin = s->points + 3 * l.first_point;
+        const double *const last = s->points + 3 * (s->point_count - 1);
         /* The first point may be the last one's place, as neighbours' are. */
         if (l.point_count > 1 && begin[0] == last[0] && begin[1] == last[1] && begin[2] == last[2]) {
             l.point_count--;
@@ -343,9 +341,8 @@ static bvx_status slice_planes(slice_work *w)
     BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->order));
     BVXI_TRY(BVXI_ARRAY(w->ctx, w->most, "the pieces of a contour", w->used));
     for (uint64_t i = 0; i < w->plane_count; i++) {
-        uint64_t n;
         BVXI_TRY(bvxi_progress(w->ctx, "slice", 0.7 + 0.3 * (double)i / (double)w->plane_count));
-        n = gather_pieces(w, i);
+        uint64_t const n = gather_pieces(w, i);
         if (n == 0) continue;
         BVXI_TRY(bvxi_radix_sort(w->ctx, w->from, w->order, n));
         BVXI_TRY(follow_pieces(w, i, n));
@@ -423,7 +420,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
 {
     bvx_slice_options o;
     slice_work w = {.ctx = context, .view = mesh};
-    bvx_status status;
 
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
@@ -432,7 +428,7 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
     BVXI_TRY(bvxi_view_check(context, slice_name, mesh));
     w.label = bvxi_label_taken(o.label, 1);
     if (bvxi_vec_is_zero(o.normal)) o.normal[2] = 1.0;
-    status = slice_all(&w, &o, sections);
+    bvx_status const status = slice_all(&w, &o, sections);
     bvx_sections_free(context, &w.made);
     return status;
 }

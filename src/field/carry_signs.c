@@ -161,13 +161,12 @@ static void look_for_fronts(void *user, int32_t piece, uint64_t row, uint64_t en
         if (!changed_beside(f, row)) continue;
         for (int32_t k = 0; k < f->shape->words_per_row; k++) {
             uint64_t const at = row * words + (uint64_t)k, open = f->open[at];
-            uint64_t out, in;
 
             /* Cleared even where nothing is open, as both are joined later. */
             f->come[at] = f->come_in[at] = 0;
             if (open == 0) continue;
-            in = carry_reach(f, row, k, 0) & open;
-            out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
+            uint64_t const in = carry_reach(f, row, k, 0) & open;
+            uint64_t const out = carry_reach(f, row, k, ~UINT64_C(0)) & open;
             f->come[at] = in | out;
             /* Outside where both come at once. */
             f->come_in[at] = in & ~out;

@@ -65,7 +65,6 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
 {
     static const char function[] = "bvx_field_dense";
     dense_job job;
-    double centres;
 
     if (values == NULL) return bvxi_fail_null(context, function, "values");
     BVXI_TRY(bvxi_field_check(context, function, field));
@@ -74,7 +73,7 @@ static bvx_status run_field_dense(bvx_context *context, const bvx_field *field, 
     job.field = field;
     job.values = values;
     job.vectors = vectors;
-    centres = (double)bvxi_grid_rows(&field->band) * (double)field->band.size[0];
+    double const centres = (double)bvxi_grid_rows(&field->band) * (double)field->band.size[0];
     job.pieces = bvxi_piece_count(bvxi_grid_rows(&field->band),
                                   1 + DENSE_GRAIN / (uint64_t)field->band.size[0]);
     BVXI_TRY(bvxi_each_long(context, "dense field", 0.0, far_rule == BVX_FAR_CONSTANT ? 1.0 : 0.1, job.pieces,
@@ -178,12 +177,11 @@ static inline void propagate_offer(const propagate_job *job, const int32_t at[3]
 {
     uint32_t const offered = job->source[from], has = job->source[to];
     float *const best = &job->values[to * job->each];
-    const float *q;
     float d, d2 = 0.0f;
 
     if (offered == has || offered == PROPAGATE_NONE) return;
     if (bvx_grid_get(&job->field->band, at[0], at[1], at[2])) return;
-    q = job->points + 3 * (size_t)offered;
+    const float *const q = job->points + 3 * (size_t)offered;
     for (int a = 0; a < 3; a++) {
         d = (float)(job->first[a] + (double)at[a] * job->step[a]) - q[a];
         d2 += d * d;

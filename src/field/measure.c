@@ -167,10 +167,9 @@ static void take_every_centre(bvx_field *field)
 static bvx_status make_band(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    uint64_t rows;
 
     BVXI_TRY(bvx_grid_create(ctx, lattice, &job->window, &f->band));
-    rows = bvxi_grid_rows(&f->band);
+    uint64_t const rows = bvxi_grid_rows(&f->band);
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, (rows + 1) * 8, "the field's rows", &f->row_values));
 
     /* Infinity less itself is NaN: the test for a finite width without a library call. */
@@ -286,14 +285,13 @@ static bvx_status measure_distances_of(bvx_context *ctx, const bvx_lattice *latt
 static bvx_status measure_steps(bvx_context *ctx, const bvx_lattice *lattice, measure_job *job)
 {
     bvx_field *const f = &job->field;
-    int solid;
 
     f->value_type = job->o.value_type;
     f->sign = job->o.sign;
     f->half_width = measure_width(lattice, job->o.half_width);
 
     /* A solid takes next to nothing of a sound mesh, and most of the time of one with holes. */
-    solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
+    int const solid = f->sign != BVX_SIGN_NONE && !signs_by_features(f->sign);
     BVXI_TRY(bvxi_nearest_check(ctx, measure_name, job->mesh, lattice));
     if (solid) BVXI_TRY(BVXI_SHARE(ctx, 0.0, 0.2, make_inside(ctx, lattice, job)));
     BVXI_TRY(BVXI_SHARE(ctx, solid ? 0.2 : 0.0, 1.0, measure_distances_of(ctx, lattice, job)));
@@ -306,11 +304,10 @@ static bvx_status run_measure_field(bvx_context *context, const bvx_mesh_view *m
                                     bvx_field *field)
 {
     measure_job job;
-    bvx_status status;
 
     memset(&job, 0, sizeof job);
     BVXI_TRY(check_measure(context, mesh, lattice, options, field, &job));
-    status = measure_steps(context, lattice, &job);
+    bvx_status const status = measure_steps(context, lattice, &job);
     if (status != BVX_OK) {
         bvx_field_free(context, &job.field);
         return status;

@@ -33,13 +33,12 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     uint8_t feature = 0;
     bvxi_sparse one = {
         .first = first, .count = 1, .value_type = BVX_F32, .triangles = &triangle, .features = &feature};
-    bvx_grid its_side;
 
     one.where.lattice = inside->lattice;
     one.where.words = &word;
     one.where.word_capacity = 1;
     one.where.words_per_row = one.where.size[0] = one.where.size[1] = one.where.size[2] = 1;
-    its_side = one.where;
+    bvx_grid its_side = one.where;
     its_side.words = &set;
     BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
     BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));

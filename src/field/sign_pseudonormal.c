@@ -195,14 +195,12 @@ static void pseudo_corners(const pseudo_rule *rule, uint32_t triangle, uint32_t 
 /* Unit normal; 0 for a triangle without area. */
 static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[3][3], double n[3])
 {
-    double length;
-
     /* About the size of 1, as products of lengths are taken. */
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
-    length = bvxi_facet_normal((const double(*)[3])t, n);
+    double const length = bvxi_facet_normal((const double(*)[3])t, n);
     /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;

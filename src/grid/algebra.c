@@ -75,7 +75,6 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
                                 int32_t operation, bvx_grid *result)
 {
     bvx_window window;
-    int made_here;
 
     if (result == NULL) return bvxi_fail_null(ctx, function, "result");
     BVXI_TRY(bvxi_grid_check(ctx, function, a));
@@ -90,7 +89,7 @@ static bvx_status combine_grids(bvx_context *ctx, const char *function, const bv
     memcpy(window.low, a->low, sizeof window.low);
     memcpy(window.size, a->size, sizeof window.size);
     bvxi_grid_renew(ctx, &a->lattice, &window, result);
-    made_here = result->words == NULL;
+    int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, &a->lattice, &window, result));
 
     algebra_job job = {.a = a, .b = b, .result = result, .operation = operation, .cpu = bvxi_cpu(ctx)};

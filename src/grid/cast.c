@@ -86,8 +86,6 @@ static void free_bricks(bvx_context *ctx, voxel_bricks *bricks)
 static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, double to,
                               const bvx_grid *grid, voxel_bricks *bricks)
 {
-    bvx_status status;
-
     memset(bricks, 0, sizeof *bricks);
     bricks->grid = grid;
     for (int32_t a = 0; a < 3; a++) bricks->size[a] = (grid->size[a] + 7) >> BRICK_SHIFT;
@@ -97,9 +95,10 @@ static bvx_status make_bricks(bvx_context *ctx, const char *stage, double from, 
                         (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2] *
                             (uint64_t)bricks->words_per_row * 8,
                         "the grid's bricks", &bricks->words));
-    status = BVXI_SHARE(ctx, from, to,
-                        bvxi_for(ctx, stage, (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
-                                 BRICK_GRAIN, make_brick_rows, bricks));
+    bvx_status const status = BVXI_SHARE(ctx, from, to,
+                                         bvxi_for(ctx, stage,
+                                                  (uint64_t)bricks->size[1] * (uint64_t)bricks->size[2],
+                                                  BRICK_GRAIN, make_brick_rows, bricks));
     if (status != BVX_OK) free_bricks(ctx, bricks);
     return status;
 }
@@ -362,10 +361,9 @@ static int clip_cast_ray(const double *ray, double t_max, cast_ray *r, double *b
     /* A finite end keeps t finite, also where a plane lies at infinity. */
     r->end = t_max < 0x1.fffffffffffffp+1023 ? t_max : 0x1.fffffffffffffp+1023;
     for (int32_t i = 0; i < 3; i++) {
-        double enter, leave;
         if (!plan_cast_axis(r->grid, i, ray[i], ray[3 + i], &r->axis[i])) return 0;
-        enter = cast_enter(&r->axis[i], r->axis[i].first);
-        leave = cast_leave(&r->axis[i], r->axis[i].last);
+        double const enter = cast_enter(&r->axis[i], r->axis[i].first);
+        double const leave = cast_leave(&r->axis[i], r->axis[i].last);
         *begin = enter > *begin ? enter : *begin;
         r->end = leave < r->end ? leave : r->end;
     }

@@ -75,11 +75,10 @@ static bvx_status move_grid(bvx_context *ctx, const char *function, const bvx_gr
                             bvx_grid *result)
 {
     crop_job job;
-    int made_here;
 
     bvxi_grid_renew(ctx, lattice, window, result);
     /* Whose words the result has decides who frees them after a failure. */
-    made_here = result->words == NULL;
+    int const made_here = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(ctx, function, lattice, window, result));
     job.grid = grid;
     job.result = result;

@@ -70,14 +70,13 @@ bvx_status bvx_grid_create(bvx_context *context, const bvx_lattice *lattice, con
                            bvx_grid *grid)
 {
     bvx_window w;
-    bvx_status status;
 
     if (context == NULL) return BVX_ERR_ARGUMENT;
     if (grid == NULL) return bvxi_fail_null(context, "bvx_grid_create", "grid");
     BVXI_TRY(bvxi_lattice_check(context, "bvx_grid_create", lattice));
     BVXI_TRY(bvxi_window_take(context, "bvx_grid_create", lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, grid);
-    status = bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid);
+    bvx_status const status = bvxi_grid_open(context, "bvx_grid_create", lattice, &w, grid);
     if (status != BVX_OK) return bvxi_fail_in(context, "bvx_grid_create", status);
     memset(grid->words, 0, (size_t)bvxi_grid_words(grid) * 8);
     return BVX_OK;

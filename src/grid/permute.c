@@ -255,8 +255,6 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     bvx_lattice lattice;
     permute_job job;
     bvx_window window;
-    uint64_t words;
-    int mine;
 
     memset(&job, 0, sizeof job);
     BVXI_TRY(take_axes(context, function, axes, flips, &job));
@@ -266,10 +264,10 @@ static bvx_status run_grid_permute(bvx_context *context, const bvx_grid *grid, c
     job.result = result;
     permute_place(&job, &lattice, &window);
     bvxi_grid_renew(context, &lattice, &window, result);
-    mine = result->words == NULL;
+    int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, &lattice, &window, result));
     lay_permute_steps(&job);
-    words = bvxi_grid_words(result);
+    uint64_t const words = bvxi_grid_words(result);
     /* Rows stay rows: memory is read and written in one order. */
     if (job.x_to == 0) {
         return bvxi_grid_made(context,

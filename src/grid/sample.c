@@ -199,20 +199,18 @@ static bvx_status run_grid_resample(bvx_context *context, const bvx_grid *grid, 
     static const char *const function = "bvx_grid_resample";
     resample_job job;
     bvx_window w;
-    bvx_status status;
-    int mine;
 
     BVXI_TRY(bvxi_grid_apart(context, function, grid, result));
     BVXI_TRY(bvxi_lattice_check(context, function, lattice));
     BVXI_TRY(bvxi_window_take(context, function, lattice, window, &w));
     bvxi_grid_renew(context, lattice, &w, result);
-    mine = result->words == NULL;
+    int const mine = result->words == NULL;
     BVXI_TRY(bvxi_grid_open(context, function, lattice, &w, result));
     job.grid = grid;
     job.result = result;
 
     /* The grid was checked before memory for the tables is made, and its words are freed if that fails. */
-    status = lay_resample_tables(context, &job);
+    bvx_status status = lay_resample_tables(context, &job);
     if (status != BVX_OK && mine) bvx_grid_free(context, result);
     if (status != BVX_OK) return status;
     status = bvxi_grid_made(context,

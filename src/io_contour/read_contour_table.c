@@ -151,19 +151,16 @@ static bvx_status table_number(table_reader *r, int column, const char *what, do
 static bvx_status end_table_loop(table_reader *r, const char *at)
 {
     bvx_sections *const s = &r->f->sections;
-    bvx_section_loop *l;
-    const double *first, *last;
-    double x, y, z, square;
 
     /* Loops of the library are closed without a repeated point; tables often repeat it. */
     if (s->loop_count == 0) return BVX_OK;
-    l = &s->loops[s->loop_count - 1];
-    first = s->points + 3 * l->first_point;
-    last = s->points + 3 * (s->point_count - 1);
-    x = last[0] - first[0];
-    y = last[1] - first[1];
-    z = last[2] - first[2];
-    square = (x * x + y * y) + z * z;
+    bvx_section_loop *const l = &s->loops[s->loop_count - 1];
+    const double *const first = s->points + 3 * l->first_point;
+    const double *const last = s->points + 3 * (s->point_count - 1);
+    double const x = last[0] - first[0];
+    double const y = last[1] - first[1];
+    double const z = last[2] - first[2];
+    double const square = (x * x + y * y) + z * z;
     if (l->point_count > 1 && x == 0.0 && y == 0.0 && z == 0.0) {
         l->point_count--;
         s->point_count--;
@@ -236,12 +233,10 @@ static bvx_status find_table_section(table_reader *r, double position, const dou
 
 static bvx_status read_normal(table_reader *r, double normal[3])
 {
-    double length;
-
     BVXI_TRY(table_number(r, TABLE_NX, "expected a number as nx", &normal[0]));
     BVXI_TRY(table_number(r, TABLE_NY, "expected a number as ny", &normal[1]));
     BVXI_TRY(table_number(r, TABLE_NZ, "expected a number as nz", &normal[2]));
-    length = sqrt((normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2]);
+    double const length = sqrt((normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2]);
     if (!(length > 0.0) || !(length < 1e300))
         return bvxi_contour_fail(r->f, r->line, BVX_ERR_FORMAT, "the plane's normal has no length");
     return BVX_OK;

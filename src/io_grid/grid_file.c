@@ -35,8 +35,6 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
 {
     static const char *const function = "bvx_read_grid";
     bvxi_grid_source source;
-    bvx_grid made;
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, function, "grid");
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
@@ -46,8 +44,8 @@ static bvx_status run_read_grid(bvx_context *context, const void *bytes, uint64_
     source.end = source.begin + (size_t)size;
     source.window = window;
     source.volume = NULL;
-    made = *grid; /* brings the caller's words along */
-    status = read_grid_as(&source, format, &made);
+    bvx_grid made = *grid; /* brings the caller's words along */
+    bvx_status const status = read_grid_as(&source, format, &made);
     /* The words may have been freed and made anew: the caller's grid must name those that exist. */
     if (status != BVX_OK) {
         if (grid->owned == 1) *grid = made; /* its words, or others in their stead */

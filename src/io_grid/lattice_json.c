@@ -191,7 +191,6 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     static const char *const function = "bvx_read_lattice";
     static const char axis_name[3][2] = {"x", "y", "z"};
     json_lattice l;
-    const char *text;
 
     BVXI_TRY(bvxi_check_bytes(context, function, bytes, size));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
@@ -202,7 +201,7 @@ static bvx_status run_read_lattice(bvx_context *context, const void *bytes, uint
     l.source.format = "lattice";
     l.source.begin = bytes;
     l.source.end = l.source.begin + (size_t)size;
-    text = bvxi_skip_mark(l.source.begin, l.source.end);
+    const char *const text = bvxi_skip_mark(l.source.begin, l.source.end);
     BVXI_TRY(bvxi_json_read(&l.source, text, (uint64_t)(l.source.end - text), &l.json));
     BVXI_TRY(json_take_lattice(&l));
 

@@ -243,7 +243,6 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     bvx_lattice box;
     bvx_window part;
     bvx_grid turned = {0}, layers = {0};
-    bvx_status status;
 
     memset(&r, 0, sizeof r);
     r.source = source;
@@ -251,7 +250,7 @@ bvx_status bvxi_read_binvox(const bvxi_grid_source *source, bvx_grid *grid)
     BVXI_TRY(binvox_make_box(&r, &box));
     BVXI_TRY(binvox_check_pairs(&r));
     BVXI_TRY(bvxi_open_file_grid(source, "BINVOX", &box, NULL, &part, grid));
-    status = binvox_fill(&r, &part, &turned, &layers, grid);
+    bvx_status const status = binvox_fill(&r, &part, &turned, &layers, grid);
     bvx_grid_free(source->ctx, &layers);
     bvx_grid_free(source->ctx, &turned);
     return status;

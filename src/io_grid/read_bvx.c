@@ -99,7 +99,6 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
     bvx_context *const ctx = job->source->ctx;
     const uint8_t *const head = job->source->begin;
     bvx_window *const w = &job->window;
-    bvx_status status;
 
     BVXI_TRY(bvxi_bvx_check_start(ctx, BVXI_BVX_GRID, head, (uint64_t)(job->source->end - head)));
 
@@ -113,7 +112,7 @@ static bvx_status bvx_take_head(bvx_unpacking *job)
         w->size[a] = bvx_load_side(head + (a < 2 ? BVXI_BVX_AT_SIZE + 4 * a : BVXI_BVX_AT_Z + 4));
     }
     job->lattice.fraction_bits = bvx_load_side(head + BVXI_BVX_AT_FRACTION);
-    status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
+    bvx_status const status = bvxi_lattice_check(ctx, "BVX", &job->lattice);
     /* the argument at fault is the file */
     if (status != BVX_OK) return status == BVX_ERR_RANGE ? BVX_ERR_RANGE : BVX_ERR_FORMAT;
 
@@ -198,11 +197,9 @@ static bvx_status bvx_find_slices(bvx_unpacking *job)
 /* One length of a run; NULL when it is cut, has more than 8 bytes or more than it needs. */
 static inline const uint8_t *bvx_take_length(const uint8_t *p, const uint8_t *end, uint64_t *length)
 {
-    uint64_t v;
-
     /* Seven bits a byte, the lowest first; the top bit says that another byte follows. */
     if (p == end) return NULL;
-    v = *p++;
+    uint64_t v = *p++;
     *length = v;
     if (v < 128) return p;
     v &= 127;

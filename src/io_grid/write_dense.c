@@ -213,7 +213,6 @@ static bvx_status write_file(bvx_context *ctx, const char *function, const dense
     uint64_t const tail = bvxi_text_length(format->tail);
     bvxi_output head = {0};
     bvx_buffer made = {0};
-    bvx_status status;
     int fits = 1;
 
     /* NPY holds no place, so only the others need a finite one. */
@@ -231,7 +230,7 @@ static bvx_status write_file(bvx_context *ctx, const char *function, const dense
     head.size = 0;
     format->put_head(w, &head);
     memcpy(made.bytes + size - tail, format->tail, (size_t)tail);
-    status = write_numbers(ctx, w, format, voxels, made.bytes + head.size);
+    bvx_status const status = write_numbers(ctx, w, format, voxels, made.bytes + head.size);
     if (status != BVX_OK) bvx_buffer_free(ctx, &made);
     else *file = made;
     return status;

@@ -82,7 +82,6 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
     for (int i = 0; i < BLEND_STEPS; i++) {
         double const value = first + t * (c[0] + t * (c[1] + t * c[2]));
         double const slope = c[0] + t * (2.0 * c[1] + t * 3.0 * c[2]);
-        double next;
 
         if (value == 0.0) return t;
 
@@ -90,7 +89,7 @@ double bvxi_blend_zero(const bvxi_blend *b, const double f[BVXI_BLEND_SECTIONS])
          * Newton's cannot lose it. */
         if ((value > 0.0) == (first > 0.0)) low = t;
         else high = t;
-        next = slope != 0.0 ? t - value / slope : low;
+        double next = slope != 0.0 ? t - value / slope : low;
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (next - t < BLEND_CLOSE && t - next < BLEND_CLOSE) return next;
         t = next;

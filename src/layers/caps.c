@@ -123,10 +123,9 @@ void bvxi_plane_owners(const bvxi_plane *p, uint32_t *owner)
         owner[h] = BVXI_NONE;
         if (!p->contour[h].hole) continue;
         for (uint32_t o = 0; o < p->contour_count; o++) {
-            double area;
             if (p->contour[o].hole || !bvxi_loop_contains(p, &p->contour[o], p->q[p->contour[h].first]))
                 continue;
-            area = bvxi_cap_area(p, &p->contour[o]);
+            double const area = bvxi_cap_area(p, &p->contour[o]);
             if (owner[h] != BVXI_NONE && area >= best) continue;
             owner[h] = o;
             best = area;
@@ -189,9 +188,8 @@ static bvx_status join_holes(cap_work *w, uint32_t *owner, uint32_t outer)
     for (;;) {
         uint32_t next = BVXI_NONE, from = 0, corner = 0;
         for (uint32_t h = 0; h < p->contour_count; h++) {
-            uint32_t r;
             if (owner[h] != outer) continue;
-            for (r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
+            for (uint32_t r = p->contour[h].first; r < p->contour[h].first + p->contour[h].count; r++)
                 if (w->after[r] != BVXI_NONE && (next == BVXI_NONE || p->q[r][0] > p->q[from][0])) {
                     next = h;
                     from = r;

@@ -23,10 +23,9 @@ typedef struct ends_work {
 double bvxi_contour_distance(const bvxi_plane *p, double u, double v, uint32_t *hint, uint32_t *contour)
 {
     uint32_t segment;
-    double d;
     *contour = 0;
     if (p->contour_count == 1) return bvxi_plane_distance(p, u, v, hint); /* which segment does not matter */
-    d = bvxi_plane_nearest(p, u, v, &segment);
+    double const d = bvxi_plane_nearest(p, u, v, &segment);
     *contour = bvxi_contour_of(p, segment);
     return d;
 }

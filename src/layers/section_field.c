@@ -82,9 +82,8 @@ double bvxi_field_corner(bvxi_field *f, const int32_t at[2], int k, int inside)
 
 static double plane_at(bvxi_field *f, int k, double u, double v)
 {
-    double d;
     if (is_nothing(f, k)) return outside_value(f, k, u, v, 0.0);
-    d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
+    double const d = bvxi_plane_distance(f->slab->plane[k], u, v, &f->plane[k].hint);
     return bvxi_plane_inside(f->s, f->slab->plane[k], u, v) ? d : outside_value(f, k, u, v, d);
 }
 
@@ -92,10 +91,9 @@ static double plane_at(bvxi_field *f, int k, double u, double v)
 static double far_at(bvxi_field *f, int k, double u, double v)
 {
     const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
-    double d;
 
     if (p == NULL) return 0.0;
-    d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
+    double const d = bvxi_plane_distance(p, u, v, &f->plane[k].hint);
     return bvxi_plane_encloses(p, u, v) ? d : -d;
 }
 
@@ -103,12 +101,11 @@ static double far_corner(bvxi_field *f, const int32_t at[2], int k)
 {
     const bvxi_plane *const p = f->slab->far[k - BVXI_BLEND_FAR_BELOW];
     int32_t const fine = f->s->fine, part = (1 << fine) - 1;
-    double d;
 
     if (p == NULL) return 0.0;
     if ((at[0] & part) != 0 || (at[1] & part) != 0)
         return far_at(f, k, bvxi_fixed_u(f->s, 0, at[0]), bvxi_fixed_u(f->s, 1, at[1]));
-    d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
+    double const d = grid_distance(f, &f->plane[k], at[0] >> fine, at[1] >> fine);
     return bvxi_grid_bit(f->s, p, at[0] >> fine, at[1] >> fine) ? d : -d;
 }
 

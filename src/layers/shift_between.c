@@ -159,11 +159,10 @@ static int leaving_side(shift_lattice *l, int32_t i, int32_t j, int from)
 {
     int const inside[4] = {value_inside(l, i, j), value_inside(l, i + 1, j), value_inside(l, i + 1, j + 1),
                            value_inside(l, i, j + 1)};
-    double middle;
 
     if (inside[0] != inside[1] && inside[1] != inside[2] && inside[2] != inside[3]) {
-        middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
-                 (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
+        double const middle = (*shift_value(l->value, l, i, j) + *shift_value(l->value, l, i + 1, j)) +
+                              (*shift_value(l->value, l, i, j + 1) + *shift_value(l->value, l, i + 1, j + 1));
         return middle > 0.0 ? (from + 1) & 3 : (from + 3) & 3;
     }
 
@@ -197,11 +196,10 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     for (;;) {
         /* The side's edge, as its low end and axis. */
         int32_t const x = i + (from == 1), y = j + (from == 2);
-        int side;
         if (from % 2 == 0) (void)see_edge(l, x, y);
         BVXI_TRY(add_crossing(l, x, y, from % 2));
 
-        side = leaving_side(l, i, j, from);
+        int const side = leaving_side(l, i, j, from);
         if (side == 0) j--;
         else if (side == 1) i++;
         else if (side == 2) j++;
@@ -267,10 +265,9 @@ bvx_status bvxi_shift_between(const bvxi_stack *s, bvxi_discs on[2], bvxi_disc_g
                               bvxi_mended *to)
 {
     shift_lattice l = {.s = s, .on = on, .g = g, .to = to};
-    uint64_t points;
 
     lay_shift_lattice(&l);
-    points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
+    uint64_t const points = (uint64_t)l.size[0] * (uint64_t)l.size[1];
 
     BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.value));
     BVXI_TRY(BVXI_ARRAY(s->ctx, points, "a section between two", l.level));

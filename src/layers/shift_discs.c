@@ -173,9 +173,8 @@ static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t 
     shift_near near = {BVXI_NONE, reach * reach};
 
     for (uint32_t j = 0; j < on[1].count; j++) {
-        double square;
         if (met[on[0].count + j] || on[1].disc[j].depth != on[0].disc[i].depth) continue;
-        square = centre_square(&on[0].disc[i], &on[1].disc[j]);
+        double const square = centre_square(&on[0].disc[i], &on[1].disc[j]);
         /* Of equally near ones the first stays; one just at the reach is taken too. */
         if (square < near.square || (square == near.square && near.to == BVXI_NONE)) {
             near.to = j;
@@ -302,9 +301,8 @@ double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *g, int 
     for (uint32_t i = g->count[k] == 0 ? BVXI_NONE : g->first[k]; i != BVXI_NONE; i = on[k].disc[i].next) {
         bvxi_disc *const d = &on[k].disc[i];
         double const at[2] = {u, v};
-        double distance;
         if (disc_box_distance(d->box, u, v) > least) continue;
-        distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
+        double const distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
         if (distance < least) least = distance;
         if (!inside && in_disc_box(d->box, at)) inside = bvxi_plane_encloses(&d->view, u, v);
     }

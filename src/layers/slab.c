@@ -138,7 +138,6 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     uint32_t const last = s->plane_count - 1,
                    levels = s->nesting.count == NULL ? 1 : s->nesting.count[b->below];
     const bvxi_plane *whole;
-    uint32_t other;
 
     /* The first and last section have nothing beyond; a plane without contours would have no distances to
      * blend with. */
@@ -148,7 +147,7 @@ static const bvxi_plane *plane_beyond(const bvxi_stack *s, const bvxi_slab *slab
     if (b->plane[0]->whole == NULL) return whole;
     if (s->nesting.joined[b->below] != BVXI_LEVELS_APART) return NULL;
 
-    other = s->nesting.count[side == 0 ? b->below - 1 : b->below + 1];
+    uint32_t const other = s->nesting.count[side == 0 ? b->below - 1 : b->below + 1];
     if (other > 1) {
         if (b->level >= other) return NULL;
         return side == 0 ? slabs[slab - other].plane[0] : slabs[slab + levels].plane[1];

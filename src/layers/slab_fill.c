@@ -217,8 +217,6 @@ static bvx_status fill_layers(bvxi_slab_work *w)
 /* The field's crossings on a plane are kept for the slab above it: in the field's way slabs come in order. */
 bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
 {
-    bvx_status status;
-
     if (w->field.plane[1].plane != slab->plane[0]) bvxi_map_clear(&w->map[w->map_top]);
     bvxi_map_clear(&w->trace.folds);
     BVXI_TRY(bvxi_field_set(&w->field, slab));
@@ -228,7 +226,7 @@ bvx_status bvxi_slab_fill(bvxi_slab_work *w, bvxi_slab *slab)
     /* Bits that are set for this slab and cleared after it cost less than clearing the whole plane each
      * time. */
     mark_split(w, 1);
-    status = fill_layers(w);
+    bvx_status const status = fill_layers(w);
     mark_split(w, 0);
     return status;
 }

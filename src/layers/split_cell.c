@@ -77,10 +77,8 @@ static bvx_status add_to_pool(bvxi_split_work *w, const bvxi_arc *arc)
 static bvx_status add_piece(bvxi_split_work *w, uint32_t quadrant, uint32_t from, uint32_t to, uint32_t point,
                             uint32_t count)
 {
-    bvxi_split_piece *p;
-
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->piece, w->piece_count, w->piece_room, "the pieces of arcs"));
-    p = &w->piece[w->piece_count++];
+    bvxi_split_piece *const p = &w->piece[w->piece_count++];
     p->quadrant = quadrant;
     p->arc.from = from;
     p->arc.to = to;
@@ -176,7 +174,6 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
 {
     uint32_t const in = c->inside[k];
     uint32_t odd[4] = {0, 0, 0, 0}; /* of the lower half of each side */
-    uint32_t bottom, top, left, right, centre;
 
     /* A new corner in a side's middle is as the side's low end is, but for the crossings between. */
     for (uint32_t i = 0; i < c->arc_count[k]; i++) {
@@ -188,11 +185,11 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
         }
     }
     /* Corners are known; the middle of the cell follows from the bottom's along the line to it. */
-    bottom = (in & 1) ^ odd[0];
-    right = (in >> 1 & 1) ^ odd[1];
-    top = (in >> 2 & 1) ^ odd[2];
-    left = (in & 1) ^ odd[3];
-    centre = bottom ^ w->odd_u[0];
+    uint32_t const bottom = (in & 1) ^ odd[0];
+    uint32_t const right = (in >> 1 & 1) ^ odd[1];
+    uint32_t const top = (in >> 2 & 1) ^ odd[2];
+    uint32_t const left = (in & 1) ^ odd[3];
+    uint32_t const centre = bottom ^ w->odd_u[0];
     return (in & 1) | bottom << 1 | (in >> 1 & 1) << 2 | left << 3 | centre << 4 | right << 5 |
            (in >> 2 & 1) << 6 | top << 7 | (in >> 3 & 1) << 8;
 }
@@ -200,7 +197,6 @@ static uint32_t corners_of_quarters(const bvxi_split_work *w, const bvxi_plane *
 static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int k, bvxi_split_cell quarter[4])
 {
     bvxi_plane *const p = w->slab->plane[k];
-    uint32_t corners;
 
     w->piece_count = 0;
     memset(w->odd_u, 0, sizeof w->odd_u);
@@ -210,7 +206,7 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
         BVXI_TRY(arc.from == BVXI_NONE ? cut_inner_loop(w, p, &arc) : cut_open_arc(w, p, &arc));
     }
 
-    corners = corners_of_quarters(w, p, c, k);
+    uint32_t const corners = corners_of_quarters(w, p, c, k);
     for (uint32_t j = 0; j < 4; j++) {
         uint32_t const at = (j & 1) + 3 * (j >> 1);
         quarter[j].inside[k] = (uint8_t)((corners >> at & 3) | (corners >> (at + 3) & 3) << 2);
@@ -243,12 +239,11 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
 {
     bvxi_slab *const slab = w->slab;
     int32_t const part = (1 << w->s->fine) - 1;
-    bvxi_hanging *h;
 
     if ((u & part) == 0 && (v & part) == 0) return BVX_OK; /* a grid point */
     BVXI_TRY(
         BVXI_SLAB_GROW(w->s, slab->hanging, slab->hanging_count, slab->hanging_room, "the corners of cells"));
-    h = &slab->hanging[slab->hanging_count++];
+    bvxi_hanging *const h = &slab->hanging[slab->hanging_count++];
     memset(h, 0, sizeof *h);
     h->at[0] = u;
     h->at[1] = v;

@@ -21,10 +21,9 @@ static bvx_status gather_ends(bvxi_trace *t)
             const bvxi_arc *const a = &t->arc[k][i];
             if (a->from == BVXI_NONE) continue;
             for (int to = 0; to < 2; to++) {
-                bvxi_trace_end *e;
                 const bvxi_line_cut *const c = &p->cut[to ? a->to : a->from];
                 BVXI_TRY(BVXI_SLAB_GROW(t->s, t->end, t->end_count, t->end_room, "the crossings of a cell"));
-                e = &t->end[t->end_count++];
+                bvxi_trace_end *const e = &t->end[t->end_count++];
                 e->arc = i;
                 e->cut = to ? a->to : a->from;
                 e->is_to = (uint8_t)to;

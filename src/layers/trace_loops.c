@@ -28,11 +28,10 @@ static double uncross_volume(const double *a, const double *b, const double *c, 
 static int uncross_pierces(const double *p, const double *q, const double *const t[3])
 {
     double const sp = uncross_volume(t[0], t[1], t[2], p), sq = uncross_volume(t[0], t[1], t[2], q);
-    double a, b, c;
     if ((sp > 0.0) == (sq > 0.0)) return 0;
-    a = uncross_volume(p, q, t[0], t[1]);
-    b = uncross_volume(p, q, t[1], t[2]);
-    c = uncross_volume(p, q, t[2], t[0]);
+    double const a = uncross_volume(p, q, t[0], t[1]);
+    double const b = uncross_volume(p, q, t[1], t[2]);
+    double const c = uncross_volume(p, q, t[2], t[0]);
     return (a > 0.0 && b > 0.0 && c > 0.0) || (a < 0.0 && b < 0.0 && c < 0.0);
 }
 
@@ -135,10 +134,9 @@ static bvx_status keep_cap_lines(bvxi_trace *t, int k, uint32_t from, uint32_t c
         return BVX_OK;
     for (uint32_t i = from - 1; i < count; i++) {
         uint32_t const a = t->vertex[i], b = i + 1 < count ? t->vertex[i + 1] : last;
-        uint32_t *e;
         BVXI_TRY(BVXI_SLAB_GROW(s, s->cap_edge[k], s->cap_edge_count[k], s->cap_edge_room[k],
                                 "the lines of a cap"));
-        e = s->cap_edge[k][s->cap_edge_count[k]++];
+        uint32_t *const e = s->cap_edge[k][s->cap_edge_count[k]++];
         e[0] = k == 0 ? a : b;
         e[1] = k == 0 ? b : a;
     }

@@ -78,10 +78,9 @@ static bvx_status add_corner(bvxi_trace *t, int i)
         BVXI_FACE_SIDE << 1 | BVXI_FACE_SIDE << 2, BVXI_FACE_SIDE << 2 | BVXI_FACE_SIDE << 3};
     const bvxi_slab *const slab = t->field->slab;
     int32_t const fine = t->s->fine, part = (1 << fine) - 1;
-    bvxi_trace_node *n;
 
     BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
-    n = &t->node[t->node_count++];
+    bvxi_trace_node *const n = &t->node[t->node_count++];
     n->at[0] = t->low[0] + (i == 1 || i == 2 ? t->size : 0);
     n->at[1] = t->low[1] + (i >= 2 ? t->size : 0);
     n->faces = faces[i];

@@ -6,11 +6,9 @@ enum { TRACE_FEW = 64 };
 
 bvx_status bvxi_trace_add_point(bvxi_trace *t, uint32_t vertex, uint32_t faces, uint32_t *point)
 {
-    bvxi_trace_point *p;
-
     BVXI_TRY(BVXI_SLAB_GROW(t->s, t->point, t->point_count, t->point_room, "the crossings of a cell"));
     *point = t->point_count++;
-    p = &t->point[*point];
+    bvxi_trace_point *const p = &t->point[*point];
     p->vertex = vertex;
     p->next = BVXI_NONE;
     p->arc = BVXI_NONE;

@@ -219,13 +219,12 @@ static int cross_beyond(const double a[3], const double b[3], const double c[3])
 static int cross_fold(const double *a, const double *b, const double *c, const double *d)
 {
     const double *const p[3] = {a, b, c}, *const q[3] = {a, b, d};
-    int axis, other;
 
     if (bvxi_orient(a, b, c, d) != 0) return 0;
 
     /* One plane, unless a triangle has no area: then it is on the line of the common edge. */
-    axis = cross_axis(p);
-    other = cross_axis(q);
+    int const axis = cross_axis(p);
+    int const other = cross_axis(q);
     if (axis >= 0 && other >= 0) return bvxi_orient_flat(a, b, c, axis) == bvxi_orient_flat(a, b, d, axis);
     if (axis >= 0 || other >= 0) return 0;
 

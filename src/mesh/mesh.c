@@ -77,7 +77,6 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
                           uint64_t vertex_count, uint64_t triangle_count, bvx_mesh *mesh)
 {
     bvx_mesh made = {.owned = 1, .position_type = position_type};
-    bvx_status status;
 
     /* Arrays of the library's that do not suit are freed at once, so that both need not live together. */
     if (mesh->owned == 1 && !suits(mesh, position_type, keys != 0, vertex_count, triangle_count))
@@ -93,7 +92,7 @@ bvx_status bvxi_mesh_open(bvx_context *ctx, const char *function, int32_t positi
     /* New arrays go to a mesh of their own: after a failure the caller's is as it was. */
     made.vertex_count = made.vertex_capacity = vertex_count;
     made.triangle_count = made.triangle_capacity = triangle_count;
-    status = make_arrays(ctx, keys, &made);
+    bvx_status const status = make_arrays(ctx, keys, &made);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, &made);
         return status;

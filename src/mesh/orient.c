@@ -53,18 +53,17 @@ static orient_double orient_take_apart(double x)
 {
     orient_double r = {0, 0};
     uint64_t bits, m;
-    int32_t field, zeros;
 
     memcpy(&bits, &x, sizeof bits);
 
     /* The hidden leading digit belongs to all but subnormal numbers. */
-    field = (int32_t)(bits >> 52 & 2047);
+    int32_t const field = (int32_t)(bits >> 52 & 2047);
     m = bits & ((UINT64_C(1) << 52) - 1);
     if (field != 0) m |= UINT64_C(1) << 52;
     if (m == 0) return r;
 
     /* A subnormal number (field 0) has the exponent of field 1, without the leading digit. */
-    zeros = orient_lowest_bit(m);
+    int32_t const zeros = orient_lowest_bit(m);
     r.mantissa = (int64_t)(m >> zeros);
     if (bits >> 63 != 0) r.mantissa = -r.mantissa;
     r.exponent = (field != 0 ? field : 1) - 1075 + zeros;
@@ -243,7 +242,6 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
     const double *const points[4] = {a, b, c, d};
     orient_axis axis[3];
     int64_t u[3], v[3], w[3];
-    bvxi_wide sum;
     int x = 0, y, z;
 
     /* Facets along the axes are common, and need no digits. */
@@ -264,7 +262,7 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
         v[i] = orient_small_difference(&axis[y], i, 3);
         w[i] = orient_small_difference(&axis[z], i, 3);
     }
-    sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
+    bvxi_wide sum = bvxi_wide_mul(u[0], v[1] * w[2] - v[2] * w[1]);
     sum = bvxi_wide_add(sum, bvxi_wide_mul(u[1], v[2] * w[0] - v[0] * w[2]));
     sum = bvxi_wide_add(sum, bvxi_wide_mul(u[2], v[0] * w[1] - v[1] * w[0]));
     return bvxi_wide_sign(sum);

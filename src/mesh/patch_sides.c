@@ -262,12 +262,10 @@ static int is_beside_a_right_one(const side_crossing *c, uint64_t n, uint64_t i)
 
 static void judge_ray(side_crossing *c, uint64_t n, int chance, patch_side *sides)
 {
-    int fit;
-
     /* An odd number of crossings: the ray went through a hole, or along a sheet. */
     if (n == 0 || n % 2 != 0 || n > MOST_CROSSINGS) return;
     sort_crossings(c, n);
-    fit = !chance && depths_fit(c, n);
+    int const fit = !chance && depths_fit(c, n);
 
     for (uint64_t i = 0; i < n; i++) {
         patch_side *const s = &sides[c[i].patch];

@@ -76,13 +76,12 @@ static void list_half_edges(patch_work *w)
 {
     for (uint64_t t = 0; t < w->out->triangles; t++) {
         uint32_t *const c = w->corner + 3 * t;
-        int flat;
 
         /* A triangle with two corners at one place has no
          * sides, so its half-edges go to the end of the order. */
         bvxi_view_triangle(w->view, t, c);
         for (int k = 0; k < 3; k++) c[k] = w->representative[c[k]];
-        flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+        int const flat = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
 
         for (uint64_t k = 0; k < 3; k++) {
             /* The lower corner first: both half-edges of an edge get the same key, whichever way they run. */
@@ -290,7 +289,6 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
                              const double centre[3], int chance, bvxi_patches *patches)
 {
     patch_work w = {.view = view, .representative = representative, .centre = centre, .chance = chance};
-    uint64_t mark;
 
     memset(patches, 0, sizeof *patches);
     /* Half-edges have three numbers a triangle, which 32 bits must hold. */
@@ -307,7 +305,7 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
         bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the turned triangles", &patches->turn));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the patches' marks", &patches->open));
     w.torn = patches->open;
-    mark = bvxi_scratch_begin(ctx);
+    uint64_t const mark = bvxi_scratch_begin(ctx);
     BVXI_TRY(open_patch_work(ctx, &w));
     return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
 }

@@ -223,13 +223,12 @@ static void polygon_scale(const double (*corner)[3], uint64_t count, double fact
 {
     double greatest = 0.0;
     uint64_t bits;
-    int32_t exponent;
 
     for (uint64_t i = 0; i < count; i++)
         for (size_t a = 0; a < 3; a++)
             if (bvxi_absolute(corner[i][a]) > greatest) greatest = bvxi_absolute(corner[i][a]);
     memcpy(&bits, &greatest, sizeof bits);
-    exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
+    int32_t exponent = 1023 - (int32_t)(bits >> 52); /* -1023..1023 */
     /* In two factors, since one alone might leave the range of doubles. */
     small_factors[0] = polygon_power_of_two(exponent / 2);
     small_factors[1] = polygon_power_of_two(exponent - exponent / 2);

@@ -36,10 +36,8 @@ static void welded_triangle(const bvx_mesh_view *mesh, const uint32_t *represent
  * normal. */
 static double facet_of(const bvx_mesh_view *mesh, const uint32_t v[3], double p[3][3], double n[3])
 {
-    double size;
-
     for (int k = 0; k < 3; k++) bvxi_view_position(mesh, v[k], p[k]);
-    size = bvxi_facet_normal((const double(*)[3])p, n);
+    double const size = bvxi_facet_normal((const double(*)[3])p, n);
     for (int a = 0; a < 3 && size > 0; a++) n[a] /= size;
     return size;
 }
@@ -74,11 +72,10 @@ static bvx_status measure_edges(bvx_context *ctx, const bvx_mesh_view *mesh, con
 
     for (uint64_t i = 0; i < n; i++) {
         uint32_t v[3];
-        uint64_t a, b;
 
         welded_triangle(mesh, representative, i / 3, v);
-        a = v[i % 3];
-        b = v[(i + 1) % 3];
+        uint64_t const a = v[i % 3];
+        uint64_t const b = v[(i + 1) % 3];
         keys[i] = a < b ? a << 32 | b : b << 32 | a;
         side[i] = (uint32_t)i;
     }

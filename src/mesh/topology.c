@@ -245,9 +245,8 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
 {
     topology *const c = user;
     topology_counts counts = {0};
-    uint64_t begin;
 
-    begin = first_entry(c, from);
+    uint64_t begin = first_entry(c, from);
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];

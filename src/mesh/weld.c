@@ -23,11 +23,10 @@ static inline bvx_status weld_ask(bvx_context *ctx, const bvx_mesh_view *v, uint
 static uint32_t weld_hash(const double p[3])
 {
     uint64_t h = 0, bits;
-    double x;
 
     /* Each coordinate is mixed in before the next, so that equal bits at other places give another hash. */
     for (int a = 0; a < 3; a++) {
-        x = p[a] + 0.0;
+        double x = p[a] + 0.0;
         memcpy(&bits, &x, sizeof bits);
         h = (h ^ bits) * UINT64_C(0x9e3779b97f4a7c15);
         h ^= h >> 29;
@@ -121,10 +120,9 @@ bvx_status bvxi_weld(bvx_context *ctx, const bvx_mesh_view *view, uint32_t *repr
 {
     uint64_t const size = view->vertex_count + view->vertex_count / 2 + 1;
     uint32_t *table;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the welding table", &table));
-    status = weld_into(ctx, view, table, size, representative, different);
+    bvx_status const status = weld_into(ctx, view, table, size, representative, different);
     bvxi_drop(ctx, table);
 
     /* No vertex at all has been found different: the mark of a search that was given up. */
@@ -238,9 +236,8 @@ bvx_status bvxi_drop_duplicates(bvx_context *ctx, const bvx_mesh_view *view, con
 {
     uint64_t const size = view->triangle_count + view->triangle_count / 2 + 1;
     uint32_t *table;
-    int done;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, size * sizeof *table, "the triangles' table", &table));
-    done = drop_by_table(view, representative, table, size, corner, kept);
+    int const done = drop_by_table(view, representative, table, size, corner, kept);
     bvxi_drop(ctx, table);
     return done ? BVX_OK : drop_by_tree(ctx, view, representative, corner, kept);
 }

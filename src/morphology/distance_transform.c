@@ -144,8 +144,6 @@ static const bvxi_option distance_rows[] = {
 static bvx_status check_distance(bvx_context *ctx, const char *function, const bvx_grid *grid,
                                  const bvx_distance_options *options, uint64_t capacity, distance_job *job)
 {
-    uint64_t voxels;
-
     memset(job, 0, sizeof *job);
     BVXI_TRY(bvxi_grid_check(ctx, function, grid));
     BVXI_TRY(bvxi_take_options(ctx, function, options, &job->o, sizeof job->o));
@@ -158,7 +156,7 @@ static bvx_status check_distance(bvx_context *ctx, const char *function, const b
                                  "%s: squares of a spacing of %g are beyond what doubles hold well", function,
                                  grid->lattice.spacing[a]);
     /* sides of at most 2^25, words that fit memory */
-    voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
+    uint64_t const voxels = bvxi_grid_rows(grid) * (uint64_t)grid->size[0];
     if (capacity < voxels)
         return bvxi_fail(ctx, BVX_ERR_CAPACITY, "%s: the array holds %u numbers, the window has %u voxels",
                          function, capacity, voxels);

@@ -220,7 +220,6 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     bvx_hollow_options o;
     bvx_hollow_report report;
     bvx_window window;
-    bvx_grid made, hollow;
     bvx_status status;
 
     memset(&report, 0, sizeof report);
@@ -233,9 +232,9 @@ static bvx_status run_grid_hollow(bvx_context *context, const bvx_grid *grid,
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(context, &grid->lattice, &window, result);
-    made = *result;
+    bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(context, function, &grid->lattice, &window, &made));
-    hollow = made;
+    bvx_grid hollow = made;
     status = bvxi_alloc(context, BVXI_SCRATCH, bvxi_grid_words(grid) * 8, "the hollow", &hollow.words);
     if (status == BVX_OK) status = make_shell(context, function, grid, &o, &hollow, &made, &report);
     BVXI_TRY(bvxi_grid_put(context, status, &made, result));

@@ -205,8 +205,6 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
                            double to, const bvxi_bit_box *source, const bvxi_bit_box *target)
 {
     runs_job job = {0};
-    uint64_t bytes;
-    int32_t most;
     int ok = 1;
 
     job.from = *source;
@@ -223,14 +221,14 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     job.scratch_size = (bvxi_mul(bvxi_mul((uint64_t)job.room, (uint64_t)job.reach[0] + 1, &ok), 8, &ok) +
                         RUNS_CHUNK * 8 + 63) /
                        64 * 64;
-    bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
+    uint64_t const bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
     /* Sizes by the ball and the window may pass what addresses can name. */
     if (!ok || bytes > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: grown slices are beyond this machine's addresses",
                          morph->stage);
     job.half_bytes = ((uint64_t)job.reach[1] + 1) * ((uint64_t)job.reach[2] + 1) * sizeof *job.half;
     job.pieces = bvxi_piece_count(bvxi_box_words(source), RUNS_GRAIN);
-    most = source->size[2] / (4 * job.reach[2] + 1); /* what pieces do twice stays small */
+    int32_t const most = source->size[2] / (4 * job.reach[2] + 1); /* what pieces do twice stays small */
     if (job.pieces > most) job.pieces = most < 1 ? 1 : most;
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half));

@@ -298,7 +298,6 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
                             const bvxi_bit_box *first, const bvxi_bit_box *second)
 {
     sweep_job job = {0};
-    uint64_t bytes, outside_bytes;
     int ok = 1;
 
     /* Three slices a step and one for the sides, for each worker. */
@@ -306,8 +305,8 @@ bvx_status bvxi_morph_steps(bvx_context *ctx, const bvxi_morph *morph, const bvx
     job.scratch_size = (bvxi_mul((uint64_t)job.slice, 24 * (uint64_t)sweep_steps(morph, source) + 8, &ok) +
                         16 + 63) /
                        64 * 64;
-    bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
-    outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
+    uint64_t const bytes = bvxi_mul(job.scratch_size, (uint64_t)bvxi_threads(ctx), &ok);
+    uint64_t const outside_bytes = bvxi_mul((uint64_t)job.slice, 16, &ok);
     if (!ok || bytes > SIZE_MAX)
         return bvxi_fail(ctx, BVX_ERR_BUDGET, "%s: slices for the steps are beyond this machine's addresses",
                          morph->stage);

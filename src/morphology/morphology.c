@@ -196,22 +196,19 @@ static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t op
 {
     static const char function[] = "bvx_grid_morph";
     bvx_window window;
-    bvxi_morph morph;
-    bvx_grid made;
-    bvx_status status;
 
     BVXI_TRY(bvxi_grid_apart(ctx, function, grid, result));
     if (operation < BVX_MORPH_DILATE || operation > BVX_MORPH_CLOSE)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CHOICE,
                              "%s: operation is %d; it must be BVX_MORPH_...", function, (int64_t)operation);
-    morph = morphs[operation];
+    bvxi_morph morph = morphs[operation];
     BVXI_TRY(take_morph_options(ctx, function, grid, options, &morph));
     memcpy(window.low, grid->low, sizeof window.low);
     memcpy(window.size, grid->size, sizeof window.size);
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
-    made = *result;
+    bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
-    status = bvxi_morph_run(ctx, &morph, grid, &made);
+    bvx_status const status = bvxi_morph_run(ctx, &morph, grid, &made);
     return bvxi_grid_put(ctx, status, &made, result);
 }
 

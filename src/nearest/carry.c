@@ -198,12 +198,10 @@ static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const car
 /* With the search tree built: carry, or leave the target as it was. */
 static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry_work *w, bvx_mesh *target)
 {
-    bvx_status status;
-
     BVXI_TRY(check_source_uvs(ctx, of_source, w->source));
 
     /* New arrays are filled before old ones go: a failure leaves the target as it was. */
-    status = make_carried_arrays(ctx, target, w);
+    bvx_status status = make_carried_arrays(ctx, target, w);
     if (status == BVX_OK)
         status = BVXI_SHARE(ctx, 0.3, 1.0,
                             bvxi_for(ctx, "carry", target->vertex_count, CARRY_GRAIN, carry_piece, w));
@@ -220,7 +218,6 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
 {
     static const char *const function = "bvx_mesh_carry", *const of_source = "bvx_mesh_carry, source";
     carry_work w;
-    bvx_status status;
     if (source == NULL) return bvxi_fail_null(context, function, "source");
     if (target == NULL) return bvxi_fail_null(context, function, "target");
     if (source == target)
@@ -236,7 +233,7 @@ static bvx_status run_mesh_carry(bvx_context *context, const bvx_mesh *source, b
     if (source->colours == NULL && source->uvs == NULL && source->uv_triangles == NULL) return BVX_OK;
 
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, of_source, "carry", 0.0, 0.3), &w.from, &w.closest));
-    status = carry_with_tree(context, of_source, &w, target);
+    bvx_status const status = carry_with_tree(context, of_source, &w, target);
     bvxi_closest_shut(context, &w.closest);
     return status;
 }

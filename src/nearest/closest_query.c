@@ -162,12 +162,11 @@ static bvx_status run_closest_create(bvx_context *context, const bvx_mesh_view *
 {
     static const char *const function = "bvx_closest_create";
     bvx_closest *made = NULL;
-    uint64_t mark;
 
     if (closest == NULL) return bvxi_fail_null(context, function, "closest");
     *closest = NULL;
     /* What has been taken since the mark is given to the object when all went well. */
-    mark = bvxi_scratch_begin(context);
+    uint64_t const mark = bvxi_scratch_begin(context);
     BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, sizeof *made, "the search tree's head", &made));
     BVXI_TRY(bvxi_closest_open(bvxi_call_of(context, function, "search tree", 0.0, 1.0), mesh, made));
     bvxi_scratch_adopt(context, mark);

@@ -87,13 +87,12 @@ static void crossings_corners(void *user, uint64_t begin, uint64_t end)
 
     for (uint64_t i = begin * BVXI_CLOSEST_WIDTH; i < end; i++) {
         uint32_t *const corner = job->corner + 3 * (size_t)i;
-        int has_area;
 
         bvxi_view_triangle(job->view, job->tree.order[i], corner);
         crossings_positions(&job->tree, i, t);
 
         /* A triangle without area has no plane that anything could cross. */
-        has_area = bvxi_has_area(p);
+        int const has_area = bvxi_has_area(p);
         for (int k = 0; k < 3; k++)
             corner[k] = has_area ? job->representative[corner[k]] : CROSSINGS_NO_VERTEX;
     }
@@ -152,10 +151,9 @@ static uint64_t crossings_of_fours(const crossings_four *a, const crossings_four
 
     for (int i = 0; i < a->count; i++) {
         float low[3], high[3];
-        unsigned met;
 
         crossings_box_of(a->boxes, i, low, high);
-        met = crossings_boxes_met(b->boxes, b->count, low, high);
+        unsigned met = crossings_boxes_met(b->boxes, b->count, low, high);
         if (a->boxes == b->boxes) met &= ~0u << (i + 1); /* each pair once, and none with itself */
 
         for (int k = 0; met != 0; k++, met >>= 1) {
@@ -181,7 +179,6 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
     } stack[CROSSINGS_STACK];
     crossings_four a, b;
     float low[3], high[3], l[3], h[3];
-    uint64_t found;
     int depth = 0;
 
     crossings_open_four(job, four, &a);
@@ -192,7 +189,7 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
     }
 
     /* Each pair is found by the one of both that comes first along the curve: here those within the four. */
-    found = crossings_of_fours(&a, &a, keys);
+    uint64_t found = crossings_of_fours(&a, &a, keys);
 
     /* Then what follows it, by one box around all four, so that the tree is walked once for all. */
     crossings_box_of(a.boxes, 0, low, high);

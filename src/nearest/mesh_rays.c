@@ -176,15 +176,14 @@ static void ray_meets_triangle(ray_visit *w, uint64_t place, int winding)
     const mesh_ray *const r = &w->line;
     double t[3][3];
     double at = 0.0;
-    int side, origin;
     bvx_mesh_hit hit;
 
     bvxi_closest_corners(r->tree, place, t);
-    side = edge_side(r, t[0], t[1]);
+    int const side = edge_side(r, t[0], t[1]);
     if (side == 0 || edge_side(r, t[1], t[2]) != side || edge_side(r, t[2], t[0]) != side) return;
 
     /* What lies ahead of a ray that leaves has the origin behind it. */
-    origin = origin_side(r, (const double(*)[3])t, winding);
+    int const origin = origin_side(r, (const double(*)[3])t, winding);
     if (origin == -side) return;
     if (winding) {
         w->turns += side;
@@ -259,10 +258,9 @@ static void walk_ray(ray_visit *w, int winding)
         uint64_t const total = s.level == 0 ? tree->triangle_count : tree->level_nodes[s.level - 1];
         int const children = bvxi_closest_children(total, first), bottom = used;
         double enter[BVXI_CLOSEST_WIDTH];
-        uint32_t bits;
 
         if (s.enter > w->limit) continue;
-        bits = meet_boxes(w, &tree->nodes[tree->level_first[s.level] + s.node], enter);
+        uint32_t bits = meet_boxes(w, &tree->nodes[tree->level_first[s.level] + s.node], enter);
         for (bits &= (1u << children) - 1; bits != 0; bits &= bits - 1) {
             int const k = bvxi_lowest(bits);
             int i = used;

@@ -110,7 +110,6 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
                              bvxi_nearest **nearest)
 {
     bvxi_nearest *n = NULL;
-    bvx_status status;
 
     *nearest = NULL;
     BVXI_TRY(bvxi_view_check(call.ctx, call.function, mesh));
@@ -120,7 +119,7 @@ bvx_status bvxi_nearest_open(bvxi_call call, const bvx_mesh_view *mesh, const bv
     n->view = *mesh;
     n->lattice = *lattice;
     n->triangle_count = mesh->triangle_count;
-    status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
+    bvx_status const status = open_near(call.ctx, call.function, call.stage, call.from, call.to, n);
     if (status == BVX_OK) *nearest = n;
     else bvxi_nearest_close(call.ctx, n);
     return status;

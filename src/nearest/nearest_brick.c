@@ -49,7 +49,6 @@ static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, in
 {
     double point[3], t[3][3], u[3][3], q[3];
     double const closest[3] = {pairs->closest[0][i], pairs->closest[1][i], pairs->closest[2][i]};
-    int order;
 
     read_near_pair(pairs, i, point, t);
     bvxi_near_corners(n, other, u);
@@ -57,7 +56,7 @@ static int near_is_first(const bvxi_nearest *n, const bvxi_near_pairs *pairs, in
 
     /* By places alone, so that no numbering of the mesh shows; the index only where all places are equal. */
     bvxi_closest_on_triangle(point, (const double(*)[3])u, q);
-    order = compare_near_places(closest, q);
+    int order = compare_near_places(closest, q);
     for (int k = 0; k < 3 && order == 0; k++) order = compare_near_places(t[k], u[k]);
     return order != 0 ? order < 0 : pairs->triangle[i] < other;
 }
@@ -96,13 +95,12 @@ static int is_better_pair(const bvxi_nearest *n, bvxi_near_worker *w, int32_t i)
 {
     const bvxi_near_pairs *const p = &w->pairs;
     int32_t const s = p->slot[i];
-    double height2;
 
     /* Nearer wins; equally near ones are ordered so that neither tree nor threads show. */
     if (p->distance2[i] != w->distance2[s]) return p->distance2[i] < w->distance2[s];
     if (!n->by_planes) return p->triangle[i] < w->triangle[s];
 
-    height2 = near_height2(p, i);
+    double const height2 = near_height2(p, i);
     if (height2 != w->height2[s]) return height2 > w->height2[s];
     return near_is_first(n, p, i, w->triangle[s]);
 }
@@ -271,7 +269,6 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
 {
     bvxi_near_places middle;
     double radius2 = 0.0;
-    float reach, reach2;
 
     /* A long list means that something is near: no need to prove it. */
     if (w->list.count > NEAR_FEW_BLOCKS || !(w->question.limit < 0x1p50)) return 0;
@@ -282,8 +279,8 @@ static int32_t is_far_from_near_list(const bvxi_nearest *n, bvxi_near_worker *w)
         for (int i = 0; i < BVXI_NEAR_SIDE; i++)
             middle.at[a][i] = (float)(w->question.first[a] + half - (double)w->cell.origin[a]);
     }
-    reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
-    reach2 = reach * reach;
+    float const reach = (float)((w->question.limit + sqrt(radius2)) * (1.0 + 0x1p-10)) + 8.0f * w->list.error;
+    float const reach2 = reach * reach;
 
     /* The list is sieved for the middle as it would be for centres. */
     bvxi_near_sieve_list(&w->list, &middle, reach2, w->fast, &w->sieve);
@@ -332,12 +329,11 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
                             bvxi_near_worker *w)
 {
     float const sure = (float)(limit * (1.0 - 0x1p-18)), sure2 = limit < 0x1p60 ? sure * sure : 0x1p127f;
-    int32_t parts;
 
     bvxi_near_eight_begin(g, &w->places, active, w->cell.limit2, &w->eight);
 
     /* Each part of a long list starts from what the parts before left as bound. */
-    parts = look_through_near_list(n, w);
+    int32_t parts = look_through_near_list(n, w);
     while (!complete) {
         complete = list_near_part(n, w);
         parts |= look_through_near_list(n, w);

@@ -122,15 +122,13 @@ int32_t bvxi_near_eight_look(const bvxi_nearest *n, const bvxi_near_list *list, 
 int32_t bvxi_near_eight_winners(const bvxi_nearest *n, int32_t fast, bvxi_near_eight *e, float most2[8],
                                 bvxi_near_winner *winners)
 {
-    int32_t count;
-
     /* Floats have erred at most by the error for the least and for another that is as near in truth. */
     for (int c = 0; c < 8; c++) {
         float const d = (float)sqrt((double)(e->least2[c] > 0.0f ? e->least2[c] : 0.0f)) + 2.0f * e->error;
         most2[c] = e->least2[c] < 0.0f ? -1.0f : d * d * (1.0f + 0x1p-20f);
     }
-    count = BVXI_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
-                      find_near_winners_avx2(n->leaves, most2, e, winners));
+    int32_t const count = BVXI_PATH(fast, find_near_winners_base(n->leaves, most2, e, winners),
+                                    find_near_winners_avx2(n->leaves, most2, e, winners));
 
     e->count = 0;
     return count;

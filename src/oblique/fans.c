@@ -15,11 +15,10 @@ typedef struct fans_work {
 /* Few neighbours as a rule, so each is looked for among all. */
 static int is_one_fan(uint32_t (*pair)[2], uint64_t count)
 {
-    uint32_t at;
     uint64_t steps = 0;
 
     if (count < 3) return 0;
-    at = pair[0][1];
+    uint32_t at = pair[0][1];
     for (; at != pair[0][0]; steps++) {
         uint64_t found = count, i;
         for (i = 1; i < count; i++)

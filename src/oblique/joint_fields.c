@@ -70,9 +70,8 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
 
     *kind = 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
-        double number;
         if (!(bodies >> (i + 1) & 1)) continue;
-        number = number_of(&o->body[i], plane, at, NULL, 0);
+        double const number = number_of(&o->body[i], plane, at, NULL, 0);
         if (number <= most) continue;
         most = number;
         *kind = (int)i + 1;
@@ -215,14 +214,12 @@ static int beside_segment(const bvxi_oblique *o, uint32_t plane, uint32_t a, uin
     double const left[2] = {half[0] - off * dv, half[1] + off * du};
     double const right[2] = {half[0] + off * dv, half[1] - off * du};
     uint32_t hint = 0;
-    double depth;
-    int in;
 
     memcpy(middle, half, sizeof half);
     /* A body whose contours on the plane are elsewhere touches nothing there. */
     if (!bvxi_oblique_in_bounds(&other->plane[plane], half, BESIDE_CONTOUR)) return 0;
-    depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
-    in = bvxi_oblique_encloses(other, plane, left);
+    double const depth = bvxi_plane_distance(&other->plane[plane].plane, half[0], half[1], &hint);
+    int const in = bvxi_oblique_encloses(other, plane, left);
 
     /* Deep in the other body, or along its own border on the same side: both cannot be. */
     if (in && (depth > o->agree || depth < 0.1 * BESIDE_CONTOUR)) return 2;

@@ -46,9 +46,8 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
     bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
-    bvx_status status;
 
-    status = make_oblique(&o, mesh);
+    bvx_status const status = make_oblique(&o, mesh);
 
     /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) {

@@ -100,7 +100,6 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     plane_face best = {BVXI_NONE, 0, -1e300, 0};
     double uv[2];
     int32_t c[3];
-    uint32_t cell;
 
     bvxi_oblique_uv(&o->plane[plane], at, uv);
     if (search->crowded && search->vertex != BVXI_NONE) {
@@ -114,7 +113,7 @@ static bvx_status find_face(bvxi_oblique *o, uint32_t plane, const double at[3],
     }
 
     for (int k = 0; k < 3; k++) c[k] = (int32_t)floor(at[k]);
-    cell = bvxi_oblique_cell_at(o, c);
+    uint32_t cell = bvxi_oblique_cell_at(o, c);
     search->crowded = 0;
     if (cell != BVXI_NONE) search->crowded = judge_cell_faces(o, plane, cell, uv, &best) > CROWDED_CELL;
 

@@ -76,12 +76,11 @@ static double near_number(const bvxi_oblique *o, const double at[3], const uint3
     for (uint32_t n = 0; n < count; n++) {
         const bvxi_oblique_plane *const p = &o->plane[plane == NULL ? n : plane[n]];
         double const h = bvxi_absolute(bvxi_oblique_height(p, at));
-        double weight;
 
         if (h >= o->reach) continue;
         /* Inverse distance, less what it is at the reach, so that it ends there without a step; cubed, as the
          * nearer plane should decide. */
-        weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
+        double weight = 1.0 / (h + BVXI_OBLIQUE_NEAR) - beyond;
         weight *= weight * weight;
         sum += weight * (p->raster == NULL ? rest_of(o, -0.25 * o->longest, smooth)
                                            : bvxi_oblique_raster_at(p, p->rest, at));

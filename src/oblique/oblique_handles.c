@@ -184,14 +184,13 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
 {
     bvxi_oblique *const o = w->o;
-    uint32_t most;
 
     w->tetras = 0;
     bvxi_tetra_new_stamp(o);
     for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
         if (bvxi_root(w->patch, (uint32_t)t) == patch)
             BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
-    most = w->tetras + HANDLE_TETRA;
+    uint32_t const most = w->tetras + HANDLE_TETRA;
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];

@@ -83,7 +83,6 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
 {
     double at[3], value = 0.0;
     uint32_t on = BVXI_NONE;
-    float rounded;
 
     /* Outside along the lattice's border, so that the surface closes within it. */
     for (int k = 0; k < 3; k++)
@@ -97,7 +96,7 @@ static float value_among(const bvxi_oblique *o, const int32_t vertex[3], const u
                             : bvxi_oblique_number_among(o, at, heard, heard_count);
 
     /* Never 0, also not by rounding: each vertex is on one side. */
-    rounded = (float)value;
+    float rounded = (float)value;
     if (rounded > -1e-12F && rounded < 1e-12F) rounded = value > 0.0 ? 1e-12F : -1e-12F;
     return rounded;
 }
@@ -256,11 +255,10 @@ static void mark_place(bvxi_oblique *o, const double at[3])
 static void mark_segment(bvxi_oblique *o, const double a[3], const double b[3])
 {
     double square = 0.0;
-    int32_t steps;
 
     for (int k = 0; k < 3; k++) square += (b[k] - a[k]) * (b[k] - a[k]);
     /* A quarter of a cell from place to place: less than the reach, so that no cell between is missed. */
-    steps = (int32_t)(sqrt(square) * 4.0) + 1;
+    int32_t const steps = (int32_t)(sqrt(square) * 4.0) + 1;
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
         double const at[3] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
@@ -274,7 +272,6 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
                        const double d[3])
 {
     double square[4] = {0.0, 0.0, 0.0, 0.0};
-    int32_t steps;
 
     for (int k = 0; k < 3; k++) {
         square[0] += (c[k] - a[k]) * (c[k] - a[k]);
@@ -287,7 +284,7 @@ static void mark_sweep(bvxi_oblique *o, const double a[3], const double b[3], co
     mark_segment(o, c, d);
     if (square[0] < MARK_REACH * MARK_REACH && square[1] < MARK_REACH * MARK_REACH) return;
 
-    steps = (int32_t)(sqrt(square[2] > square[3] ? square[2] : square[3]) * 4.0) + 1;
+    int32_t const steps = (int32_t)(sqrt(square[2] > square[3] ? square[2] : square[3]) * 4.0) + 1;
     for (int32_t i = 0; i <= steps; i++) {
         double const t = (double)i / steps;
         double from[3], to[3];

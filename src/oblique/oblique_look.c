@@ -76,11 +76,9 @@ void bvxi_look_stretches(const bvxi_oblique *o, bvxi_look *l, uint32_t vertex, i
 
         /* Of a tetrahedron's three other corners those on one side hang together. */
         for (int k = 0; k < 4; k++) {
-            uint32_t own;
-            int inside;
             if (v[k] == vertex) continue;
-            own = look_vertex(l, v[k]);
-            inside = l->sign[own] > 0;
+            uint32_t const own = look_vertex(l, v[k]);
+            int const inside = l->sign[own] > 0;
             if (!contours && l->sign[own] == 0) continue;
             if (last[inside] != BVXI_NONE)
                 stretches[inside] -= (uint32_t)bvxi_join(l->joined, own, last[inside]);

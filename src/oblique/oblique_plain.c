@@ -342,7 +342,6 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
         for (uint64_t left = o->crossed[known].edges[way - 1]; left != 0; left &= left - 1, number++) {
             int const bit = bvxi_lowest(left);
             double end[2][3], value[2], at[3];
-            int in;
 
             for (int e = 0; e < 2; e++) {
                 int32_t place[3];
@@ -354,7 +353,7 @@ static void plain_positions(const bvxi_oblique *o, uint32_t known)
                 value[e] = o->value[(uint64_t)beside[beyond] * BVXI_BLOCK_SIZE + (uint64_t)n];
             }
             /* From inside outwards, as tetrahedra do: the place must not depend on who computes it. */
-            in = value[0] > 0.0 ? 0 : 1;
+            int const in = value[0] > 0.0 ? 0 : 1;
             bvxi_oblique_cross_edge(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),
                                     at);
             bvxi_oblique_cross_again(end[in], bvxi_absolute(value[in]), end[!in], bvxi_absolute(value[!in]),

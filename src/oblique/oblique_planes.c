@@ -18,7 +18,6 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
 {
     static const double shift[3] = {0.3137, 0.1429, 0.2253}; /* round coordinates on no lattice plane */
     double longest = 0.0, cells, largest = 0.0;
-    int32_t pad;
 
     for (int k = 0; k < 3; k++) {
         double const side = high[k] - low[k];
@@ -49,7 +48,7 @@ static bvx_status lay_lattice(bvxi_oblique *o, const double low[3], const double
 
     /* The body may bulge beyond its contours by an eighth; three cells more keep the lattice's border outside
      * of it. */
-    pad = (int32_t)(cells / 8.0) + 3;
+    int32_t const pad = (int32_t)(cells / 8.0) + 3;
     for (int k = 0; k < 3; k++) {
         /* Whole blocks, so that no block needs a look at where the lattice ends. */
         int32_t const least = (int32_t)((high[k] - low[k]) / o->step) + 2 + 2 * pad;

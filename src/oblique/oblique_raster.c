@@ -167,7 +167,6 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
 {
     double uv[2], t[2];
     int32_t i[2];
-    const float *row;
 
     bvxi_oblique_uv(p, at, uv);
     for (int k = 0; k < 2; k++) {
@@ -179,7 +178,7 @@ double bvxi_oblique_raster_at(const bvxi_oblique_plane *p, const float *raster, 
         if (i[k] > p->raster_size[k] - 2) i[k] = p->raster_size[k] - 2;
         t[k] = x - i[k];
     }
-    row = raster + (int64_t)i[1] * p->raster_size[0] + i[0];
+    const float *const row = raster + (int64_t)i[1] * p->raster_size[0] + i[0];
     {
         double const low = row[0] + t[0] * ((double)row[1] - row[0]);
         double const high = row[p->raster_size[0]] +

@@ -160,10 +160,9 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
 {
     static const char what[] = "the faces on planes";
     uint64_t const n = (uint64_t)o->plane_count + 2;
-    uint64_t *next;
 
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w->first));
-    next = w->first + 1;
+    uint64_t *const next = w->first + 1;
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4 && o->mark[t] != 0; k++) {

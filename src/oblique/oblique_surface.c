@@ -85,12 +85,10 @@ static bvx_status edge_vertex(bvxi_oblique *o, uint32_t in, uint32_t out, uint32
 
 static bvx_status add_surface_triangle(bvxi_oblique *o, uint32_t a, uint32_t b, uint32_t c)
 {
-    uint32_t *t;
-
     if (a == b || b == c || c == a) return BVX_OK;
     BVXI_TRY(BVXI_GROW_BY(o, o->triangle, o->triangle_count, o->triangle_room, 12,
                           "the triangles of the surface"));
-    t = o->triangle + 3 * o->triangle_count++;
+    uint32_t *const t = o->triangle + 3 * o->triangle_count++;
     t[0] = a;
     t[1] = b;
     t[2] = c;

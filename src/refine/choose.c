@@ -232,13 +232,12 @@ static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *m
     bvx_refine_options o;
     choose_job job = {0};
     bvx_lattice made;
-    int32_t levels;
 
     if (base == NULL) return bvxi_fail_null(context, choose_name, "base");
     BVXI_TRY(check_choose_arguments(context, options, &o));
     BVXI_TRY(measure_choice(context, mesh, resolution, &job));
-    levels = o.tolerance > 0 ? levels_for_tolerance(resolution)
-                             : levels_of_least_time(&job, resolution, &o.window);
+    int32_t const levels = o.tolerance > 0 ? levels_for_tolerance(resolution)
+                                           : levels_of_least_time(&job, resolution, &o.window);
     BVXI_TRY(bvx_lattice_fit(context, mesh, base_for(resolution, levels), &made));
 
     /* Both results at once, when nothing can fail any more. */

@@ -169,15 +169,13 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
     bvx_lattice lattice;
     bvx_window w;
     uint64_t rows;
-    bvx_grid made;
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, "bvx_octree_expand", "grid");
     BVXI_TRY(check_expand_arguments(context, tree, level, states, window, &lattice, &w));
 
     /* A grid of the library's that is passed again is used again where it is large enough. */
     bvxi_grid_renew(context, &lattice, &w, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, "bvx_octree_expand", &lattice, &w, &made));
     memset(made.words, 0, (size_t)bvxi_grid_words(&made) * 8);
     job.grid = &made;
@@ -190,7 +188,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.last[a] = (job.high[a] - 1) >> level;
     }
     rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
-    status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
+    bvx_status const status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
     return bvxi_grid_put(context, status, &made, grid);
 }
 

@@ -102,7 +102,6 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     double const middle = leaves != NULL ? step.from + (step.to - step.from) * 0.4 : step.to;
     bvx_context *const ctx = step.ctx;
     leaves_job job = {0};
-    uint64_t total;
 
     BVXI_TRY(bvxi_octree_check(ctx, step.function, tree));
     BVXI_TRY(bvxi_octree_check_states(ctx, step.function, states));
@@ -111,7 +110,7 @@ bvx_status bvxi_octree_leaves(bvxi_call step, const bvx_octree *tree, int32_t st
     job.pieces = bvxi_piece_count((uint64_t)tree->base[0] * (uint64_t)tree->base[1] * (uint64_t)tree->base[2],
                                   1);
     BVXI_TRY(bvxi_each(ctx, step.stage, step.from, middle, job.pieces, leaves_of_piece, &job));
-    total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
+    uint64_t const total = bvxi_place_counts(job.place, (uint64_t)job.pieces);
     *count = total;
 
     /* Nothing is written where the array is too small: count and message have the number that is needed. */

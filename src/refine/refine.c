@@ -227,10 +227,9 @@ static bvx_status run_refinement(bvxi_refine_job *job)
 static bvx_status refine_from_start(bvxi_refine_job *job, int32_t asked)
 {
     uint64_t const mark = bvxi_scratch_begin(job->ctx);
-    bvx_status status;
 
     job->start = asked >= 0 ? asked : choose_start(job);
-    status = run_refinement(job);
+    bvx_status status = run_refinement(job);
 
     /* From the base on less memory is needed: lists in place of one large grid. */
     if (status == BVX_ERR_BUDGET && asked < 0 && job->start > 0) {
@@ -258,7 +257,6 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
 {
     bvx_refine_options o;
     bvxi_refine_job job = {.ctx = context, .view = mesh};
-    bvx_status status;
 
     if (tree == NULL) return bvxi_fail_null(context, bvx_refine_name, "tree");
     BVXI_TRY(check_refine_arguments(context, mesh, base, options, &o));
@@ -267,7 +265,7 @@ static bvx_status run_refine(bvx_context *context, const bvx_mesh_view *mesh, co
     memcpy(job.tree->base, base->dims, sizeof job.tree->base);
     job.tree->levels = o.levels;
     job.tree->row_words = bvxi_row_words(base->dims[0]);
-    status = refine_mesh(&job, base, &o);
+    bvx_status const status = refine_mesh(&job, base, &o);
     if (status != BVX_OK) {
         bvx_octree_free(context, job.tree);
         return status;

@@ -182,12 +182,11 @@ static bvx_status make_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby,
 static bvx_status decide_by_solids(bvxi_refine_job *job, const bvx_mesh_view *nearby)
 {
     row_states_job *rows;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc_zero(job->ctx, BVXI_SCRATCH, sizeof *rows, "the window's solids", &rows));
     rows->tree = job->tree;
     rows->outer = job->outer;
-    status = make_solids(job, nearby, rows);
+    bvx_status const status = make_solids(job, nearby, rows);
     if (status == BVX_OK) decide_base(rows);
 
     for (int32_t l = job->tree->levels; l >= job->outer; l--) bvx_grid_free(job->ctx, &rows->solid[l]);

@@ -520,7 +520,6 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     uint64_t const bytes = bvxi_states_bytes(tree, tree->levels);
     bvxi_states_job job = {.tree = tree, .up = up};
     unsigned char *block;
-    bvx_status status;
 
     if (octets + cubes >= UINT32_MAX)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
@@ -542,7 +541,7 @@ bvx_status bvxi_octree_states(bvx_context *ctx, bvx_octree *tree, uint32_t *cons
     job.row_in_list = (uint8_t *)(job.news + octets);
     memset(job.passed, 0, (size_t)tree->root.words * 8);
     memset(job.row_in_list, 0, (size_t)tree->root.count);
-    status = find_states(ctx, &job);
+    bvx_status const status = find_states(ctx, &job);
     bvxi_drop(ctx, block);
     return status;
 }

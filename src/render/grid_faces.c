@@ -85,13 +85,12 @@ static void extent_of_rows(void *user, int32_t index, uint64_t begin, uint64_t e
 static bvx_status fit_kept_voxels(bvx_context *ctx, bvxi_grid_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
-    uint64_t size;
 
     for (int a = 0; a < 3; a++)
         if (s->begin[a] == s->end[a])
             return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->picture.function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), GRID_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->extent;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.1, s->pieces, bvxi_kept_rows(s->begin, s->end),
                              extent_of_rows, s));

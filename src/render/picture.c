@@ -168,13 +168,12 @@ bvx_status bvxi_picture_make(bvx_context *ctx, bvxi_picture *p)
     uint64_t const pixels = (uint64_t)p->options.width * (uint64_t)p->options.height;
     uint64_t const samples = (uint64_t)p->raster.width * (uint64_t)p->raster.height;
     bvx_image image = {NULL, p->options.width, p->options.height};
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, pixels * 3, "the picture's pixels", &image.pixels));
     p->image = image;
 
     /* Depths and samples live only as long as the two passes. */
-    status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
+    bvx_status const status = BVXI_SCOPE(ctx, draw_and_shade(ctx, p, samples));
     if (status == BVX_OK) return BVX_OK;
     bvx_image_free(ctx, &image);
     memset(&p->image, 0, sizeof p->image);

@@ -95,7 +95,6 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     int32_t const bits = raster->fraction_bits;
     int32_t low[2] = {corner[0][0], corner[0][1]}, high[2] = {corner[0][0], corner[0][1]};
     raster_span span;
-    int32_t begin, end;
 
     /* The box first: most triangles of a fine mesh lie between two rows or two columns of samples. */
     for (int32_t k = 1; k < count; k++)
@@ -103,8 +102,8 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
             low[a] = corner[k][a] < low[a] ? corner[k][a] : low[a];
             high[a] = corner[k][a] > high[a] ? corner[k][a] : high[a];
         }
-    begin = bvxi_centres_below(low[1], bits);
-    end = bvxi_centres_below(high[1], bits);
+    int32_t begin = bvxi_centres_below(low[1], bits);
+    int32_t end = bvxi_centres_below(high[1], bits);
     begin = begin < rows.begin ? rows.begin : begin;
     end = end > rows.end ? rows.end : end;
     /* between samples */
@@ -116,14 +115,13 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     /* Each edge that crosses rows of the band narrows or widens the spans of these rows. */
     for (int32_t k = 0; k < count; k++) {
         const int32_t *a = corner[k], *b = corner[k + 1 == count ? 0 : k + 1];
-        int32_t from, to;
         if (a[1] > b[1]) {
             const int32_t *const other = a;
             a = b;
             b = other;
         }
-        from = bvxi_centres_below(a[1], bits);
-        to = bvxi_centres_below(b[1], bits);
+        int32_t from = bvxi_centres_below(a[1], bits);
+        int32_t to = bvxi_centres_below(b[1], bits);
         from = from < begin ? begin : from;
         to = to > end ? end : to;
         if (from < to) raster_edge(&span, begin, from, to, a, b, bits);
@@ -200,10 +198,9 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
                                    bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
 {
     bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
-    uint64_t places;
 
     w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
-    places = (uint64_t)w.pieces * (uint64_t)bands;
+    uint64_t const places = (uint64_t)w.pieces * (uint64_t)bands;
     bins->bands = bands;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)bands + 1) * 8, "the picture's bands", &bins->begin));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, places * 8, "the picture's bands", &w.place));

@@ -96,14 +96,13 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
                                                                : s->picture.options.colour;
     double face[3], part[3];
     int32_t voxel[3];
-    uint64_t row, key;
 
     voxel_of_sample(s, depth, axis, x, y, voxel, part);
     seen->light = s->picture.options.wireframe ? light_of_lines(s, axis, part) : 1.0;
     if (bare) seen->light *= GRID_BARE;
     /* The face that was shaded last is the next one's too, in most cases: its normal and colour stay. */
-    row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
-    key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 32 + id; /* of the face */
+    uint64_t const row = (uint64_t)voxel[2] * (uint64_t)s->grid->size[1] + (uint64_t)voxel[1];
+    uint64_t const key = (row * (uint64_t)s->grid->size[0] + (uint64_t)voxel[0]) * 32 + id; /* of the face */
     if (seen->key == key) return;
     seen->key = key;
     seen->inside = 0;

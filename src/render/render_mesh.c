@@ -27,10 +27,9 @@ static void scaled_corners(const bvxi_mesh_scene *s, uint64_t t, double p[3][3])
 static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
 {
     double p[3][3];
-    int32_t n;
 
     scaled_corners(s, t, p);
-    n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
+    int32_t const n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
     for (int32_t k = 0; k < n; k++) {
         double const at[3] = {q[k][0], q[k][1], q[k][2]};
         bvxi_camera_turn_scaled(&s->picture.camera, at, q[k]);
@@ -83,11 +82,10 @@ static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t 
 static bvx_status fit_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     bvxi_camera_extent all = bvxi_camera_nothing;
-    uint64_t size;
 
     /* Extents of pieces are joined afterwards: neither their number nor their order shows. */
     s->pieces = bvxi_piece_count(s->view->triangle_count, SCENE_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->extent;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->extent;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the picture's extents", &s->extent));
     BVXI_TRY(
         bvxi_for_pieces(ctx, "render", 0.0, 0.05, s->pieces, s->view->triangle_count, extent_of_piece, s));
@@ -262,7 +260,6 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     static const char *const function = "bvx_render_mesh";
     bvxi_mesh_scene s;
     double low[3], high[3];
-    bvx_status status;
     memset(&s, 0, sizeof s);
     s.view = mesh;
     BVXI_TRY(bvxi_picture_open(context, function, options, image, &s.picture));
@@ -274,7 +271,7 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.camera.direction,
                      s.picture.options.camera.up);
     take_scene_cut(&s, low, high);
-    status = make_scene(context, &s);
+    bvx_status const status = make_scene(context, &s);
     if (status != BVX_OK) return status;
 
     bvx_image_free(context, image);

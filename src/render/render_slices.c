@@ -65,7 +65,6 @@ static void box_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end
 static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
 {
     int32_t low[3] = {INT32_MAX, INT32_MAX, INT32_MAX}, high[3] = {-1, -1, -1};
-    uint64_t size;
 
     /* The cut is what may be shown; the box of what is set in it is what will be. */
     bvxi_grid_cut(s->grid, s->options.cut.low, s->options.cut.high, s->begin, s->end);
@@ -73,7 +72,7 @@ static bvx_status find_slice_box(bvx_context *ctx, slice_sheet *s)
         if (s->begin[a] == s->end[a])
             return bvxi_fail(ctx, BVX_ERR_EMPTY, "%s: the cut leaves no voxel", s->function);
     s->pieces = bvxi_piece_count(bvxi_kept_rows(s->begin, s->end), SLICES_GRAIN);
-    size = (uint64_t)s->pieces * sizeof *s->box;
+    uint64_t const size = (uint64_t)s->pieces * sizeof *s->box;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, size, "the sheet's boxes", &s->box));
     BVXI_TRY(bvxi_for_pieces(ctx, "render", 0.0, 0.3, s->pieces, bvxi_kept_rows(s->begin, s->end),
                              box_of_piece, s));
@@ -300,12 +299,11 @@ static bvx_status make_sheet(bvx_context *ctx, slice_sheet *s)
 {
     uint64_t const size = (uint64_t)s->options.width * (uint64_t)s->options.height * 3;
     int32_t const bands = (s->options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
-    bvx_status status;
 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, size, "the picture's pixels", &s->image.pixels));
     s->image.width = s->options.width;
     s->image.height = s->options.height;
-    status = bvxi_each(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
+    bvx_status const status = bvxi_each(ctx, "render", 0.3, 1.0, bands, draw_sheet_band, s);
     if (status != BVX_OK) bvx_image_free(ctx, &s->image);
     return status;
 }

@@ -51,14 +51,13 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
     /* Triangles of one loop stand together in the tables: one that is not of the last loop begins another. */
     loops->count = 0;
     for (uint32_t t = 0; t < count; t++) {
-        bvxi_cell_loop *l;
         uint8_t u = edge[3 * t];
 
         if (seen[u]) {
             loops->loop[loops->count - 1].triangles++;
             continue;
         }
-        l = &loops->loop[loops->count++];
+        bvxi_cell_loop *const l = &loops->loop[loops->count++];
         l->first = t;
         l->triangles = 1;
         l->corners = 0;

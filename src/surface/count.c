@@ -28,13 +28,12 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
             int32_t const w = first + bvxi_lowest(busy);
             uint64_t const visited = bvxi_visited(m, w);
             bvxi_cell_words c;
-            uint64_t active;
             bvxi_load_cells(row, w, words, &c);
             /* Edges are owned by the slot at their low end, so none is counted twice. */
             n[0] += bvxi_count_bits((c.low[0] ^ c.high[0]) & visited & has[0], fast);
             n[1] += bvxi_count_bits((c.high[0] ^ c.high[1]) & has[1], fast);
             n[2] += bvxi_count_bits((c.high[0] ^ c.high[2]) & has[2], fast);
-            active = bvxi_active_cells(&c) & visited & has[3];
+            uint64_t const active = bvxi_active_cells(&c) & visited & has[3];
 #if BVXI_HAVE_AVX2
             if (fast) {
                 bvxi_list_cases_bmi2(&cases, &c, active);

@@ -59,14 +59,13 @@ static int cut_by_line(const unit_cut *u, int between, double *ratio)
 {
     double const dx = u->b[0] - u->a[0], dy = u->b[1] - u->a[1], dz = u->b[2] - u->a[2];
     double const across2 = dy * dy + dz * dz;
-    double s;
 
     if (dx * dx + across2 <= SAME_POINT2) {
         *ratio = 0.5 * (u->a[0] + u->b[0]);
         return 1;
     }
     if (!(across2 > PARALLEL2 * (dx * dx))) return 0;
-    s = -((dy * u->a[1] + dz * u->a[2]) / across2);
+    double s = -((dy * u->a[1] + dz * u->a[2]) / across2);
     if (between) s = s < 0.0 ? 0.0 : s > 1.0 ? 1.0 : s;
     *ratio = u->a[0] + dx * s;
     return *ratio - *ratio == 0.0;
@@ -123,15 +122,12 @@ static int32_t cut_by_distances(const bvxi_cut_edge *e, double *ratio)
 
 int32_t bvxi_find_cut(const bvxi_cut_edge *edge, int32_t interpolation, double *ratio)
 {
-    unit_cut u;
-    int told;
-
     *ratio = 0.5;
     if (interpolation == BVX_EDGE_MIDDLE) return BVXI_CUT_MIDDLE;
     if (interpolation == BVX_EDGE_SCALAR) return cut_by_distances(edge, ratio);
-    u = scale_cut(edge);
-    told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
-           cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
+    unit_cut u = scale_cut(edge);
+    int told = (interpolation == BVX_EDGE_TANGENT && cut_by_planes(&u, ratio)) ||
+               cut_by_line(&u, interpolation == BVX_EDGE_TANGENT, ratio);
     if (!told && interpolation == BVX_EDGE_TANGENT) told = cut_beside_end(edge, &u, ratio);
     if (told && is_ratio(*ratio)) return BVXI_CUT_VECTOR;
     if (interpolation != BVX_EDGE_PAPER) return cut_by_distances(edge, ratio);
@@ -234,9 +230,8 @@ static double distance2_to_facets(const facet_edge *f, double ratio)
 
     point_of_edge(f, ratio, p);
     for (int32_t end = 0; end < 2; end++) {
-        double d2;
         if (f->size[end] == 0.0) continue;
-        d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
+        double const d2 = bvxi_closest_on_triangle(p, (const double(*)[3])f->corners[end], q);
         if (best < 0.0 || d2 < best) best = d2;
     }
     return best;
@@ -257,9 +252,8 @@ static double cut_facets(const facet_edge *f, double ratio)
     /* Through neither: a plane's place is taken only where it is nearer to the triangles. */
     best = distance2_to_facets(f, ratio);
     for (int32_t end = 0; end < 2; end++) {
-        double d2;
         if (f->size[end] == 0.0 || !pass_plane(f, end, &place[end])) continue;
-        d2 = distance2_to_facets(f, place[end]);
+        double const d2 = distance2_to_facets(f, place[end]);
         if (!(d2 < best)) continue;
         best = d2;
         ratio = place[end];

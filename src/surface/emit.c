@@ -174,7 +174,6 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         int32_t const w = bvxi_lowest(busy);
         uint64_t const visited = bvxi_visited(m, first + w);
         bvxi_cell_words c;
-        uint64_t active;
         bvxi_load_cells(row, first + w, words, &c);
 
         /* Edges that another row of cells owns are masked out (has), so that each vertex is written exactly
@@ -182,7 +181,7 @@ BVXI_VECTOR_INLINE void load_block(const bvxi_march *m, const uint64_t *const ro
         bvxi_list_bits(&b->edge[0], (c.low[0] ^ c.high[0]) & visited & has[0], w, 3, fast);
         bvxi_list_bits(&b->edge[1], (c.high[0] ^ c.high[1]) & has[1], w, 3, fast);
         bvxi_list_bits(&b->edge[2], (c.high[0] ^ c.high[2]) & has[2], w, 3, fast);
-        active = bvxi_active_cells(&c) & visited & has[3];
+        uint64_t const active = bvxi_active_cells(&c) & visited & has[3];
 #if BVXI_HAVE_AVX2
         if (fast) {
             bvxi_list_cases_bmi2(&b->cases, &c, active);

@@ -204,11 +204,10 @@ static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
     const face_merge *const m = user;
     const bvxi_faces *const f = m->f;
     uint64_t const rows = (uint64_t)f->grid->size[1] + 1;
-    uint64_t vertex;
 
     /* A piece begins with the rank of its first bit and counts from there, so pieces need not wait for each
      * other. */
-    vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
+    uint64_t vertex = bvxi_rank_before(&m->rank, begin * (uint64_t)f->words * BVXI_WORD_BITS);
     for (uint64_t row = begin; row < end; row++) {
         const uint64_t *const corners = m->corners + (size_t)row * (size_t)f->words;
         double const y = bvxi_corner_along(f, 1, (int32_t)(row % rows));

@@ -73,12 +73,11 @@ static double read_value(const bvxi_sparse *s, const void *values, uint64_t n)
 /* Vector and distance of one value. */
 static double read_end(const bvxi_sparse *v, uint64_t n, double vector[3])
 {
-    double d;
     for (uint64_t a = 0; a < 3; a++)
         vector[a] = v->vectors != NULL ? read_value(v, v->vectors, 3 * n + a) : 0.0;
     if (v->distances == NULL)
         return sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
-    d = read_value(v, v->distances, n);
+    double const d = read_value(v, v->distances, n);
     return d < 0 ? -d : d;
 }
 
@@ -222,7 +221,6 @@ static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis
                          uint64_t high, placed_cut *cut)
 {
     double const depth = v->offset < 0.0 ? -v->offset : v->offset;
-    bvxi_cut_edge edge;
 
     cut->t = 0.5;
     cut->by = BVXI_CUT_MIDDLE;
@@ -231,7 +229,7 @@ static void find_own_cut(const cut_walk *k, const bvxi_cut_rule *v, int32_t axis
 
     /* Both ends are on the offset's side of the body: they are so together, as the edge is not the body's. */
     if (is_in_body(v->inside, i, k->j, k->k) != (v->offset < 0.0)) return;
-    edge = read_edge(k, v, axis, i, low, high);
+    bvxi_cut_edge edge = read_edge(k, v, axis, i, low, high);
     if ((edge.low_distance < depth) == (edge.high_distance < depth)) return;
 
     /* A centre on the body itself has no direction to move in. */

@@ -235,8 +235,6 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
     static const char name[] = "bvx_extract_field_surface";
     bvx_field_surface_options o;
     bvxi_cut_rule v = {0};
-    bvxi_sparse values;
-    int32_t asked;
 
     if (field == NULL || surface == NULL)
         return bvxi_fail_null(context, name, field == NULL ? "field" : "surface");
@@ -246,7 +244,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         o.placing.sharp = BVX_SHARP_NEVER;
     BVXI_TRY(check_field(context, name, field, &o));
     /* Remembered, as looking for sharp edges takes its share of progress. */
-    asked = o.placing.sharp;
+    int32_t const asked = o.placing.sharp;
     BVXI_TRY(choose_field_sharp(context, name, mesh, &o));
     /* Triangles make planes exact; without them vectors stand in. */
     if (o.placing.sharp == BVX_SHARP_ALWAYS && mesh != NULL && field->triangles != NULL) {
@@ -254,7 +252,7 @@ static bvx_status run_extract_field_surface(bvx_context *context, const bvx_fiel
         BVXI_TRY(bvxi_view_apart(context, name, mesh, surface));
         v.mesh = mesh;
     }
-    values = bvxi_sparse_of_field(field);
+    bvxi_sparse values = bvxi_sparse_of_field(field);
     v.values = &values;
     v.inside = o.grid != NULL ? &field->inside : NULL;
     v.offset = o.offset;

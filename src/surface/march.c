@@ -118,7 +118,6 @@ bvx_status bvxi_check_f64(bvx_context *ctx, const char *function, const bvx_grid
 static void choose_cells(bvxi_march *m)
 {
     int32_t const nx = m->grid->size[0];
-    int32_t last_bit;
 
     /* A closed side has one more layer of cells, half outside, whose outer corners count as empty: that is
      * what closes the surface there. */
@@ -133,7 +132,7 @@ static void choose_cells(bvxi_march *m)
     m->edge_words = nx / 64 + 1;
     m->first_mask = ~UINT64_C(0) << (m->cell_low[0] + 1); /* cell -1 is bit 0 */
     m->past_mask = bvxi_grid_past(m->grid);
-    last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
+    int32_t const last_bit = (m->cell_high[0] + 1) - (m->edge_words - 1) * 64;
     m->last_mask = last_bit < 0 ? 0 : last_bit >= 63 ? ~UINT64_C(0) : (UINT64_C(2) << last_bit) - 1;
 }
 
@@ -235,7 +234,6 @@ static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
 bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
 {
     int const mine = mesh->positions == NULL;
-    bvx_status status;
 
     BVXI_TRY(place_across(ctx, m));
 
@@ -245,7 +243,7 @@ bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
                             m->triangle_count, mesh));
     if (m->options.local_frame) memcpy(mesh->frame, m->grid->lattice.origin, sizeof mesh->frame);
     m->mesh = mesh;
-    status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
+    bvx_status status = bvxi_each(ctx, "surface", 0.35, 1.0, m->pieces, bvxi_march_emit_piece, m);
     if (status == BVX_OK && m->options.keys)
         status = bvxi_for_ranges(ctx, "surface", 1.0, 1.0, m->pieces, m->slot_count, bvxi_march_key_piece, m);
     return bvxi_mesh_made(ctx, status, mine, mesh);

@@ -154,8 +154,6 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_points_options o;
     points_work work;
     bvx_window window;
-    bvx_grid made;
-    bvx_status status;
 
     memset(&work, 0, sizeof work);
     if (grid == NULL) return bvxi_fail_null(context, points_name, "grid");
@@ -166,10 +164,10 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     BVXI_TRY(check_points_options(context, lattice, &o, &window));
     BVXI_TRY(bvxi_snap_scale(context, points_name, lattice, work.scale));
     bvxi_grid_renew(context, lattice, &window, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, points_name, lattice, &window, &made));
     work.grid = &made;
-    status = voxelize_cloud(context, &o, &work);
+    bvx_status const status = voxelize_cloud(context, &o, &work);
     BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
     if (o.report != NULL) *o.report = work.report;
     return BVX_OK;

@@ -30,7 +30,6 @@ static int32_t tiles_along(const bvxi_sample_walk *w)
 void bvxi_sample_walk_plan(bvxi_sample_walk *w)
 {
     const int32_t *const n = w->grid->size;
-    uint64_t run, runs;
 
     /* The axis with the shortest way between samples; those of one sample do not count. */
     w->axis = 0;
@@ -38,8 +37,8 @@ void bvxi_sample_walk_plan(bvxi_sample_walk *w)
         if (n[a] > 1 && stride_size(w->stride[a]) < stride_size(w->stride[w->axis])) w->axis = a;
     /* With one column of x there is nothing to turn. */
     if (n[0] == 1) w->axis = 0;
-    run = (uint64_t)n[w->axis];
-    runs = w->axis == 0 ? bvxi_grid_rows(w->grid) : (uint64_t)n[0] * (uint64_t)n[3 - w->axis];
+    uint64_t const run = (uint64_t)n[w->axis];
+    uint64_t const runs = w->axis == 0 ? bvxi_grid_rows(w->grid) : (uint64_t)n[0] * (uint64_t)n[3 - w->axis];
     w->pieces = bvxi_piece_count(runs, 1 + PACK_GRAIN / run);
 }
 

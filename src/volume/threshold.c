@@ -438,9 +438,7 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     bvxi_range range;
     bvx_volume_report counts;
     bvx_window window;
-    bvx_grid made;
     int64_t stride[3];
-    bvx_status status;
 
     if (grid == NULL) return bvxi_fail_null(context, name, "grid");
     BVXI_TRY(bvxi_volume_check(context, name, volume, stride));
@@ -456,10 +454,10 @@ static bvx_status run_threshold(bvx_context *context, const char *name, const bv
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);
     bvxi_grid_renew(context, &volume->lattice, &window, grid);
-    made = *grid;
+    bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, name, &volume->lattice, &window, &made));
-    status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride, &range,
-                            report != NULL ? &counts : NULL, &made);
+    bvx_status const status = bvxi_threshold(bvxi_call_of(context, NULL, "threshold", 0, 1), volume, stride,
+                                             &range, report != NULL ? &counts : NULL, &made);
     BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
     if (report != NULL) *report = counts;
     return BVX_OK;

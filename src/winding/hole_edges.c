@@ -55,9 +55,8 @@ static bvx_status grow_edge_table(bvx_context *ctx, edge_table *t)
 
     BVXI_TRY(open_edge_table(ctx, 2 * t->size, &larger));
     for (uint64_t i = 0; i < t->size; i++) {
-        uint64_t slot;
         if (t->key[i] == HOLE_EMPTY) continue;
-        slot = slot_of_edge(&larger, t->key[i]);
+        uint64_t slot = slot_of_edge(&larger, t->key[i]);
         for (; larger.key[slot] != HOLE_EMPTY; larger.probes++) slot = (slot + 1) & (larger.size - 1);
         larger.key[slot] = t->key[i];
         larger.net[slot] = t->net[i];
@@ -84,13 +83,11 @@ static void waiting_edge_key(const void *user, uint64_t number, uint32_t key[BVX
 
 static void put_edge_in_tree(edge_table *t, uint64_t key, int64_t direction)
 {
-    uint64_t at;
-
     /* Written at the end first, as the tree compares keys
      * that stand in the list; kept only when it is new. */
     t->key[t->listed] = key;
     t->net[t->listed] = 0;
-    at = bvxi_key_tree_find(&t->tree, t->listed);
+    uint64_t const at = bvxi_key_tree_find(&t->tree, t->listed);
     t->listed += at == t->listed;
     /* used counts the edges that still wait, whatever remains in the list. */
     t->used -= t->net[at] != 0;
@@ -280,9 +277,8 @@ static bvx_status cancel_triangles(bvx_context *ctx, const bvx_mesh_view *view, 
 {
     uint64_t const bytes = view->vertex_count * HOLE_BESIDE * 4;
     uint32_t *beside;
-    bvx_status status;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the vertices' edges", &beside));
-    status = put_triangles(ctx, view, same, limit, beside, t);
+    bvx_status const status = put_triangles(ctx, view, same, limit, beside, t);
     bvxi_drop(ctx, beside);
     return status;
 }
