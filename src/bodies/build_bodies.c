@@ -35,9 +35,7 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
 static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t count, bvx_mesh *meshes)
 {
     bvxi_joint_cut cut = {0};
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.55, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.55, 0.6, bvxi_oblique_split_planes(o)));

@@ -58,10 +58,8 @@ static bvx_status open_plane_faces(bvxi_oblique *o)
 static void joint_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_vertex *const x = &o->vertex[i];
-
         if (x->sign == 0) continue;
         uint32_t const plane = bvxi_first_plane(o, (uint32_t)i);
         if (!x->lattice) x->value = (float)bvxi_joint_kind(o, plane, x->at, NULL, 0);
@@ -77,7 +75,6 @@ static bvx_status give_kinds(bvxi_oblique *o)
 {
     uint32_t *torn = NULL;
     uint64_t count = 0;
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.6,
                         bvxi_for(o->ctx, "surface", o->vertex_count, 256, joint_kinds_piece, o)));
     BVXI_TRY(BVXI_RESERVE(o, o->mark, o->tetra_count, o->mark_room, "the marks of tetrahedra"));
@@ -117,14 +114,12 @@ static void place_between(const bvxi_oblique *o, const uint32_t v[2], uint64_t b
 {
     const double *const in = o->vertex[v[0]].at, *const out = o->vertex[v[1]].at;
     double lead[2];
-
     /* On a plane the numbers are exact distances, so that the place lies on it between its contours. */
     for (int k = 0; k < 2; k++)
         lead[k] = bvxi_joint_lead(o, bvxi_first_plane(o, v[k]), o->vertex[v[k]].at, bodies, others);
     lead[0] = lead[0] > 0.0 ? lead[0] : 0.0;
     lead[1] = lead[1] < 0.0 ? -lead[1] : 0.0;
     bvxi_oblique_cross_edge(in, lead[0], out, lead[1], at);
-
     if (!bvxi_share_plane(o, v, 2))
         bvxi_oblique_cross_again(in, lead[0], out, lead[1], bvxi_joint_lead(o, BVXI_NONE, at, bodies, others),
                                  at);
@@ -134,7 +129,6 @@ static bvx_status cut_edge(bvxi_oblique *o, bvxi_joint_cut *cut, uint32_t t, con
                            uint64_t among, const double at[3])
 {
     uint32_t m;
-
     BVXI_TRY(bvxi_tetra_split_edge(o, t, v[0], v[1], at, &m));
     BVXI_TRY(BVXI_RESERVE(o, cut->among, o->vertex_room, cut->among_room, "the kinds of vertices"));
     /* From here on the vertex counts as one of a contour: it has several kinds and no number. */
@@ -200,7 +194,6 @@ static bvx_status cut_between_bodies(bvxi_oblique *o, bvxi_joint_cut *cut, uint3
     uint64_t const first = cut->among[v[0]] & ~(uint64_t)JOINT_OUTSIDE,
                    second = cut->among[v[1]] & ~(uint64_t)JOINT_OUTSIDE;
     double at[3];
-
     *made = first != 0 && second != 0 && (first & second) == 0;
     if (!*made) return BVX_OK;
     place_between(o, v, first, second, at);
@@ -216,7 +209,6 @@ static int has_edges_to_cut(const bvxi_joint_cut *cut, const bvxi_tetra *t)
 {
     uint64_t common = ~(uint64_t)JOINT_OUTSIDE;
     int inside = 0, outside = 0;
-
     for (int k = 0; k < 4; k++) {
         uint64_t const among = cut->among[t->v[k]];
         inside |= (among & JOINT_OUTSIDE) == 0;
@@ -262,7 +254,6 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
                                  uint32_t other)
 {
     uint64_t const common = cut->among[v] & cut->among[other] & ~(uint64_t)JOINT_OUTSIDE;
-
     if (v < first || (cut->among[other] & JOINT_OUTSIDE) == 0 || cut->among[other] == JOINT_OUTSIDE) return;
     uint32_t const root = bvxi_root(w->joined, v);
     /* Contours of the body on the surface: its part there is wanted. */
@@ -277,7 +268,6 @@ static void look_at_surface_edge(const bvxi_joint_cut *cut, surface_work *w, uin
 static int crossings_of(const bvxi_tetra *t, uint64_t first)
 {
     int n = 0;
-
     for (int k = 0; k < 4; k++) n += t->v[k] >= first;
     return n;
 }
@@ -353,7 +343,6 @@ static void tetra_kinds_piece(void *user, uint64_t begin, uint64_t end)
 {
     const tetra_job *const job = user;
     const bvxi_oblique *const o = job->o;
-
     for (uint64_t t = begin; t < end; t++)
         job->cut->kind[t] = (uint8_t)kind_of_tetrahedron(o, job->cut, &o->tetra[t]);
 }

@@ -52,7 +52,6 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
                                       bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
     bvxi_spaces spaces;
-
     if (count == NULL) return bvxi_fail_null(context, parts_name, "count");
     BVXI_TRY(bvxi_grid_check(context, parts_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, parts_name, connectivity));
@@ -103,7 +102,6 @@ static const uint32_t *label_word(uint64_t w, uint64_t last, const uint32_t *lab
 static const uint32_t *label_row(const uint64_t *row, int32_t size, const uint32_t *label, uint32_t *to)
 {
     uint64_t last = 0;
-
     memset(to, 0, (size_t)size * sizeof *to);
     for (int32_t k = 0; k * BVXI_WORD_BITS < size; k++) {
         uint64_t const w = size - k * BVXI_WORD_BITS < BVXI_WORD_BITS ? row[k] & bvxi_tail_mask(size)

@@ -104,7 +104,6 @@ static inline double nearest_in_group(const bvxi_plane *p, uint32_t leaf, double
                                       uint32_t *hint)
 {
     double d[BVXI_SEGMENT_GROUP], least;
-
     squares_of_group(&p->group[leaf], u, v, d);
     least = d[0] < d[1] ? d[0] : d[1];
     if (d[2] < least) least = d[2];

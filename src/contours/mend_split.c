@@ -21,11 +21,9 @@ enum { MEND_PIXEL = 128 }; /* crossings lie so far from each other at least; 2^-
 static bvx_status mend_node_at(bvxi_mend_work *w, const int32_t q[2], const double at[3], uint32_t *number)
 {
     uint32_t *found = NULL;
-
     BVXI_TRY(bvxi_stack_map_add(w->s, w->map, (uint64_t)(uint32_t)q[0] << 32 | (uint32_t)q[1], &found));
     *number = *found;
     if (*found != BVXI_NONE) return BVX_OK;
-
     *number = *found = w->node_count;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->node, w->node_count, w->node_room, "the points of loops to mend"));
     bvxi_mend_node *const n = &w->node[w->node_count++];
@@ -50,7 +48,6 @@ static bvx_status mend_add_edge(bvxi_mend_work *w, bvxi_mend_edge **edges, uint3
 static void mend_visit(bvxi_mend_work *w, uint32_t node, uint32_t loop)
 {
     bvxi_mend_node *const n = &w->node[node];
-
     if (n->visits++ == 0) n->loop = loop;
     else w->changed[n->loop] = w->changed[loop] = 1;
 }
@@ -79,7 +76,6 @@ static bvx_status mend_take_loop(bvxi_mend_work *w, uint32_t loop)
 static bvx_status mend_split_at(bvxi_mend_work *w, uint32_t edge, uint32_t node)
 {
     bvxi_mend_edge *const e = &w->edge[edge];
-
     if (node == e->node[0] || node == e->node[1]) return BVX_OK;
     BVXI_TRY(BVXI_SLAB_GROW(w->s, w->split, w->split_count, w->split_room, "the splits of segments"));
     w->split[w->split_count].edge = edge;
@@ -161,17 +157,14 @@ static int mend_passes(const int32_t *a, const int32_t *b, const int32_t *c)
     int64_t const turn = x * ((int64_t)c[1] - a[1]) - y * ((int64_t)c[0] - a[0]);
     int64_t const along = x * ((int64_t)c[0] - a[0]) + y * ((int64_t)c[1] - a[1]);
     int64_t const reach = ((x < 0 ? -x : x) + (y < 0 ? -y : y)) * (MEND_PIXEL / 2);
-
     return along > 0 && along < x * x + y * y && turn < reach && turn > -reach;
 }
 
 static bvx_status mend_order_nodes(bvxi_mend_work *w, uint32_t *count)
 {
     uint32_t const n = w->node_count;
-
     BVXI_TRY(BVXI_RESERVE(w->s, w->key, n, w->key_room, "the order of segments"));
     BVXI_TRY(BVXI_RESERVE(w->s, w->order, n, w->order_room, "the order of segments"));
-
     *count = 0;
     for (uint32_t i = 0; i < n; i++) {
         /* Nodes of loops that stay as they are split nothing. */
@@ -212,7 +205,6 @@ static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint
     const int32_t *const a = w->node[e->node[0]].q;
     const int32_t *const b = w->node[e->node[1]].q;
     const int32_t *const c = w->node[node].q;
-
     return ((int64_t)b[0] - a[0]) * ((int64_t)c[0] - a[0]) + ((int64_t)b[1] - a[1]) * ((int64_t)c[1] - a[1]);
 }
 
@@ -220,7 +212,6 @@ static int64_t mend_along(const bvxi_mend_work *w, const bvxi_mend_edge *e, uint
 static void mend_sort_splits(const bvxi_mend_work *w, uint32_t *order, uint32_t count)
 {
     const bvxi_mend_edge *const e = &w->edge[w->split[order[0]].edge];
-
     for (uint32_t i = 1; i < count; i++) {
         uint32_t const x = order[i];
         int64_t const along = mend_along(w, e, w->split[x].node);

@@ -6,7 +6,6 @@
 bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &m->sections;
-
     BVXI_TRY(BVXI_GROW(m, s->loops, s->loop_count, s->loop_capacity, "mended loops"));
     s->loops[s->loop_count++] = (bvx_section_loop){
         .first_point = s->point_count, .section = section, .label = label};
@@ -16,7 +15,6 @@ bvx_status bvxi_mended_add_loop(bvxi_mended *m, uint32_t section, int32_t label)
 bvx_status bvxi_mended_add_point(bvxi_mended *m, const double at[3], int32_t u, int32_t v)
 {
     bvx_sections *const s = &m->sections;
-
     BVXI_TRY(BVXI_GROW_BY(m, s->points, s->point_count, s->point_capacity, 24, "the points of mended loops"));
     BVXI_TRY(BVXI_GROW(m, m->nudge, s->point_count, m->nudge_room, "the points of mended loops"));
     memcpy(s->points + 3 * s->point_count, at, 24);
@@ -80,7 +78,6 @@ static bvx_status mend_keep_edges(mend_trace *t, uint64_t *key, uint32_t *order)
 static int mend_turns_before(const mend_trace *t, uint32_t a, uint32_t b)
 {
     int64_t d[2], e[2];
-
     bvxi_mend_direction(t->w, t->edge, a, d);
     bvxi_mend_direction(t->w, t->edge, b, e);
     /* Directions of the lower half-plane come after those of
@@ -158,7 +155,6 @@ static double mend_narrowness(const mend_trace *t, const bvxi_mend_paths *p, con
 {
     uint32_t const all = t->start[s->node + 1] - t->start[s->node], i = t->rank[s->out], j = t->rank[s->in];
     double middle[2];
-
     if ((i + 1) % all == j) return bvxi_mend_middle(p, s->out, s->in, middle);
     return (j + 1) % all == i ? bvxi_mend_middle(p, s->in, s->out, middle) : 2.0;
 }
@@ -205,7 +201,6 @@ static bvx_status mend_give_loops(mend_trace *t, const int16_t (*nudge)[2])
 static uint32_t *mend_part(unsigned char **at, uint64_t bytes)
 {
     uint32_t *const part = (uint32_t *)(void *)*at;
-
     *at += bytes;
     return part;
 }

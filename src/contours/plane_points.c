@@ -49,7 +49,6 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 {
     bvxi_wide sum = bvxi_wide_mul(0, 0);
     const int32_t *const o = p->q[c->first];
-
     for (uint32_t i = c->first + 1; i + 1 < c->first + c->count; i++) {
         int64_t const ax = (int64_t)p->q[i][0] - o[0], ay = (int64_t)p->q[i][1] - o[1];
         int64_t const bx = (int64_t)p->q[i + 1][0] - o[0], by = (int64_t)p->q[i + 1][1] - o[1];
@@ -61,7 +60,6 @@ static int turn_of(const bvxi_plane *p, const bvxi_contour *c)
 int bvxi_loop_contains(const bvxi_plane *p, const bvxi_contour *c, const int32_t *at)
 {
     int odd = 0;
-
     for (uint32_t i = c->first; i < c->first + c->count; i++) {
         const int32_t *const a = p->q[i], *const b = p->q[p->next[i]];
         /* Half open, so that a place level with a point counts it once. */

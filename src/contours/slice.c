@@ -152,11 +152,9 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 {
     double low, high;
     uint32_t c[3];
-
     slice_corners(w, t, c);
     low = high = w->height[c[0]];
     for (int k = 1; k < 3; k++) bvxi_widen(&low, &high, &w->height[c[k]], 1);
-
     /* Planes above its lowest corner and up to its highest; none where both counts are equal. */
     *begin = planes_up_to(w, low);
     *end = planes_up_to(w, high);
@@ -165,7 +163,6 @@ static void range_of(const slice_work *w, uint64_t t, uint64_t *begin, uint64_t 
 static bvx_status list_by_plane(slice_work *w)
 {
     BVXI_TRY(BVXI_ZEROS(w->ctx, w->plane_count + 1, "the triangles of planes", w->first));
-
     for (uint64_t t = 0; t < w->view->triangle_count; t++) {
         uint64_t begin, end;
         range_of(w, t, &begin, &end);
@@ -203,11 +200,9 @@ static uint64_t edge_key(uint32_t a, uint32_t b)
 static void edge_place(const slice_work *w, uint64_t key, double position, double p[3])
 {
     uint32_t const a = (uint32_t)(key >> 32), b = (uint32_t)key;
-
     /* From the lower number to the higher one, so both triangles at an edge compute the same place. */
     double const share = (position - w->height[a]) / (w->height[b] - w->height[a]);
     double from[3], to[3];
-
     bvxi_view_position(w->view, a, from);
     bvxi_view_position(w->view, b, to);
     for (int k = 0; k < 3; k++) {
@@ -283,7 +278,6 @@ static int encloses_none(const slice_work *w, const double *p, uint64_t count)
 static uint64_t find_piece(const slice_work *w, const uint64_t *sorted, uint64_t count, uint64_t key)
 {
     uint64_t low = 0, high = count;
-
     while (low < high) {
         uint64_t const middle = low + (high - low) / 2;
         if (sorted[middle] < key) low = middle + 1;
@@ -420,7 +414,6 @@ static bvx_status run_slice_mesh(bvx_context *context, const bvx_mesh_view *mesh
 {
     bvx_slice_options o;
     slice_work w = {.ctx = context, .view = mesh};
-
     if (mesh == NULL) return bvxi_fail_null(context, slice_name, "mesh");
     BVXI_TRY(bvxi_sections_check_result(context, slice_name, sections));
     BVXI_TRY(bvxi_take_options(context, slice_name, options, &o, sizeof o));

@@ -250,7 +250,6 @@ static void propagate_finish(void *user, int32_t piece)
     bvxi_piece(bvxi_grid_rows(g), job->pieces, piece, &row, &end);
     for (; row < end; row++) {
         int32_t const y = (int32_t)(row % (uint64_t)g->size[1]), z = (int32_t)(row / (uint64_t)g->size[1]);
-
         for (int32_t x = 0; x < g->size[0]; x++) {
             uint64_t const at = row * (uint64_t)g->size[0] + (uint64_t)x;
             float *const to = job->values + at * job->each;
@@ -306,7 +305,6 @@ static bvx_status propagate_steps(bvx_context *ctx, uint64_t voxels, propagate_j
     const bvx_grid *const g = &job->field->band;
     int32_t const pieces = bvxi_piece_count(bvxi_grid_rows(g), 1 + PROPAGATE_GRAIN / (uint64_t)g->size[0]);
     double const each = (double)voxels * PROPAGATE_MEASURE_TIME / (double)pieces;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, voxels * 4, "the points' numbers", &job->source));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job->field->value_count * 12, "the points that are passed on",
                         &job->points));
@@ -324,7 +322,6 @@ bvx_status bvxi_field_propagate(bvx_context *ctx, const char *function, const bv
     uint64_t const voxels = bvxi_grid_rows(&field->band) * (uint64_t)field->band.size[0];
     propagate_job job = {.mesh = mesh, .values = values};
     double low[3], high[3];
-
     BVXI_TRY(bvxi_view_check(ctx, function, mesh));
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     BVXI_TRY(check_sources(ctx, function, field, mesh));

@@ -53,7 +53,6 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
 {
     double const middle = call.from + (call.to - call.from) * 0.4;
     uint64_t const rows = bvxi_grid_rows(&band->where);
-
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
     BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
                                band->first));
@@ -89,7 +88,6 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
                                   int32_t sign, bvx_grid *inside)
 {
     bvx_grid whole = band->where;
-
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&whole) * 8, "the lattice's inside",
                              &whole.words));
     BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
@@ -125,7 +123,6 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
 {
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
-
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);

@@ -51,7 +51,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
     int32_t const y_end = g->size[1] - y < 8 ? g->size[1] : y + 8;
     int32_t const z_end = g->size[2] - z < 8 ? g->size[2] : z + 8;
     uint64_t w = 0;
-
     for (int32_t j = z; j < z_end; j++) {
         const uint64_t *at = g->words +
                              ((size_t)j * (size_t)g->size[1] + (size_t)y) * (size_t)g->words_per_row +
@@ -64,7 +63,6 @@ static uint64_t join_brick_words(const bvx_grid *g, int32_t k, int32_t y, int32_
 static void make_brick_rows(void *user, uint64_t begin, uint64_t end)
 {
     voxel_bricks *const b = user;
-
     for (uint64_t r = begin; r < end; r++) {
         /* Rows of bricks are eight rows of voxels along y and eight slices. */
         int32_t const y = (int32_t)(r % (uint64_t)b->size[1]) * 8;
@@ -155,7 +153,6 @@ static inline int cast_reach(const cast_axis *a, int32_t n, double p, double q, 
     /* The slack covers the rounding of both places: one
      * voxel too many is tested and refused, none is missed. */
     double const least = (p < q ? p : q) - a->slack, most = (p < q ? q : p) + a->slack;
-
     if (a->way == 0) {
         *low = a->first;
         *high = a->last;
@@ -238,7 +235,6 @@ static int cast_bricks_hold(const voxel_bricks *b, int32_t low, int32_t high, in
 static inline int32_t cast_start(const cast_axis *a, int32_t shift, int32_t n, double t)
 {
     int32_t i = a->first;
-
     /* By rounding the place is right up to a voxel; the exact planes decide, in steps of one. */
     if (a->way == 0) return i >> shift;
     double const p = cast_place(a, t);

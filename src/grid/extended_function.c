@@ -144,7 +144,6 @@ static void gather_rows(const bvxi_downsample *d, int32_t j, int32_t k, sample_r
     const bvxi_sample_axis *const y = &d->axis[1], *const z = &d->axis[2];
     int64_t const high_y = y->high_weight[j], low_y = 2 * (int64_t)y->r - high_y;
     int64_t const high_z = z->high_weight[k], low_z = 2 * (int64_t)z->r - high_z;
-
     /* A row of weight 0 is not read: it may lie beyond the grid. */
     for (int32_t i = 0; i < 4; i++) {
         s->weight[i] = ((i & 1) != 0 ? high_y : low_y) * ((i >> 1) != 0 ? high_z : low_z);

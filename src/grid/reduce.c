@@ -13,7 +13,6 @@ enum { BLOCKS_GRAIN = 4096 /* least words of the grid a piece */ };
 static void lay_moves(bvxi_block_starts *s)
 {
     uint64_t m = s->mask, behind = ~s->mask << 1;
-
     /* At each step the parity of the gaps below a bit says whether it moves by this power of two. */
     for (int32_t i = 0; i < 6; i++) {
         uint64_t parity = behind;
@@ -140,7 +139,6 @@ static void put_majority(const bvxi_blocks *b, const uint64_t *planes, int32_t d
                          uint64_t *row)
 {
     int32_t const last = b->window.size[0] - 1, ends[2] = {0, last};
-
     for (int32_t k = 0; k < b->count_words; k++)
         row[k] = counts_above(b, planes, digits, k, across * (uint64_t)b->factor[0] / 2);
     /* The first and the last block may be cut by the window: their half is smaller. */

@@ -90,7 +90,6 @@ static bvx_status run_grid_sample(bvx_context *context, const bvx_grid *grid, co
 {
     static const char *const function = "bvx_grid_sample";
     sample_work w = {grid, points, values, gradients};
-
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     if (points == NULL && count != 0) return bvxi_fail_null(context, function, "points");
     if (values == NULL && count != 0) return bvxi_fail_null(context, function, "values");
@@ -129,7 +128,6 @@ typedef struct resample_job {
 static int32_t source_voxel(const resample_job *job, int32_t axis, int32_t index)
 {
     const bvx_grid *const g = job->grid, *const to = job->result;
-
     /* Divided rather than stepped, so that no error adds up from voxel to voxel. */
     double const centre = to->lattice.origin[axis] +
                           ((double)to->low[axis] + (double)index + 0.5) * to->lattice.spacing[axis];

@@ -107,7 +107,6 @@ static void csl_settle_position(bvxi_contour_file *f, uint64_t first, uint64_t e
     const double *const points = f->sections.points;
     uint64_t const count = end - first;
     double base, sum = 0.0; /* from the first point, so that equal heights have themselves as their mean */
-
     if (count == 0) return;
     base = csl_height(n, points + 3 * first);
     for (uint64_t i = first; i < end; i++) sum += csl_height(n, points + 3 * i) - base;
@@ -212,7 +211,6 @@ static bvx_status csl_loops(bvxi_contour_file *f, const double *points, uint64_t
     uint64_t const first = f->sections.loop_count;
     uint32_t *around = NULL;
     bvx_status status = bvxi_alloc(f->ctx, BVXI_SCRATCH, loops * 4, "the holes of a plane", &around);
-
     for (uint64_t i = 0; i < loops && status == BVX_OK; i++)
         status = csl_loop(f, points, count, section, loops, &around[i]);
     if (status == BVX_OK) status = csl_settle_holes(f, first, loops, around);

@@ -182,7 +182,6 @@ bvx_status bvxi_check_written_corner(bvx_context *ctx, const char *format, const
 {
     static const char axis_name[3][2] = {"x", "y", "z"};
     double corner[3];
-
     bvxi_grid_corner(grid, corner);
     for (int a = 0; a < 3; a++) {
         /* Both are checked: formats keep the corner, the centre, or both. */

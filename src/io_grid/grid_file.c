@@ -67,7 +67,6 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {
     static const char *const function = "bvx_write_grid";
-
     BVXI_TRY(bvxi_renew_buffer(context, function, file));
     BVXI_TRY(bvxi_grid_check(context, function, grid));
     switch (format) {

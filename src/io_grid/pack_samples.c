@@ -135,7 +135,6 @@ static uint64_t pack_mask(const bvxi_samples *samples, uint32_t size)
                          samples->kind == BVX_SAMPLE_F64;
     uint8_t byte[8];
     uint64_t mask;
-
     /* A float of -0 is 0: its sign is in the last byte of the file's order, or in the first one. */
     memset(byte, 0xff, sizeof byte);
     if (is_float) byte[samples->big ? 0 : size - 1] = 0x7f;

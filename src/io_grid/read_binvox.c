@@ -226,7 +226,6 @@ static bvx_status binvox_fill(const binvox_reading *r, const bvx_window *part, b
     for (int32_t c = 0; c < grid->words_per_row; c++) {
         int32_t const left = grid->size[0] - 64 * c;
         bvx_window const wanted = {{part->low[1], part->low[2], 0}, {part->size[1], part->size[2], deep}};
-
         memset(turned->words, 0, (size_t)bvxi_grid_words(turned) * 8);
         binvox_decode(r, (uint64_t)(left < 64 ? left : 64) * layer, &wanted, turned, &place);
         BVXI_TRY(BVXI_SHARE(ctx, c / columns, (c + 1) / columns,

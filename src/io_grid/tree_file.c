@@ -232,7 +232,6 @@ static void load_tree_level(void *user, int32_t number)
     const tree_level *const level = &job->level[number];
     const uint8_t *const p = level->begin + BVXI_TREE_LEVEL_HEAD;
     bvxi_octets *const o = number == 0 ? &job->tree->root : &job->tree->octets[number - 1];
-
     /* Words are turned to this machine's order one by one: the file is little-endian, at any address. */
     load_tree_words(p, level->words, o->touched);
     load_tree_words(p + 8 * level->words, level->words, o->outside);
@@ -335,10 +334,8 @@ static void put_tree_level(void *user, int32_t level)
     const bvxi_octets *const o = octets_of_level(job->tree, level);
     uint8_t *const begin = job->bytes + job->place[level];
     uint8_t *p = begin + BVXI_TREE_LEVEL_HEAD;
-
     bvxi_store_u32(begin + 8, (uint32_t)level);
     bvxi_store_u32(begin + 12, (uint32_t)bvxi_tree_split_kind(o));
-
     /* Split is written only where it is neither nothing nor the same as touched. */
     bvxi_store_u64(begin + 16, o->words);
     p = put_tree_words(p, o->touched, o->words);

@@ -201,7 +201,6 @@ static uint8_t *vox_put_chunk(uint8_t *p, const char *name, uint64_t content, ui
 static void vox_put_voxels(const bvx_grid *grid, uint8_t *p)
 {
     const uint64_t *word = grid->words;
-
     /* Each set bit once, lowest first; the last operation clears it. */
     for (int32_t z = 0; z < grid->size[2]; z++)
         for (int32_t y = 0; y < grid->size[1]; y++)

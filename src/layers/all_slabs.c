@@ -105,7 +105,6 @@ static void fill_slab_piece(void *user, int32_t index, int32_t worker)
 static bvx_status fill_again(slabs_job *job)
 {
     slabs_worker *const w = &job->worker[0];
-
     w->view.fixed = 0;
     for (uint32_t i = 0; i < job->count; i++) {
         bvxi_slab *const slab = &job->slab[i];
@@ -164,7 +163,6 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     uint32_t const lines = ((uint32_t)s->size[0] + 1) * ((uint32_t)s->size[1] + 1);
     bvxi_slab_work w;
-
     BVXI_TRY(bvxi_slab_work_open(&w, s, lines, SLAB_SPARE));
     for (uint32_t i = 0; i < count; i++) {
         BVXI_TRY(bvxi_progress(s->ctx, "surface", (double)i / count));
@@ -176,7 +174,6 @@ static bvx_status fill_in_order(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 bvx_status bvxi_slabs_fill(bvxi_stack *s, bvxi_slab *slabs, uint32_t count)
 {
     slabs_job job = {.s = s, .slab = slabs, .count = count};
-
     return s->options.slabs.crossings == BVX_CROSSINGS_EXACT ? fill_side_by_side(&job)
                                                              : fill_in_order(s, slabs, count);
 }

@@ -34,7 +34,6 @@ typedef struct cap_work {
 static int cap_meets(const cap_work *w, uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
     int32_t(*const q)[2] = w->plane->q;
-
     if (a == c || a == d || b == c || b == d) { /* a common end: the other one may not lie on the segment */
         uint32_t const common = a == c || a == d ? a : b, mine = common == a ? b : a,
                        other = common == c ? d : c;
@@ -225,7 +224,6 @@ static uint32_t side_vertex(const bvxi_plane *p, const cap_side *side, uint32_t 
 static void find_side(const cap_work *w, uint32_t a, uint32_t b, cap_side *side)
 {
     const bvxi_plane *const p = w->plane;
-
     memset(side, 0, sizeof *side);
     /* Only corners that follow each other have a stretch of the ring between them; bridges have none. */
     if (p->lines || w->after[a] != b) return;
@@ -315,7 +313,6 @@ bvx_status bvxi_cap_fill(bvxi_stack *s, const bvxi_plane *plane, int32_t side)
     uint64_t const corners = (uint64_t)plane->point_count + 2 * (uint64_t)plane->contour_count;
     uint32_t *owner = NULL;
     cap_work w = {.s = s, .plane = plane, .side = side};
-
     w.polygon.ctx = s->ctx;
     w.fixed = has_moved_points(&w);
     BVXI_TRY(BVXI_ARRAY(s->ctx, plane->contour_count, "the holes of a cap", owner));

@@ -121,7 +121,6 @@ static void set_slab(bvxi_slab *slab, bvxi_plane *below, bvxi_plane *above, doub
 static uint32_t lay_levels(const bvxi_stack *s, bvxi_slab *slabs, uint32_t below, bvxi_plane *level)
 {
     uint32_t const levels = s->nesting.count[below];
-
     for (uint32_t i = 0; i < levels; i++, level += 2) {
         set_slab(&slabs[i], &level[0], &level[1], s->plane[below].w, s->plane[below + 1].w);
         slabs[i].below = below;

@@ -14,7 +14,6 @@ static uint32_t count_ends(const bvxi_plane *p, const bvxi_arc *arc, uint32_t co
                            uint32_t ends[4])
 {
     uint32_t inner = 0;
-
     ends[0] = ends[1] = ends[2] = ends[3] = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (arc[i].from == BVXI_NONE) {
@@ -141,7 +140,6 @@ static bvx_status cut_open_arc(bvxi_split_work *w, bvxi_plane *p, const bvxi_arc
 {
     uint32_t segment = p->cut[arc->from].segment, point = arc->point;
     piece_walk a = {.quadrant = quadrant_of_cut(w, p, &p->cut[arc->from]), .last = arc->from};
-
     for (uint32_t i = 0; i < arc->count; i++) {
         BVXI_TRY(walk_part(w, p, &a, segment, quadrant_of_point(w, p->q[point])));
         if (a.count++ == 0) a.point = point;
@@ -156,7 +154,6 @@ static bvx_status cut_inner_loop(bvxi_split_work *w, bvxi_plane *p, const bvxi_a
 {
     uint32_t point = arc->point;
     piece_walk a = {.quadrant = quadrant_of_point(w, p->q[point]), .last = BVXI_NONE};
-
     for (uint32_t i = 0; i < arc->count; i++) {
         if (a.count++ == 0) a.point = point;
         BVXI_TRY(walk_part(w, p, &a, point, quadrant_of_point(w, p->q[p->next[point]])));
@@ -221,7 +218,6 @@ static bvx_status split_plane(bvxi_split_work *w, const bvxi_split_cell *c, int 
 static bvx_status split_in_four(bvxi_split_work *w, const bvxi_split_cell *c, bvxi_split_cell quarter[4])
 {
     int32_t const half = c->size / 2;
-
     /* Sizes are powers of two, and lines stay even until the deepest: middles are whole numbers. */
     w->middle[0] = c->low[0] + half;
     w->middle[1] = c->low[1] + half;

@@ -122,7 +122,6 @@ static bvx_status link_strip(bvxi_trace *t, side_walk *w, uint32_t a, uint32_t b
             const bvxi_plane *const p = t->level[k].plane;
             int32_t const m = right->at[w->side & 1]; /* sides 0 and 2 run along u */
             uint32_t n = 0;
-
             while (w->done[k] + n < w->count[k] &&
                    (last || bvxi_cut_beyond(p, &p->cut[t->end[row[n]].cut], m) == (w->side >= 2)))
                 n++;
@@ -168,7 +167,6 @@ static bvx_status link_sides(bvxi_trace *t, const uint32_t corner[5], uint32_t *
 bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
 {
     uint32_t corner[5];
-
     t->point_count = 0;
     BVXI_TRY(bvxi_trace_nodes(t, corner));
     BVXI_TRY(gather_ends(t));

@@ -48,7 +48,6 @@ static void uncross_box(const bvxi_stack *s, const uint32_t *t, double box[6])
 static int uncross_pair(const bvxi_stack *s, const uint32_t *a, const uint32_t *b)
 {
     const uint32_t *const corner[2] = {a, b};
-
     for (int i = 0; i < 2; i++) {
         const uint32_t *const o = corner[1 - i];
         const double *const at[3] = {bvxi_section_vertex(s, o[0]), bvxi_section_vertex(s, o[1]),
@@ -99,9 +98,7 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
     const bvxi_plane *const p = t->level[k].plane;
     uint32_t const face = k == 0 ? BVXI_FACE_BELOW : BVXI_FACE_ABOVE;
     uint32_t first, end, i = p->cut[back ? a->to : a->from].ring, stop = p->cut[back ? a->from : a->to].ring;
-
     bvxi_ring_stretch(p, bvxi_contour_of(p, p->cut[a->from].segment), &first, &end);
-
     for (;;) {
         if (back) i = i == first ? end - 1 : i - 1;
         else i = i + 1 == end ? first : i + 1;
@@ -113,7 +110,6 @@ static bvx_status follow_ring(bvxi_trace *t, int k, const bvxi_arc *a, int back,
 bvx_status bvxi_trace_fill(bvxi_trace *t, uint32_t count)
 {
     uint32_t digits = t->choice; /* to the base of three */
-
     for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) digits /= 3;
     t->cone = t->loop_count < TRACE_CHOICES ? (int)(digits % 3) : 0;
     t->count = count;
@@ -191,7 +187,6 @@ void bvxi_trace_begin_fill(bvxi_trace *t, uint32_t choice, bvxi_trace_made *made
 {
     const bvxi_stack *const s = t->s;
     t->choice = choice;
-
     t->loop_count = t->strips = 0;
     made->triangles = s->mesh.triangle_count;
     made->vertices = s->mesh.vertex_count;
@@ -220,7 +215,6 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
 {
     bvxi_trace_begin_fill(t, choice, made);
     for (uint32_t i = 0; i < t->point_count; i++) t->point[i].seen = 0;
-
     /* Loops by their lowest point, so that the order does not depend on what came before. */
     for (uint32_t i = 0; i < t->point_count; i++)
         if (!t->point[i].seen) BVXI_TRY(follow_loop(t, i));

@@ -9,7 +9,6 @@ static uint32_t hanging_from(const bvxi_field *f, int by_column, const int32_t p
     const uint32_t *const start = (by_column ? f->hanging_column : f->hanging_row) +
                                   (place[across] >> f->s->fine);
     uint32_t low = start[0], high = start[1];
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         const int32_t *const at = f->slab->hanging[by_column ? f->slab->by_u[middle] : middle].at;
@@ -59,7 +58,6 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
 static void level_node(bvxi_trace_node *n, int32_t layer)
 {
     int32_t const crossed = n->inside[0];
-
     if (n->on[0] == n->on[1]) {
         n->inside[0] = n->inside[1] = n->on[0];
         n->vertex = BVXI_NONE;

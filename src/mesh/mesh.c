@@ -245,10 +245,8 @@ bvx_status bvx_mesh_hash(bvx_context *context, const bvx_mesh *mesh, uint64_t *h
 double bvxi_view_area(const bvx_mesh_view *view)
 {
     double sum = 0;
-
     for (uint64_t t = 0; t < view->triangle_count; t++) {
         double p[3][3], n[3];
-
         bvxi_view_corners(view, t, p);
         /* The cross product is as long as twice the area. */
         sum += 0.5 * bvxi_facet_normal((const double(*)[3])p, n);
@@ -261,7 +259,6 @@ double bvxi_view_area(const bvx_mesh_view *view)
 void bvxi_pieces(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *piece)
 {
     uint32_t c[3];
-
     for (uint64_t v = 0; v < view->vertex_count; v++) piece[v] = representative[v];
     /* The least vertex of a part is its root, so the answer does not depend on the order of triangles. */
     for (uint64_t t = 0; t < view->triangle_count; t++) {

@@ -43,7 +43,6 @@ static void side_product(double a, double b, double *high, double *low)
     double const product = a * b;
     side_split(a, &a1, &a0);
     side_split(b, &b1, &b0);
-
     /* The product's error as the sum of the halves' products, each of which is exact. */
     *low = a0 * b0 - (((product - a1 * b1) - a0 * b1) - a1 * b0);
     *high = product;
@@ -241,7 +240,6 @@ static double polygon_place(double v, const double factors[2])
 {
     double const scaled = v * factors[0] * factors[1];
     double const round = 0x1.8p-447; /* its last bit is 2^-499 */
-
     /* Far above the last digit nothing is rounded; below, adding
      * and subtracting the constant rounds to its last bit. */
     if (bvxi_absolute(scaled) >= 0x1p-448) return scaled;
@@ -485,7 +483,6 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
 {
     uint32_t const p = e->previous[v], q = e->next[v];
     int32_t const turn = bvxi_ring_side(e->ring, p, v, q);
-
     /* Each round in vain allows more, so that the loop always goes on. */
     if (round >= 3 || (round == 2 && turn > 0) || (round == 1 && turn == 0)) return 1;
     if (round > 0) return 0;

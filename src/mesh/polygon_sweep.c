@@ -134,9 +134,7 @@ static uint32_t sweep_splay(const polygon_sweep *s, uint32_t root, uint32_t corn
 static uint32_t sweep_find(polygon_sweep *s, uint32_t corner)
 {
     sweep_interval *const v = s->intervals;
-
     if (s->root == SWEEP_NONE) return SWEEP_NONE;
-
     /* The root is a neighbour of the place searched for: it, or the highest of those below it. */
     s->root = sweep_splay(s, s->root, corner, 0);
     if (sweep_is_above(s, s->root, corner)) return s->root;
@@ -193,10 +191,8 @@ static uint32_t sweep_link(polygon_sweep *s, uint32_t corner)
 static int sweep_cut(polygon_sweep *s, uint32_t below, uint32_t above, uint32_t corner, int32_t wanted)
 {
     uint32_t const a = s->links[below].corner, b = s->links[above].corner;
-
     /* A corner that does not see the two: they stay in the chain. */
     if (bvxi_ring_side(s->ring, a, corner, b) < wanted) return 0;
-
     /* A simple polygon has count - 2 triangles; one more shows that this one is not. */
     if (s->ring->made == s->ring->count - 2) {
         s->good = 0;

@@ -21,7 +21,6 @@ static void swap_radix_arrays(radix_arrays *a)
 {
     uint64_t *const keys = a->key_from;
     uint32_t *const numbers = a->number_from;
-
     a->key_from = a->key_to;
     a->key_to = keys;
     a->number_from = a->number_to;
@@ -41,7 +40,6 @@ static void count_radix_digits(const uint64_t *keys, uint64_t count,
 static int radix_counts_to_places(uint32_t table[RADIX_VALUES], uint64_t count)
 {
     uint32_t sum = 0;
-
     for (int v = 0; v < RADIX_VALUES; v++) {
         uint32_t const n = table[v];
         /* A digit that is the same everywhere does not change the order: its pass is left out. */
@@ -60,11 +58,9 @@ static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t 
     const uint32_t *const number_from = a->number_from;
     uint64_t *const key_to = a->key_to;
     uint32_t *const number_to = a->number_to;
-
     for (uint64_t i = begin; i < end; i++) {
         uint64_t const key = key_from[i];
         uint32_t const to = place[key >> shift & 255]++;
-
         key_to[to] = key;
         number_to[to] = number_from[i];
     }
@@ -73,7 +69,6 @@ static void move_radix_elements(const radix_arrays *a, uint64_t begin, uint64_t 
 static void sort_radix_alone(radix_arrays *a)
 {
     uint32_t table[RADIX_DIGITS][RADIX_VALUES];
-
     count_radix_digits(a->key_from, a->count, table);
     for (int d = 0; d < RADIX_DIGITS; d++) {
         /* Lowest digit first; each pass keeps the order of the one before among equal digits. */
@@ -96,7 +91,6 @@ static void count_radix_piece(void *user, int32_t index)
     uint32_t *BVXI_RESTRICT const count = p->place[index];
     int32_t const shift = p->shift;
     uint64_t begin, end;
-
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     memset(count, 0, sizeof p->place[index]);
     for (uint64_t i = begin; i < end; i++) count[keys[i] >> shift & 255]++;
@@ -106,7 +100,6 @@ static void move_radix_piece(void *user, int32_t index)
 {
     radix_pass *const p = user;
     uint64_t begin, end;
-
     bvxi_piece(p->all.count, p->pieces, index, &begin, &end);
     move_radix_elements(&p->all, begin, end, p->shift, p->place[index]);
 }
@@ -116,7 +109,6 @@ static void move_radix_piece(void *user, int32_t index)
 static int place_radix_pieces(radix_pass *p)
 {
     uint32_t sum = 0;
-
     for (int v = 0; v < RADIX_VALUES; v++) {
         uint32_t const before = sum;
         for (int32_t i = 0; i < p->pieces; i++) {
@@ -133,7 +125,6 @@ static void sort_radix_pieces(bvx_context *ctx, radix_arrays *a)
 {
     int32_t const pieces = bvxi_piece_count(a->count, RADIX_GRAIN);
     radix_pass p;
-
     p.all = *a;
     p.pieces = pieces < RADIX_PIECES ? pieces : RADIX_PIECES;
     for (p.shift = 0; p.shift < 8 * RADIX_DIGITS; p.shift += 8) {

@@ -30,7 +30,6 @@ BVXI_VECTOR_INLINE void make_lengths(const distance_job *job, const void *square
 {
     /* Inside a body signed distances are negative. */
     double const factor = job->inside && job->o.side == BVX_DISTANCE_SIGNED ? -job->factor : job->factor;
-
     if (job->whole) {
         const uint32_t *const s = squares;
         /* A square of no target stands for an infinite one; the number itself is only large. */
@@ -126,7 +125,6 @@ static bvx_status measure_grid_distances(bvx_context *ctx, distance_job *job)
 {
     int32_t const side = job->o.side;
     const double *const s = job->grid->lattice.spacing;
-
     /* Whole numbers are exact and half as large; doubles where squares outgrow 32 bits. */
     job->whole = s[0] == s[1] && s[0] == s[2] && bvxi_transform_fits_whole(job->grid->size);
     job->cpu = bvxi_cpu(ctx);

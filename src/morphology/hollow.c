@@ -201,7 +201,6 @@ static bvx_status make_shell(bvx_context *ctx, const char *function, const bvx_g
 {
     bvxi_morph morph = {"hollow", {BVXI_ERODE, BVXI_ERODE}, 1, 0, 0, 0, {0, 0, 0}, 0};
     uint64_t const words = bvxi_grid_words(grid);
-
     BVXI_TRY(bvxi_ball_set(ctx, function, &grid->lattice, o->thickness, &morph));
     morph.beyond = o->beyond;
     BVXI_TRY(bvxi_morph_run(ctx, &morph, grid, hollow));

@@ -188,13 +188,11 @@ static bvx_status run_steps(bvx_context *ctx, const char *stage, double from, do
     double const joins = 3.2 * (double)(job->reach[1] + 1) * (double)(job->reach[2] + 1) + job->reach[0];
     double const slices = (double)job->from.size[2] / (double)job->pieces + 2.0 * (double)job->reach[2];
     double const piece = RUNS_WORD_TIME * joins * (double)job->slice * slices;
-
     /* A step is what is done between two reports. */
     job->steps = 1 + (int32_t)(piece / RUNS_STEP_TIME < slices ? piece / RUNS_STEP_TIME : slices);
     for (job->step = 0; job->step < job->steps; job->step++) {
         double const low = from + (to - from) * ((double)job->step / (double)job->steps);
         double const high = from + (to - from) * ((double)(job->step + 1) / (double)job->steps);
-
         BVXI_TRY(bvxi_parallel_long(ctx, stage, low, high, job->pieces, piece / (double)job->steps,
                                     run_runs_piece, job));
     }

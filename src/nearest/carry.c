@@ -25,7 +25,6 @@ typedef struct carry_work {
 static uint8_t round_colour(double v)
 {
     double const up = v + 0.5;
-
     /* Weights may sum up to a hair more than 1. */
     return (uint8_t)(up >= 255.0 ? 255 : (int32_t)up);
 }
@@ -36,7 +35,6 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
     uint32_t corner[3];
     bvxi_view_triangle(&w->from, at->triangle, corner);
     for (int k = 0; k < 3; k++) c[k] = w->source->colours + 4 * (size_t)corner[k];
-
     /* Opacity is blended like the colours. */
     for (int i = 0; i < 4; i++)
         w->colours[4 * vertex + (uint64_t)i] = round_colour(
@@ -47,7 +45,6 @@ static void blend_colours(const carry_work *w, const bvx_closest_point *at, uint
 static void corner_uvs(const bvx_mesh *source, uint64_t triangle, uint32_t number[3])
 {
     const uint32_t *const from = source->uv_triangles != NULL ? source->uv_triangles : source->triangles;
-
     /* Texture coordinates may have triangles of their own, where seams part them. */
     memcpy(number, from + 3 * (size_t)triangle, 3 * sizeof *number);
 }
@@ -186,7 +183,6 @@ static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const car
         bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
         target->colours = w->colours;
     }
-
     /* A coordinate a vertex: triangles of their own are not needed any more. */
     if (w->uvs != NULL) {
         bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);

@@ -14,7 +14,6 @@ static void order_near_corners(bvxi_near_pairs *p)
 {
     for (int32_t i = 0; i < p->count; i++) {
         double t[3][3];
-
         /* By position, so that results do not depend on which corner is the first. */
         for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
         bvxi_order_corners(t);
@@ -59,7 +58,6 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
     double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
     double t[3][3], q[3];
     for (int v = 0; v < 9; v++) t[v / 3][v % 3] = p->corner[v][i];
-
     /* Squares are compared and roots taken at the end, of those that are kept. */
     p->distance2[i] = bvxi_closest_on_triangle(point, (const double(*)[3])t, q);
     for (int a = 0; a < 3; a++) p->closest[a][i] = q[a];

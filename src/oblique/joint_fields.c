@@ -67,7 +67,6 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
                              int *kind)
 {
     double most = -1e300;
-
     *kind = 0;
     for (uint32_t i = 0; i < o->body_count; i++) {
         if (!(bodies >> (i + 1) & 1)) continue;
@@ -82,7 +81,6 @@ static double largest_number(const bvxi_oblique *o, uint32_t plane, const double
 int bvxi_joint_kind_among(const bvxi_oblique *o, const double at[3], uint64_t kinds)
 {
     int kind;
-
     if ((kinds & 1) != 0 && !(number_of(o, BVXI_NONE, at, NULL, 0) > 0.0)) return 0;
     (void)largest_number(o, BVXI_NONE, at, kinds, &kind);
     return kind;
@@ -93,7 +91,6 @@ double bvxi_joint_lead(const bvxi_oblique *o, uint32_t plane, const double at[3]
 {
     double lead = (others & 1) != 0 ? number_of(o, plane, at, NULL, 0) : 1e300;
     int kind;
-
     if (others > 1) {
         double const by = largest_number(o, plane, at, bodies, &kind) -
                           largest_number(o, plane, at, others, &kind);
@@ -135,7 +132,6 @@ static void bound_surroundings(bvxi_oblique *b)
     for (uint32_t i = 0; i < b->plane_count; i++) {
         const bvxi_plane *const p = &b->plane[i].plane;
         uint32_t const stride = p->point_count / SURROUNDING_PLACES + 1;
-
         for (uint32_t n = 0; n < p->point_count; n++) {
             double at[3], way;
             bvxi_oblique_in_cells(b, b->given->points + 3 * (uint64_t)p->given[n], at);
@@ -190,7 +186,6 @@ static bvx_status refuse_overlap(const bvxi_oblique *o, uint32_t plane, uint32_t
 {
     const bvxi_oblique_plane *const p = &o->plane[plane];
     double at[3];
-
     for (int k = 0; k < 3; k++)
         at[k] = o->origin[k] +
                 o->step * (p->offset * p->normal[k] + (uv[0] * p->axis[0][k] + uv[1] * p->axis[1][k]));
@@ -369,7 +364,6 @@ static bvx_status find_ends(bvxi_oblique *o)
 bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t count)
 {
     bvxi_oblique *body;
-
     o->of_all = 1;
     BVXI_TRY(bvxi_oblique_lay_planes(o));
     BVXI_TRY(BVXI_ZEROS(o->ctx, count, "the bodies", body));
@@ -377,7 +371,6 @@ bvx_status bvxi_joint_open(bvxi_oblique *o, const int32_t *labels, uint32_t coun
     for (uint32_t i = 0; i < count; i++)
         BVXI_TRY(
             BVXI_SHARE(o->ctx, 0.7 * i / count, 0.7 * (i + 1) / count, open_joint_body(o, i, labels[i])));
-
     o->body_count = count;
     BVXI_TRY(join_contours(o));
     BVXI_TRY(find_ends(o));

@@ -36,7 +36,6 @@ typedef struct cells_job {
 static uint64_t cells_of_nodes(const uint8_t node[CELL_NODES])
 {
     uint64_t cells = 0;
-
     for (int c = 0; c < BVXI_BLOCK_SIZE; c++) {
         const uint8_t *const n = node + (c & 3) + 5 * (c >> 2 & 3) + 25 * (c >> 4);
         int const sides = n[0] | n[1] | n[5] | n[6] | n[25] | n[26] | n[30] | n[31];
@@ -51,7 +50,6 @@ static uint64_t whole_cells(const bvxi_oblique *o, const int32_t first[3])
     static const uint64_t last[3] = {UINT64_C(0x8888888888888888), UINT64_C(0xf000f000f000f000),
                                      UINT64_C(0xffff000000000000)};
     uint64_t cells = ALL_CELLS;
-
     for (int k = 0; k < 3; k++)
         if (first[k] + BVXI_BLOCK_SIDE >= o->side[k]) cells &= ~last[k];
     return cells;
@@ -222,7 +220,6 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
 uint32_t bvxi_oblique_cell_at(const bvxi_oblique *o, const int32_t at[3])
 {
     int bit;
-
     /* Beyond the lattice and in cells that are not split there is nothing to be beside. */
     for (int k = 0; k < 3; k++)
         if (at[k] < 0 || at[k] >= o->side[k] - 1) return BVXI_NONE;
@@ -303,7 +300,6 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
     for (uint32_t i = 0; i < o->known_count; i++) {
         uint32_t plane[BVXI_OBLIQUE_PLANES], planes;
         int32_t first[3];
-
         if (o->split[i] == 0) continue;
         bvxi_oblique_block_place(o, o->known[i], first);
         planes = bvxi_oblique_near_planes(o, first, plane);
@@ -316,15 +312,12 @@ static bvx_status make_tetrahedra(bvxi_oblique *o)
 static bvx_status order_touches(bvxi_oblique *o)
 {
     uint64_t const n = o->plane_count + 1;
-
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, "the cells that planes touch", o->plane_touch));
     BVXI_TRY(BVXI_ARRAY(o->ctx, o->touch_count, "the cells that planes touch", o->touch_cell));
-
     for (uint64_t i = 0; i < o->touch_count; i++) o->plane_touch[o->touch[i][1]]++;
     bvxi_place_counts32(o->plane_touch, n);
     for (uint64_t i = 0; i < o->touch_count; i++)
         o->touch_cell[o->plane_touch[o->touch[i][1]]++] = o->touch[i][0];
-
     /* Each begin has moved to its end, which is the next one's begin. */
     for (uint32_t i = o->plane_count; i-- > 0;) o->plane_touch[i + 1] = o->plane_touch[i];
     o->plane_touch[0] = 0;
@@ -373,9 +366,7 @@ static int side_of_plane(bvxi_oblique *o, uint32_t v, uint32_t plane, double *he
     const bvxi_tetra_vertex *const x = &o->vertex[v];
     int side = straight_side(o, v, plane, height), a, b;
     double other;
-
     if (side != 0 || bvxi_is_on(o, v, plane)) return side;
-
     /* A vertex in the middle of an edge that lies on one side of the plane is on that side, however near. */
     if (x->parent[0] != BVXI_NONE) {
         a = straight_side(o, x->parent[0], plane, &other);

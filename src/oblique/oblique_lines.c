@@ -37,7 +37,6 @@ uint32_t bvxi_knot_root(const bvxi_oblique *o, uint32_t knot)
 void bvxi_knot_place(const bvxi_oblique *o, uint32_t knot, double at[3])
 {
     const bvxi_knot *const root = &o->knot[bvxi_knot_root(o, knot)];
-
     for (int k = 0; k < 3; k++) at[k] = root->sum[k] / root->count;
 }
 
@@ -45,7 +44,6 @@ uint32_t bvxi_knot_after(const bvxi_oblique *o, uint32_t plane, uint32_t segment
 {
     double least = 1.0; /* the segment's end is the next one's point */
     uint32_t found = BVXI_NONE;
-
     for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next)
         if (o->knot[k].segment == segment && o->knot[k].share > share && o->knot[k].share < least) {
             least = o->knot[k].share;
@@ -192,7 +190,6 @@ static double way_apart(const bvxi_oblique *o, uint32_t a, uint32_t b, const lin
 {
     double const gap = to->along - from->along;
     double middle[3], one, two, least;
-
     for (int k = 0; k < 3; k++) middle[k] = 0.5 * (o->knot[from->knot].at[k] + o->knot[to->knot].at[k]);
     one = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, a, middle));
     two = 2.0 * bvxi_absolute(bvxi_oblique_exact(o, b, middle));
@@ -207,11 +204,9 @@ static double share_of_way(const bvxi_oblique *o, uint32_t plane_a, const double
                            const double b[3])
 {
     double least = 0.0, most = 1.0;
-
     for (uint32_t i = 0; i < o->plane_count; i++) {
         double const ha = bvxi_oblique_height(&o->plane[i], a), hb = bvxi_oblique_height(&o->plane[i], b);
         double at[3], share;
-
         if (i == plane_a || i == plane_b || (ha < 0.0) == (hb < 0.0)) continue;
         share = ha / (ha - hb);
         for (int k = 0; k < 3; k++) at[k] = a[k] + share * (b[k] - a[k]);
@@ -275,7 +270,6 @@ static bvx_status settle_line(bvxi_oblique *o, oblique_line_work *w, uint32_t a,
 static int moves_across(const bvxi_oblique *o, uint32_t knot, uint32_t plane)
 {
     double at[3];
-
     bvxi_knot_place(o, knot, at);
     return (bvxi_oblique_height(&o->plane[plane], o->knot[knot].at) < 0.0) !=
            (bvxi_oblique_height(&o->plane[plane], at) < 0.0);
@@ -320,7 +314,6 @@ static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t pl
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
     oblique_line_work w = {0};
-
     for (uint32_t a = 0; a < o->plane_count; a++) {
         BVXI_TRY(bvxi_progress(o->ctx, "sections", (double)a / o->plane_count));
         for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));

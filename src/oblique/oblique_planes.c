@@ -71,7 +71,6 @@ static bvx_status bound_contours(bvxi_oblique *o)
 {
     const bvx_sections *const g = o->given;
     double low[3] = {1e300, 1e300, 1e300}, high[3] = {-1e300, -1e300, -1e300};
-
     for (uint64_t i = 0; i < g->loop_count; i++) {
         /* Other bodies neither widen the lattice nor make its cells coarser. */
         if (g->loops[i].label != o->options.label && !o->of_all) continue;
@@ -127,7 +126,6 @@ static bvx_status place_points(bvxi_oblique *o, bvxi_oblique_plane *f)
                 OBLIQUE_OFF * o->longest * o->step);
         bvxi_widen(f->low, f->high, p->uv[i], 2);
     }
-
     return BVX_OK;
 }
 
@@ -254,7 +252,6 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
     const bvxi_oblique_plane *const p = &o->plane[plane];
     uint32_t hint = 0;
     double uv[2], d;
-
     if (p->plane.contour_count == 0) return -0.25 * o->longest;
     bvxi_oblique_uv(p, at, uv);
     d = bvxi_plane_distance(&p->plane, uv[0], uv[1], &hint);
@@ -264,7 +261,6 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
 {
     const bvxi_plane *const p = &o->plane[plane].plane;
-
     /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
     for (uint32_t i = 0; i < o->body_count; i++)
         if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&

@@ -27,7 +27,6 @@ static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t pla
 {
     uint32_t const edge = bvxi_edge_find(&o->contour_edge, x, y);
     double a[2], b[2], c[2], area;
-
     if (edge == BVXI_NONE || edge / 2 != plane) return;
     bvxi_oblique_uv(&o->plane[plane], o->vertex[x].at, a);
     bvxi_oblique_uv(&o->plane[plane], o->vertex[y].at, b);
@@ -142,7 +141,6 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
 static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {

@@ -35,7 +35,6 @@ static void enter_octet(const leaves_job *job, int32_t level, uint64_t octet, co
                         leaf_step *step)
 {
     step->octet = octet;
-
     /* A level without masks of its own has no split voxels below. */
     step->next_split_octet = job->tree->octets[level].split != NULL
                                  ? bvxi_octets_rank(&job->tree->octets[level], 8 * octet)
@@ -83,7 +82,6 @@ static void leaves_of_piece(void *user, int32_t index)
     uint64_t begin, end, place = job->leaves != NULL ? job->place[index] : 0;
 
     bvxi_piece(nx * ny * (uint64_t)tree->base[2], job->pieces, index, &begin, &end);
-
     for (uint64_t i = begin; i < end; i++) {
         int32_t const v[3] = {(int32_t)(i % nx), (int32_t)(i / nx % ny), (int32_t)(i / nx / ny)};
         uint64_t const bit = bvxi_root_bit(tree, v[0], v[1], v[2]);

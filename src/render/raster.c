@@ -74,10 +74,8 @@ static void raster_fill(const bvxi_raster *r, int32_t row, int32_t left, int32_t
                         const bvxi_raster_plane *p, uint32_t id)
 {
     size_t const at = (size_t)row * (size_t)r->width;
-
     /* The value at the middle of the row; samples differ by the slope along x. */
     double const z = p->z + p->dy * (row + 0.5 - p->y);
-
     for (int32_t x = left; x < right; x++) {
         double const exact = z + p->dx * (x + 0.5 - p->x);
         float const d = (float)(exact < p->low ? p->low : exact > p->high ? p->high : exact);
@@ -154,7 +152,6 @@ static void walk_bins_piece(const bins_work *w, int32_t index, int fill)
     uint64_t *const place = w->place + (size_t)index * (size_t)w->bins->bands;
     uint64_t begin, end;
     int32_t first, last;
-
     bvxi_piece(w->triangle_count, w->pieces, index, &begin, &end);
     for (uint64_t t = begin; t < end; t++) {
         if (!w->reach(w->user, (uint32_t)t, &first, &last)) continue;
@@ -198,7 +195,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
                                    bvxi_bands_fn *reach, const void *user, bvxi_triangle_bins *bins)
 {
     bins_work w = {bins, triangle_count, bvxi_piece_count(triangle_count, BINS_GRAIN), reach, user, NULL};
-
     w.pieces = w.pieces < BINS_PIECES ? w.pieces : BINS_PIECES;
     uint64_t const places = (uint64_t)w.pieces * (uint64_t)bands;
     bins->bands = bands;
@@ -240,7 +236,6 @@ static int32_t cut_by_plane(const double (*in)[3], int32_t n, int axis, double p
                             double (*out)[3])
 {
     int32_t count = 0;
-
     /* Points on the plane count as inside, so a triangle that only touches it keeps its corner. */
     for (int32_t i = 0; i < n; i++) {
         const double *const p = in[i], *const q = in[i + 1 == n ? 0 : i + 1];

@@ -27,7 +27,6 @@ static void scaled_corners(const bvxi_mesh_scene *s, uint64_t t, double p[3][3])
 static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_CUT_MOST][3])
 {
     double p[3][3];
-
     scaled_corners(s, t, p);
     int32_t const n = bvxi_cut_triangle(&s->cut, (const double(*)[3])p, q);
     for (int32_t k = 0; k < n; k++) {
@@ -41,7 +40,6 @@ static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_C
 static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
 {
     const bvx_render_options *const o = &s->picture.options;
-
     /* Where the cut lies inside the bounds, it replaces them for the camera. */
     for (int a = 0; a < 3; a++) {
         s->cut.low[a] = o->cut.low[a] * s->picture.camera.unit;
@@ -113,7 +111,6 @@ static void place_piece(void *user, uint64_t begin, uint64_t end)
     const bvxi_mesh_scene *const s = user;
     const bvxi_raster *const r = &s->picture.raster;
     double p[3], q[3], at[3];
-
     for (uint64_t v = begin; v < end; v++) {
         bvxi_view_position(s->view, v, p);
         bvxi_camera_turn(&s->picture.camera, p, q);
@@ -243,7 +240,6 @@ static void draw_scene_rows(const void *user, const bvxi_raster *raster, bvxi_ra
 static bvx_status make_scene(bvx_context *ctx, bvxi_mesh_scene *s)
 {
     int32_t const bands = (s->picture.options.height + BVXI_PICTURE_BAND - 1) / BVXI_PICTURE_BAND;
-
     BVXI_TRY(fit_scene(ctx, s));
     BVXI_TRY(place_vertices(ctx, s));
     BVXI_TRY(bvxi_triangle_bins_open(ctx, s->view->triangle_count, bands, bands_of_triangle, s, &s->bins));

@@ -52,14 +52,12 @@ BVXI_VECTOR_INLINE uint64_t count_slot(const bvxi_march *m, uint64_t slot, int f
 BVXI_VECTOR_INLINE void count_piece(bvxi_march *m, int32_t piece, int fast)
 {
     uint64_t begin, end, vertices = 0, triangles = 0, past = 0;
-
     bvxi_piece(m->slot_count, m->pieces, piece, &begin, &end);
     for (uint64_t s = begin; s < end; s++) {
         past |= count_slot(m, s, fast);
         vertices += (uint64_t)m->slots[s].edge[0] + m->slots[s].edge[1] + m->slots[s].edge[2];
         triangles += m->slots[s].triangle;
     }
-
     m->piece_counts[3 * piece] = vertices;
     m->piece_counts[3 * piece + 1] = triangles;
     m->piece_counts[3 * piece + 2] = past;
@@ -70,6 +68,5 @@ BVXI_AVX2_COPY(count_piece_avx2, (bvxi_march * m, int32_t piece), count_piece(m,
 void bvxi_march_count_piece(void *march, int32_t piece)
 {
     bvxi_march *const m = march;
-
     BVXI_PATH(m->cpu == BVX_CPU_AVX2, count_piece(m, piece, 0), count_piece_avx2(m, piece));
 }

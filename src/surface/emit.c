@@ -87,7 +87,6 @@ static void start_counters(const bvxi_march *m, uint64_t slot, int32_t j, int32_
     uint64_t const rows = (uint64_t)m->grid->size[1] + 1;
     uint64_t const up = j + 1 < m->grid->size[1] ? 1 : 0, back = k + 1 < m->grid->size[2] ? rows : 0;
     const bvxi_slot *const s = &m->slots[slot];
-
     counter[0] = s->edge[0];
     counter[1] = s[up].edge[0];
     counter[2] = s[back].edge[0];
@@ -241,6 +240,5 @@ BVXI_AVX2_COPY(emit_piece_avx2, (const bvxi_march *m, int32_t piece), emit_piece
 void bvxi_march_emit_piece(void *march, int32_t piece)
 {
     const bvxi_march *const m = march;
-
     BVXI_PATH(m->cpu == BVX_CPU_AVX2, emit_piece(m, piece, 0), emit_piece_avx2(m, piece));
 }

@@ -18,7 +18,6 @@ static bvx_status check_faces(bvx_context *ctx, bvxi_faces *f, const bvx_grid *g
                               const bvx_faces_options *given)
 {
     bvx_faces_options *const o = &f->options;
-
     BVXI_TRY(bvxi_take_options(ctx, f->function, given, o, sizeof *o));
     BVXI_TRY(bvxi_grid_check(ctx, f->function, grid));
     BVXI_TRY(bvxi_grid_check_past(ctx, f->function, grid));

@@ -61,7 +61,6 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
-
     /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];

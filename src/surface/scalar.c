@@ -33,7 +33,6 @@ static bvx_status check_scalar_options(bvx_context *ctx, const char *function, b
 static void shape_inside(const bvx_volume_view *volume, bvx_grid *inside)
 {
     bvx_window window;
-
     memset(inside, 0, sizeof *inside);
     memcpy(window.low, volume->low, sizeof window.low);
     memcpy(window.size, volume->size, sizeof window.size);

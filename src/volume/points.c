@@ -52,7 +52,6 @@ static bvx_status open_point_planes(bvx_context *ctx, int32_t minimum, points_wo
 static void count_point(points_work *w, size_t word, uint64_t bit)
 {
     uint64_t *const set = &w->grid->words[word];
-
     /* Full already: no counter is changed any more. */
     if ((*set & bit) != 0) return;
     /* One is added: a carry goes on from digit to digit. */
@@ -121,7 +120,6 @@ static bvx_status check_points_options(bvx_context *ctx, const bvx_lattice *latt
                                        bvx_window *window)
 {
     BVXI_TRY(bvxi_check_options(ctx, points_name, o, BVXI_OPTIONS(points_rows)));
-
     if (o->close_gaps != 0 && !o->body)
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_CONTRADICTION, "%s: close_gaps requires body",
                              points_name);

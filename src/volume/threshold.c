@@ -386,9 +386,7 @@ static void range_of_whole(int32_t type, int64_t low, int64_t high, bvxi_range *
 static void report_range(const bvxi_range_tally *tally, int32_t pieces, bvx_volume_report *report)
 {
     double least = THRESHOLD_F64_MAX, greatest = -THRESHOLD_F64_MAX;
-
     memset(report, 0, sizeof *report);
-
     for (int32_t p = 0; p < pieces; p++) {
         report->nan += tally[p].nan;
         report->infinite += tally[p].infinite;

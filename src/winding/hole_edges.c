@@ -150,7 +150,6 @@ static inline bvx_status make_room_for_edges(bvx_context *ctx, edge_table *t)
 static void empty_slot(edge_table *t, uint64_t free)
 {
     uint64_t const mask = t->size - 1;
-
     for (uint64_t i = (free + 1) & mask; t->key[i] != HOLE_EMPTY; i = (i + 1) & mask, t->probes++) {
         /* An entry whose own slot lies after the free one stays: it could not be found from there. */
         if (((i - slot_of_edge(t, t->key[i])) & mask) < ((i - free) & mask)) continue;
@@ -327,7 +326,6 @@ static void place_key(const void *user, uint64_t vertex, uint32_t key[BVXI_KEY_W
 static bvx_status plant_place_tree(bvx_context *ctx, place_table *p)
 {
     BVXI_TRY(bvxi_key_tree_open(ctx, &p->tree, place_key, p->snapped, p->snapped->vertex_count));
-
     /* Vertices enter in the order of slots; which one stands for a place does not matter to the edges. */
     for (uint64_t i = 0; i < p->size; i++)
         if (p->table[i] != 0) bvxi_key_tree_find(&p->tree, p->table[i] - 1);
@@ -362,9 +360,7 @@ static bvx_status cancel_list(bvx_context *ctx, const bvxi_snapped *s, const uin
 {
     place_table p;
     uint32_t from = 0, to = 0;
-
     BVXI_TRY(open_place_table(ctx, s, 2 * count < s->vertex_count ? 2 * count : s->vertex_count, &p));
-
     /* Edges that did not meet by number may meet by place, where vertices are not welded. */
     for (uint64_t i = 0; i < count; i++) {
         BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)(list[i] >> 32), &from));
@@ -383,9 +379,7 @@ static bvx_status cancel_places(bvx_context *ctx, const bvx_mesh_view *view, con
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *same = NULL;
     place_table p;
-
     BVXI_TRY(open_place_table(ctx, s, s->vertex_count, &p));
-
     /* Every vertex gets the one that stands for its place; then triangles cancel as they do by number. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the vertices at one place", &same));
     for (uint64_t v = 0; v < s->vertex_count; v++) BVXI_TRY(vertex_at_place(ctx, &p, (uint32_t)v, &same[v]));

@@ -136,7 +136,6 @@ bvx_status bvxi_wind(bvx_context *ctx, bvxi_solid_job *job, const bvx_grid *soli
 {
     double const part = from + (to - from) / 8;
     bvxi_holes holes;
-
     /* Axis x: rows of centres along it. */
     BVXI_TRY(bvxi_snap_turn(ctx, 0, from, &job->snapped));
     if (job->holes != NULL) return wind_with_holes(ctx, job, job->holes, solid, part, to, report);
@@ -174,7 +173,6 @@ bvx_status bvxi_winding_open(bvx_context *ctx, const char *function, const bvx_m
                              bvxi_winding **winding)
 {
     bvxi_winding *w;
-
     *winding = NULL;
     if (holes->loops == 0) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, sizeof *w, "the winding number's holes", &w));
