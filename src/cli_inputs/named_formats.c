@@ -75,7 +75,6 @@ int32_t cli_input_up(const cli_run *run)
 {
     const cli_options *const o = run->options;
     int32_t up = o->input_up;
-
     for (int i = 0; i < o->inputs && o->input_up == CLI_UP_NONE; i++) {
         int32_t const one = up_of_format(cli_input_format(run, o->input[i]));
         if (i > 0 && one != up) return CLI_UP_NONE;
@@ -93,7 +92,6 @@ int32_t cli_output_up(const cli_run *run)
 int32_t cli_turn_of(const cli_run *run)
 {
     int32_t const from = cli_input_up(run), to = cli_output_up(run);
-
     if (from == CLI_UP_Z && to == CLI_UP_Y) return BVX_TURN_Z_TO_Y;
     return from == CLI_UP_Y && to == CLI_UP_Z ? BVX_TURN_Y_TO_Z : BVX_TURN_NONE;
 }
@@ -161,7 +159,6 @@ int cli_is_volume(const cli_run *run, const char *path)
 int cli_is_contours(const cli_run *run, const char *path)
 {
     int32_t const format = cli_input_format(run, path);
-
     return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
 }
 

@@ -162,8 +162,7 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
-    bvx_status const status = keep_parts(context, grid, &o, &made);
-    return bvxi_grid_put(context, status, &made, result);
+    return bvxi_grid_put(context, keep_parts(context, grid, &o, &made), &made, result);
 }
 
 bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,

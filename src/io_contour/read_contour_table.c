@@ -214,8 +214,7 @@ static bvx_status compare_plane(table_reader *r, uint32_t section, double positi
 static bvx_status find_table_section(table_reader *r, double position, const double normal[3],
                                      uint32_t *section)
 {
-    bvx_sections *const s = &r->f->sections;
-    uint64_t const next = s->section_count, room = r->section_room;
+    uint64_t const next = r->f->sections.section_count, room = r->section_room;
     /* The new hash stands where the section's number would: the tree compares it with the others there. */
     BVXI_TRY(remember(r, &r->section_hash, next, &r->section_room, word_hash(r->word[TABLE_SECTION], 0)));
     if (r->sections.key == NULL)

@@ -228,13 +228,12 @@ static bvx_status fill_cell_loops(bvxi_trace *t, uint32_t choice, bvxi_trace_mad
 
 bvx_status bvxi_trace_loops(bvxi_trace *t)
 {
-    bvxi_stack *const s = t->s;
     bvxi_trace_made made;
     uint32_t choices = 1;
 
     BVXI_TRY(fill_cell_loops(t, 0, &made));
     if (!bvxi_trace_crosses(t, &made)) return BVX_OK;
-    if (s->options.slabs.crossings != BVX_CROSSINGS_PAPER)
+    if (t->s->options.slabs.crossings != BVX_CROSSINGS_PAPER)
         for (uint32_t i = 0; i < t->loop_count && i < TRACE_CHOICES; i++) choices *= 3;
     for (uint32_t i = 1; i < choices; i++) {
         bvxi_trace_undo_fill(t, &made);

@@ -203,8 +203,7 @@ static bvx_status change_grid(bvx_context *ctx, const bvx_grid *grid, int32_t op
     bvxi_grid_renew(ctx, &grid->lattice, &window, result);
     bvx_grid made = *result;
     BVXI_TRY(bvxi_grid_open(ctx, function, &grid->lattice, &window, &made));
-    bvx_status const status = bvxi_morph_run(ctx, &morph, grid, &made);
-    return bvxi_grid_put(ctx, status, &made, result);
+    return bvxi_grid_put(ctx, bvxi_morph_run(ctx, &morph, grid, &made), &made, result);
 }
 
 bvx_status bvx_grid_morph(bvx_context *context, const bvx_grid *grid, int32_t operation,

@@ -249,12 +249,10 @@ static bvx_status find_outer_segments(bvxi_oblique *o, uint32_t plane, uint32_t 
 /* Body after body, so that numbers of points differ from a body's own by those of the bodies before it. */
 static void join_plane(bvxi_oblique *o, uint32_t plane)
 {
-    bvxi_oblique_plane *const f = &o->plane[plane];
-    bvxi_plane *const p = &f->plane;
+    bvxi_plane *const p = &o->plane[plane].plane;
 
     for (uint32_t b = 0; b < o->body_count; b++) {
-        const bvxi_oblique *const body = &o->body[b];
-        const bvxi_plane *const q = &body->plane[plane].plane;
+        const bvxi_plane *const q = &o->body[b].plane[plane].plane;
         uint32_t const first = p->point_count;
 
         for (uint32_t i = 0; i < q->point_count; i++) {

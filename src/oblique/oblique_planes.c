@@ -260,11 +260,10 @@ double bvxi_oblique_exact(const bvxi_oblique *o, uint32_t plane, const double at
 
 int bvxi_oblique_encloses(const bvxi_oblique *o, uint32_t plane, const double uv[2])
 {
-    const bvxi_plane *const p = &o->plane[plane].plane;
     /* Of several bodies what any of them encloses: where two overlap by a hair they do not cancel out. */
     for (uint32_t i = 0; i < o->body_count; i++)
         if (bvxi_oblique_in_bounds(&o->body[i].plane[plane], uv, 0.0) &&
             bvxi_oblique_encloses(&o->body[i], plane, uv))
             return 1;
-    return o->body_count == 0 && bvxi_plane_encloses(p, uv[0], uv[1]);
+    return o->body_count == 0 && bvxi_plane_encloses(&o->plane[plane].plane, uv[0], uv[1]);
 }

@@ -183,8 +183,7 @@ static bvx_status run_octree_expand(bvx_context *context, const bvx_octree *tree
         job.last[a] = (job.high[a] - 1) >> level;
     }
     rows = (uint64_t)(job.last[1] - job.first[1] + 1) * (uint64_t)(job.last[2] - job.first[2] + 1);
-    bvx_status const status = bvxi_for(context, "octree", rows, 1, expand_piece, &job);
-    return bvxi_grid_put(context, status, &made, grid);
+    return bvxi_grid_put(context, bvxi_for(context, "octree", rows, 1, expand_piece, &job), &made, grid);
 }
 
 bvx_status bvx_octree_expand(bvx_context *context, const bvx_octree *tree, int32_t level, int32_t states,

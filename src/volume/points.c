@@ -165,8 +165,7 @@ static bvx_status run_voxelize_points(bvx_context *context, const bvx_mesh_view 
     bvx_grid made = *grid;
     BVXI_TRY(bvxi_grid_open(context, points_name, lattice, &window, &made));
     work.grid = &made;
-    bvx_status const status = voxelize_cloud(context, &o, &work);
-    BVXI_TRY(bvxi_grid_put(context, status, &made, grid));
+    BVXI_TRY(bvxi_grid_put(context, voxelize_cloud(context, &o, &work), &made, grid));
     if (o.report != NULL) *o.report = work.report;
     return BVX_OK;
 }
