@@ -61,8 +61,6 @@ int32_t cli_input_format(const cli_run *run, const char *path)
     return strcmp(path, "-") == 0 ? run->options->format : bvx_format_of_name(path);
 }
 
-/* ---- the axis that is up ---- */
-
 /* The axis that is up in such a file, CLI_UP_...; none where programs do not agree on one. */
 static int32_t up_of_format(int32_t format)
 {
@@ -128,8 +126,6 @@ int cli_input_kind(cli_run *run, const char *path, int *kind)
         path, cli_way_to_read(path));
 }
 
-/* ---- volumes and contours ---- */
-
 int cli_may_be_volume(int32_t format)
 {
     return format == BVX_FORMAT_NRRD || format == BVX_FORMAT_NPY || format == BVX_FORMAT_VTI ||
@@ -161,8 +157,6 @@ int cli_is_contours(const cli_run *run, const char *path)
     int32_t const format = cli_input_format(run, path);
     return format == BVX_FORMAT_CSL || format == BVX_FORMAT_CSV;
 }
-
-/* ---- what a format holds of a grid ---- */
 
 int cli_check_grid_format(cli_run *run, const char *path, const bvx_lattice *l, const int32_t size[3])
 {

@@ -108,8 +108,6 @@ bvx_status bvxi_mend(bvx_context *ctx, const char *function, const bvx_sections 
     return mend_stack(&s, m);
 }
 
-/* ---- planes of any direction ---- */
-
 /* The loops of one section, a stack of one plane, with their points where steps put them: bodies of such planes
  * are made by places alone. */
 static bvx_status mend_section(bvx_context *ctx, const char *function, const bvx_sections *one,

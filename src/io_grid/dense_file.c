@@ -6,8 +6,6 @@
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
-/* ---- The lattice ---- */
-
 bvx_status bvxi_file_box(bvx_context *ctx, const char *format, const double origin[3],
                          const double spacing[3], const uint64_t dims[3], bvx_lattice *box)
 {
@@ -95,8 +93,6 @@ void bvxi_set_file_run(bvx_grid *grid, const bvx_window *part, int64_t x, int64_
     if (j < 0 || j >= part->size[1] || k < 0 || k >= part->size[2] || first >= stop) return;
     bvxi_set_run(bvxi_grid_row(grid, (int32_t)j, (int32_t)k), (int32_t)first, (int32_t)stop);
 }
-
-/* ---- Read ---- */
 
 enum { TEXT_ASK_BYTES = 1 << 20 };
 

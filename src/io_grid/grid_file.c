@@ -3,8 +3,6 @@
 #include "io_grid/grid_formats.h"
 #include "io/formats.h"
 
-/* ---- Read ---- */
-
 static bvx_status read_dense_as(const bvxi_grid_source *source, int32_t format, bvx_grid *grid)
 {
     bvxi_dense dense;
@@ -61,8 +59,6 @@ bvx_status bvx_read_grid(bvx_context *context, const void *bytes, uint64_t size,
 {
     return BVXI_CALL(context, run_read_grid(context, bytes, size, format, window, grid));
 }
-
-/* ---- Written ---- */
 
 static bvx_status run_write_grid(bvx_context *context, const bvx_grid *grid, int32_t format, bvx_buffer *file)
 {

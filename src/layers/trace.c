@@ -9,8 +9,6 @@
 
 #include "lattice/wide.h"
 
-/* ---- crossings of contours ---- */
-
 static bvx_status gather_ends(bvxi_trace *t)
 {
     t->end_count = 0;
@@ -97,8 +95,6 @@ static uint32_t sort_side(const bvxi_trace *t, int side, int k)
     }
     return n;
 }
-
-/* ---- around the cell ---- */
 
 /* A side of the cell on the way along its strips: ends in the rows below and above, those that are done. */
 typedef struct side_walk {

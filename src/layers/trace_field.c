@@ -82,8 +82,6 @@ void bvxi_trace_face(bvxi_trace *t, int k)
     }
 }
 
-/* ---- contour points ---- */
-
 /* 1 when the point belongs to the line from a to b, and not to a nearer one of the face. */
 static int is_nearest_line(bvxi_trace *t, int k, uint32_t from, uint32_t to, const double a[2],
                            const double b[2], const double p[2])

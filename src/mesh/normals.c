@@ -62,8 +62,6 @@ bvx_status bvxi_sum_normals(bvx_context *ctx, const bvx_mesh_view *view, double 
     return BVX_OK;
 }
 
-/* ---- Normals of a mesh's vertices and facets as arrays ---- */
-
 /* Facets have their own normals or, as the paper on surface modelling in section data fields shades them, the
  * mean of those of their three vertices. */
 static const char normals_name[] = "bvx_mesh_normals";

@@ -36,8 +36,6 @@ typedef struct closest_visit {
     uint32_t node; /* in its level */
 } closest_visit;
 
-/* ---- Triangles ---- */
-
 static void set_closest_limit(closest_search *s)
 {
     /* Limits are of boxes, whose units and rounding are not those of triangles. */
@@ -66,8 +64,6 @@ static void try_closest_triangle(closest_search *s, uint32_t place)
     bvxi_closest_corners(s->tree, place, t);
     take_closest(s, place, bvxi_closest_on_triangle(s->point, (const double(*)[3])t, q));
 }
-
-/* ---- Boxes ---- */
 
 /* In doubles, where the point is far off. */
 static uint32_t far_distances_of_sixteen(const bvxi_closest_node *node, int children, const double at[3],
@@ -107,8 +103,6 @@ static void begin_closest_search(const bvxi_closest_tree *tree, const double poi
     for (int a = 0; a < 3; a++) s->at_f[a] = s->is_near ? (float)s->at[a] : 0.0f;
     s->margin = (1.0 + reach) * (s->is_near ? 0x1p-19 : 0x1p-45);
 }
-
-/* ---- The search ---- */
 
 #define CLOSEST_TOGETHER BVXI_SIMD_BASE /* 1: triangles wait for each other */
 #define BVXI_SIMD_LEVEL  _base

@@ -42,8 +42,6 @@ uint64_t bvxi_near_slots_of(const bvx_grid *g, const int32_t first[3])
     return slots;
 }
 
-/* ---- Which cubes the mesh reaches ---- */
-
 /* Lattice indices of a cube's first centre. */
 static void first_of_cube(const bvx_grid *g, const bvxi_near_run *r, int32_t x, int32_t first[3])
 {
@@ -67,8 +65,6 @@ static void find_reached_cubes(void *user, int32_t index, int32_t worker)
         }
     }
 }
-
-/* ---- The memory of what was found ---- */
 
 void bvxi_near_forget(bvx_context *ctx, bvxi_near_memo *memo)
 {
@@ -96,8 +92,6 @@ static bvx_status open_near_memo(bvx_context *ctx, const band_work *w)
     memcpy(m->size, w->band->size, sizeof m->size);
     return BVX_OK;
 }
-
-/* ---- The centres ---- */
 
 static void set_near_slots(const bvx_grid *g, const int32_t first[3], uint64_t slots)
 {

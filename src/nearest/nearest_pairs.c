@@ -8,8 +8,6 @@
 #include "mesh/facet.h"
 #include "nearest/point_triangle_four.h"
 
-/* ---- Corners ---- */
-
 static void order_near_corners(bvxi_near_pairs *p)
 {
     for (int32_t i = 0; i < p->count; i++) {
@@ -51,8 +49,6 @@ static void gather_near_any(const bvxi_nearest *n, bvxi_near_pairs *p)
     if (n->by_planes) order_near_corners(p);
 }
 
-/* ---- One pair ---- */
-
 static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
 {
     double const point[3] = {p->point[0][i], p->point[1][i], p->point[2][i]};
@@ -62,8 +58,6 @@ static void evaluate_near_pair(bvxi_near_pairs *p, int32_t i)
     p->distance2[i] = bvxi_closest_on_triangle(point, (const double(*)[3])t, q);
     for (int a = 0; a < 3; a++) p->closest[a][i] = q[a];
 }
-
-/* ---- Four pairs ---- */
 
 #if BVXI_SIMD_BASE
 #define BVXI_SIMD_LEVEL _base

@@ -137,8 +137,6 @@ bvx_status bvxi_turns_run(bvx_context *ctx, bvxi_turns_job *job, double from, do
     return BVX_OK;
 }
 
-/* ---- The sheet as a mesh ---- */
-
 bvx_status bvxi_sheet_mesh_open(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_holes *holes,
                                 bvx_mesh_view *sheet)
 {
