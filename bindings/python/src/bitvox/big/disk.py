@@ -121,7 +121,8 @@ def read_bodies(place: str, level: int, index: Index) -> tuple[Bodies, Record]:
     with system.open(f"{root}/{name_of(level, index)}", "rb") as file, np.load(file) as held:
         record, begin = Record(*json.loads(str(held["record"]))), (0, 0)
         at, faces, keys = held["vertices"], held["faces"], (held["vertex_keys"], held["face_keys"])
-        for label, end in zip(record.labels or [None], held["ends"]):
+        labels: list[int | None] = [*record.labels] or [None]
+        for label, end in zip(labels, held["ends"]):
             (v, f), (w, g) = begin, end
             made[label] = Mesh(at[v:w], faces[f:g] - np.uint32(v))
             if len(keys[0]):
