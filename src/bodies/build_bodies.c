@@ -35,9 +35,7 @@ static bvx_status check_labels(bvx_context *ctx, const int32_t *labels, uint32_t
 static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t count, bvx_mesh *meshes)
 {
     bvxi_joint_cut cut = {0};
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.4, bvxi_joint_open(o, labels, count)));
-
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.4, 0.5, bvxi_oblique_lattice(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.5, 0.55, bvxi_oblique_cells(o)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.55, 0.6, bvxi_oblique_split_planes(o)));
@@ -58,9 +56,7 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
                                    const bvx_sections_options *options, const int32_t *labels, uint32_t count,
                                    bvx_mesh *meshes)
 {
-    bvx_sections with_normals;
     bvxi_oblique o;
-    bvx_status status;
 
     if (labels == NULL) return bvxi_fail_null(context, bodies_name, "labels");
     if (meshes == NULL) return bvxi_fail_null(context, bodies_name, "meshes");
@@ -80,14 +76,14 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
     for (uint32_t i = 0; i < count; i++) BVXI_TRY(bvxi_mesh_check_reserved(context, bodies_name, &meshes[i]));
 
     /* Parallel planes get a normal each. */
-    with_normals = *sections;
+    bvx_sections with_normals = *sections;
     if (sections->normals == NULL)
         BVXI_TRY(BVXI_ARRAY(context, 3 * (sections->section_count + 1), "the sections' normals",
                             with_normals.normals));
     for (uint64_t i = 0; i < sections->section_count && sections->normals == NULL; i++)
         memcpy(with_normals.normals + 3 * i, sections->normal, 24);
     o.given = &with_normals;
-    status = make_joint(&o, labels, count, meshes);
+    bvx_status const status = make_joint(&o, labels, count, meshes);
     if (status != BVX_OK) drop_bodies(context, meshes, count);
     if (status != BVX_OK || o.options.report == NULL) return status;
     bvxi_sections_warn(context, &o.report, o.options.slabs.depth);

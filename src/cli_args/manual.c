@@ -184,7 +184,6 @@ static void put_option_names(const cli_command *command)
 {
     const cli_argument *row[CLI_MAX_OPTIONS];
     int const rows = cli_list_rows(command, row);
-
     for (int i = 0; i < rows; i++) printf(" %s", row[i]->name);
 }
 

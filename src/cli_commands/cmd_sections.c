@@ -21,7 +21,6 @@ typedef struct sections_options {
 static void start_sections(void *options)
 {
     sections_options *const o = options;
-
     o->body = (bvx_sections_options){.struct_size = sizeof o->body, .slabs = {.depth = 5}};
 }
 
@@ -133,7 +132,6 @@ enum {
 static int wants_all_labels(const cli_run *run)
 {
     const sections_options *const own = run->own;
-
     return cli_given(run, "--label") && own->body.label == BVX_LABEL_ZERO;
 }
 
@@ -212,7 +210,6 @@ static const cli_rule planes_rules[] = {
 static int read_stack(cli_run *run, sections_job *job)
 {
     const sections_options *const own = run->own;
-
     CLI_TRY(cli_read_sections(run, run->options->input[0], &job->sections));
     return cli_check_rules(run, planes_rules,
                            (job->sections.normals != NULL ? ANY_DIRECTION : 0u) |
@@ -224,7 +221,6 @@ static int read_stack(cli_run *run, sections_job *job)
 static int check_body(cli_run *run, sections_job *job, const char *path)
 {
     int const result = cli_check_mesh(run, &job->mesh, job->n, path, "check");
-
     job->volume = run->report.mesh[job->n].certificate.volume;
     job->parts = run->report.mesh[job->n].certificate.components;
     job->genus = cli_count_handles(&run->report.mesh[job->n].certificate);
@@ -237,7 +233,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     const sections_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_sections_options s = own->body;
-    bvx_status status;
     int32_t reason;
 
     if (own->grid.count != 0)
@@ -246,7 +241,7 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     if (s.slabs.depth == 0) s.slabs.depth = BVX_NONE;
     s.report = &job->report;
     cli_stage_begin(run, "sections");
-    status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
+    bvx_status const status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
     /* Two failures have a remedy that an option names. */
     reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
@@ -265,7 +260,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
 static int reduce_body(cli_run *run, sections_job *job)
 {
     int const result = cli_reduce(run, &job->mesh, &job->reduction);
-
     if (result == CLI_DONE && job->reduction.done)
         run->report.mesh[job->n].certificate = job->reduction.level.certificate;
     return result;
@@ -277,7 +271,6 @@ static int reduce_body(cli_run *run, sections_job *job)
 static uint32_t count_block(const bvx_grid *g, int32_t i, int32_t j)
 {
     uint32_t n = 0;
-
     for (int32_t z = 0; z < BLOCK_PARTS; z++)
         for (int32_t y = 0; y < BLOCK_PARTS; y++) {
             size_t const row = (size_t)z * (size_t)g->size[1] + (size_t)(j * BLOCK_PARTS + y);
@@ -359,7 +352,6 @@ static int write_body(cli_run *run, void *work)
     const sections_job *const job = work;
     bvx_buffer text = {0};
     int result = cli_write_mesh_as(run, &job->mesh, 0, run->options->output);
-
     /* The text as a buffer: it stays the job's, and is freed with it. */
     text.bytes = (uint8_t *)job->text.bytes;
     text.size = job->text.size;
@@ -522,7 +514,6 @@ static void tell_wishes(const cli_run *run, const sections_job *job, cli_made *m
 static int32_t *list_labels(const bvx_sections *s, int *count)
 {
     int32_t *const label = calloc((size_t)s->loop_count + 1, sizeof *label);
-
     *count = 0;
     for (uint64_t i = 0; label != NULL && i < s->loop_count && *count <= CLI_MAX_OUTPUTS; i++) {
         int at = *count;
@@ -553,7 +544,6 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
     const sections_options *const own = run->own;
     bvx_sections_options s = own->body;
     bvx_status status;
-
     job->all = calloc((size_t)count, sizeof *job->all);
     if (job->all == NULL) return cli_fail(run, "no memory for %d bodies", count);
     job->bodies = count;
@@ -568,7 +558,6 @@ static int build_all(cli_run *run, sections_job *job, const int32_t *label, int 
 static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_made *made)
 {
     char *const path = cli_numbered_path(run->options->output, label); /* the report keeps it */
-
     if (path == NULL) return cli_fail(run, "no memory for a file's name");
     /* One body after the other by the same job: nothing of the one before may stay, but for a report of all. */
     if (job->all == NULL) memset(&job->report, 0, sizeof job->report);
@@ -599,12 +588,11 @@ static int make_all_labels(cli_run *run, void *work, cli_made *made)
     const sections_options *const own = run->own;
     sections_job *const job = work;
     int count, result = CLI_DONE;
-    int32_t *label;
 
     made->write = keep_bodies;
     made->untitled = 1;
     CLI_TRY(read_stack(run, job));
-    label = list_labels(&job->sections, &count);
+    int32_t *const label = list_labels(&job->sections, &count);
     if (label == NULL) return cli_fail(run, "no memory for labels");
     if (count == 0) result = cli_fail(run, "%s: there are no loops", cli_input_name(run->options->input[0]));
     /* All bodies are kept together or none, so none is made where not all can be. */
@@ -631,7 +619,6 @@ static int make_body(cli_run *run, void *work, cli_made *made)
     const sections_options *const own = run->own;
     sections_job *const job = work;
     const char *const model = own->block_model;
-
     made->write = write_body;
     CLI_TRY(cli_open_output(run, run->options->output));
     if (model != NULL) CLI_TRY(cli_open_output(run, model));
@@ -644,7 +631,6 @@ static int make_body(cli_run *run, void *work, cli_made *made)
 static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
 {
     const sections_job *const job = work;
-
     warn_of_body(run, job, made);
     tell_body(run, job, made);
     report_body(run, job, made);
@@ -655,7 +641,6 @@ static void tell_one_body(const cli_run *run, const void *work, cli_made *made)
 static void free_sections(cli_run *run, void *work)
 {
     sections_job *const job = work;
-
     cli_text_free(&job->text);
     for (int i = 0; i < job->bodies; i++) bvx_mesh_free(run->context, &job->all[i]);
     free(job->all);
@@ -672,7 +657,6 @@ static const cli_job every_body = {
 static int choose_sections(cli_run *run, const cli_job **job)
 {
     const sections_options *const own = run->own;
-
     *job = wants_all_labels(run) ? &every_body : &one_body;
     return cli_check_rules(run, sections_rules, facts_of_sections(run), own->block_model);
 }

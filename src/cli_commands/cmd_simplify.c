@@ -34,7 +34,6 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
 {
     const cli_options *const o = run->options;
     bvx_simplify_options s = {.struct_size = sizeof s};
-    bvx_status status;
 
     s.targets = cli_targets(run, c);
     if (cli_given(run, "--attributes")) s.collapse.attribute_weight = cli_or_none(o->attributes);
@@ -44,10 +43,9 @@ static int simplify_input(cli_run *run, cli_collapse_run *c)
     s.reports = c->level;
 
     cli_stage_begin(run, "level 0");
-    status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
+    bvx_status const status = bvx_mesh_simplify(run->context, &c->view, &s, (uint64_t)c->count, c->mesh);
     c->seconds = cli_stage_end(run);
     CLI_TRY(cli_check_call(run, status, cli_input_name(o->input[0])));
-
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
 }
 

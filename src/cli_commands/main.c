@@ -44,7 +44,6 @@ static void print_overview(FILE *to)
 static void print_help(const cli_command *c, int all)
 {
     int left = all ? CLI_MAX_OPTIONS : 2;
-
     printf("usage: bitvox %s %s\n\n%s\n%s", c->name, c->usage, c->details, all ? "" : "\noptions:\n");
     cli_print_options(c, all);
     printf("\n%s:\n", strchr(c->example, '\n') != NULL ? "examples" : "example");
@@ -83,12 +82,10 @@ static int print_version(cli_run *run)
 static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
-    int status;
-
     run->own = calloc(1, run->command->own + 1);
     if (run->own == NULL) return cli_end_of_run(run, cli_fail(run, "no memory to start"));
     if (run->command->start != NULL) run->command->start(run->own);
-    status = cli_parse(run, count, word);
+    int status = cli_parse(run, count, word);
 
     /* Help wins over everything else on the line, errors included. */
     if (status == CLI_DONE && run->general->help) {
@@ -151,7 +148,6 @@ int main(int count, char **word)
 {
     static cli_run run; /* zeroed, and too large for some stacks */
     static cli_options options;
-    int status;
 
     word = cli_words(&count, word);
     run.options = &options;
@@ -161,7 +157,7 @@ int main(int count, char **word)
     hold_standard_streams();
     cli_watch_start();
     options.samples = -1;
-    status = run_words(&run, count - 1, word + 1);
+    int const status = run_words(&run, count - 1, word + 1);
     cli_watch_end(status);
     return status;
 }

@@ -62,10 +62,9 @@ static void note_range(volume_facts *f, double v)
 static void note_bin(volume_facts *f, double v)
 {
     double const place = (v - f->least) / f->width;
-    int bin;
     if (v - v != 0.0 || !(place >= 0.0)) return;
     /* The greatest value lies at the end of the last bin. */
-    bin = place < f->bins ? (int)place : f->bins - 1;
+    int const bin = place < f->bins ? (int)place : f->bins - 1;
     f->bin[bin]++;
 }
 
@@ -73,7 +72,6 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
                          volume_facts *f)
 {
     int64_t stride[3];
-
     cli_volume_strides(v, stride);
     for (int64_t z = 0; z < v->size[2]; z++)
         for (int64_t y = 0; y < v->size[1]; y++) {
@@ -88,7 +86,6 @@ static void choose_bins(const bvx_volume_view *v, volume_facts *f)
     double const range = f->greatest - f->least;
     int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 &&
                       range < INFO_BINS;
-
     /* A bin a value where there are few, so that labels can be read off. */
     f->bins = whole ? (int)range + 1 : INFO_BINS;
     f->width = whole ? 1.0 : range / INFO_BINS;

@@ -58,7 +58,6 @@ static void target_text(const bvx_level_report *l, double diagonal, char *text, 
 static void add_words(char *text, size_t room, const char *words, uint64_t count, const char *from)
 {
     size_t const used = strlen(text);
-
     if (count != 0)
         snprintf(text + used, room - used, "%s%" PRIu64 " %s%s", used == 0 ? "" : ", ", count, words, from);
     else snprintf(text + used, room - used, "%s%s%s", used == 0 ? "" : ", ", words, from);
@@ -68,7 +67,6 @@ static void add_words(char *text, size_t room, const char *words, uint64_t count
 static void defect_text(const bvx_level_report *l, const bvx_certificate *in, char *text, size_t room)
 {
     const bvx_certificate *const c = &l->certificate;
-
     text[0] = '\0';
     if (!c->closed)
         add_words(text, room, "border edges", c->boundary_edges, in->closed ? " (cut)" : " (of the input)");
@@ -103,7 +101,6 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
 static void tell_distance(cli_made *made, double d, double diagonal, int decimals)
 {
     double const part = d / diagonal;
-
     /* No percentage of a point, or of what doubles do not hold. */
     if (is_length(diagonal) && part - part == 0.0)
         cli_tell(made, "  %9.3g %*.*f%%", d, 3 + decimals, decimals, 100.0 * part);
@@ -124,7 +121,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
     cli_tell(made, "level%*s%*s%*s%*s\n", one, "mean", one, "max", one, "mean", one, "max");
     for (int i = 0; i < count; i++) {
         const bvx_distance_report *const d = run->report.mesh[i].distance;
-
         cli_tell(made, "%5d", run->report.mesh[i].number);
         tell_distance(made, d->mean_a_to_b, diagonal, decimals);
         tell_distance(made, d->max_a_to_b, diagonal, decimals);
@@ -137,7 +133,6 @@ void cli_tell_distances(const cli_run *run, int count, double diagonal, int deci
 void cli_tell_written(const cli_run *run, int count, cli_made *made)
 {
     const cli_mesh_entry *const m = run->report.mesh;
-
     cli_tell(made, "\n");
     for (int i = 0; i < count; i++) /* Levels in one file are one name. */
         if (i == 0 || strcmp(m[i].path, m[i - 1].path) != 0)

@@ -38,7 +38,6 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
     w->ctx = ctx;
     BVXI_TRY(
         bvxi_spaces_open(ctx, function, empty ? "cavities" : "keep", grid, empty, connectivity, &w->spaces));
-
     /* Spaces are counted by now, so the lists have their exact size. */
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count * 8, "the sizes of parts", &w->voxels));
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, w->spaces.count, "the marks of parts", &w->marks));
@@ -72,7 +71,6 @@ static void drop_unseeded_parts(keep_work *w, const bvx_keep_options *o, const b
 {
     keep_seeds s = {seeds, w->marks};
     bvx_grid marked = *seeds;
-
     /* Seeds are marked in a grid of their own: one walk over runs finds those of any number of seeds. */
     memset(marked.words, 0, (size_t)bvxi_grid_words(&marked) * 8);
     for (uint64_t i = 0; i < o->seed_count; i++)
@@ -159,15 +157,12 @@ static bvx_status run_grid_keep(bvx_context *context, const bvx_grid *grid, cons
 {
     bvx_keep_options o;
     bvx_grid made;
-    bvx_status status;
-
     if (result == NULL) return bvxi_fail_null(context, keep_name, "result");
     BVXI_TRY(bvxi_take_options(context, keep_name, options, &o, sizeof o));
     BVXI_TRY(bvxi_grid_check(context, keep_name, grid));
     BVXI_TRY(check_keep_options(context, grid, &o));
     BVXI_TRY(open_keep_result(context, keep_name, grid, result, &made));
-    status = keep_parts(context, grid, &o, &made);
-    return bvxi_grid_put(context, status, &made, result);
+    return bvxi_grid_put(context, keep_parts(context, grid, &o, &made), &made, result);
 }
 
 bvx_status bvx_grid_keep(bvx_context *context, const bvx_grid *grid, const bvx_keep_options *options,
@@ -203,11 +198,9 @@ static bvx_status run_grid_fill_cavities(bvx_context *context, const bvx_grid *g
     bvxi_pockets set = {0, 0};
     bvx_grid made;
     bvx_status status;
-
     if (result == NULL) return bvxi_fail_null(context, cavities_name, "result");
     BVXI_TRY(bvxi_grid_check(context, cavities_name, grid));
     BVXI_TRY(bvxi_check_connectivity(context, cavities_name, connectivity));
-
     /* After all checks: an array of the caller's must not be touched by a call that is refused. */
     BVXI_TRY(open_keep_result(context, cavities_name, grid, result, &made));
     status = bvxi_fill_pockets(context, cavities_name, grid, connectivity, at_most, made.words, &set);

@@ -33,13 +33,12 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     uint8_t feature = 0;
     bvxi_sparse one = {
         .first = first, .count = 1, .value_type = BVX_F32, .triangles = &triangle, .features = &feature};
-    bvx_grid its_side;
 
     one.where.lattice = inside->lattice;
     one.where.words = &word;
     one.where.word_capacity = 1;
     one.where.words_per_row = one.where.size[0] = one.where.size[1] = one.where.size[2] = 1;
-    its_side = one.where;
+    bvx_grid its_side = one.where;
     its_side.words = &set;
     BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
     BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));
@@ -54,7 +53,6 @@ static bvx_status measure_whole_band(bvxi_call call, const bvxi_nearest *nearest
 {
     double const middle = call.from + (call.to - call.from) * 0.4;
     uint64_t const rows = bvxi_grid_rows(&band->where);
-
     BVXI_TRY(bvxi_alloc(call.ctx, BVXI_SCRATCH, (rows + 1) * 8, "the band's rows", &band->first));
     BVXI_TRY(bvxi_nearest_band(bvxi_call_part(call, call.from, middle), nearest, width, &band->where,
                                band->first));
@@ -90,7 +88,6 @@ static bvx_status sign_whole_band(bvxi_call call, const bvx_mesh_view *mesh, con
                                   int32_t sign, bvx_grid *inside)
 {
     bvx_grid whole = band->where;
-
     BVXI_TRY(bvxi_alloc_zero(call.ctx, BVXI_SCRATCH, bvxi_grid_words(&whole) * 8, "the lattice's inside",
                              &whole.words));
     BVXI_TRY(sign_band(call, mesh, band, sign, &whole));
@@ -126,7 +123,6 @@ bvx_status bvxi_sign_features(bvxi_call call, const bvxi_nearest *nearest, doubl
 {
     int const whole = memcmp(inside->size, inside->lattice.dims, sizeof inside->size) == 0;
     double const voxel = bvxi_largest_spacing(&inside->lattice), enough = width < voxel ? voxel : width;
-
     if (band->count == bvxi_grid_rows(inside) * (uint64_t)inside->size[0])
         return sign_band(call, mesh, band, sign, inside);
     if (!whole || width < voxel) return sign_as_whole(call, nearest, enough, mesh, sign, inside);

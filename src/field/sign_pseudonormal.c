@@ -92,11 +92,9 @@ static bvx_status side_scale(bvx_context *ctx, const char *function, const bvx_m
                              const bvx_grid *g, double *scale)
 {
     double low[3], high[3], first[3], last[3];
-
     BVXI_TRY(bvxi_view_bounds(ctx, function, mesh, low, high));
     bvxi_field_centre(g, 0, 0, 0, first);
     bvxi_field_centre(g, g->size[0] - 1, g->size[1] - 1, g->size[2] - 1, last);
-
     /* Centres may lie outside the mesh's bounds. */
     for (int a = 0; a < 3; a++) {
         low[a] = first[a] < low[a] ? first[a] : low[a];
@@ -111,7 +109,6 @@ static bvx_status sign_side(bvxi_call call, const bvx_mesh_view *mesh, const bvx
 {
     uint64_t const rows = bvxi_grid_rows(&band->where), each = band->count / rows;
     side_job job;
-
     job.mesh = mesh;
     job.band = band;
     job.outwards = outwards;
@@ -139,9 +136,7 @@ static void outwards_of_facet(const void *user, uint32_t triangle, int32_t featu
     const normal_rule *const rule = user;
     double t[3][3];
     uint32_t c[3];
-
     (void)feature;
-
     /* About the size of 1, as products of lengths are taken. */
     bvxi_view_triangle(rule->mesh, triangle, c);
     for (int k = 0; k < 3; k++) {
@@ -195,14 +190,12 @@ static void pseudo_corners(const pseudo_rule *rule, uint32_t triangle, uint32_t 
 /* Unit normal; 0 for a triangle without area. */
 static int pseudo_normal(const pseudo_rule *rule, const uint32_t c[3], double t[3][3], double n[3])
 {
-    double length;
-
     /* About the size of 1, as products of lengths are taken. */
     for (int k = 0; k < 3; k++) {
         bvxi_view_position(rule->mesh, c[k], t[k]);
         for (int a = 0; a < 3; a++) t[k][a] *= rule->scale;
     }
-    length = bvxi_facet_normal((const double(*)[3])t, n);
+    double const length = bvxi_facet_normal((const double(*)[3])t, n);
     /* Without area it has no direction. */
     if (!(length > 0.0)) return 0;
     for (int a = 0; a < 3; a++) n[a] /= length;
@@ -239,7 +232,6 @@ static void sum_at_edge(const pseudo_rule *rule, uint32_t v, uint32_t w, double 
     uint32_t const v_count = rule->start[v + 1] - rule->start[v];
     uint32_t const w_count = rule->start[w + 1] - rule->start[w];
     uint32_t const at = v_count <= w_count ? v : w, other = at == v ? w : v;
-
     for (uint32_t i = rule->start[at]; i < rule->start[at + 1]; i++) {
         uint32_t c[3];
         double t[3][3], n[3];
@@ -254,7 +246,6 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
     const pseudo_rule *const rule = user;
     uint32_t c[3];
     double t[3][3];
-
     pseudo_corners(rule, triangle, c);
     memset(outwards, 0, 3 * sizeof outwards[0]);
     if (feature == 0) pseudo_normal(rule, c, t, outwards);
@@ -265,7 +256,6 @@ static void outwards_of_feature(const void *user, uint32_t triangle, int32_t fea
 static void sum_at_vertices(void *user, uint64_t v, uint64_t end)
 {
     const pseudo_rule *const rule = user;
-
     for (; v < end; v++) {
         double *const sum = rule->outwards + 3 * (size_t)v;
         memset(sum, 0, 3 * sizeof *sum);
@@ -304,7 +294,6 @@ static bvx_status pseudo_open(bvx_context *ctx, pseudo_rule *rule)
 {
     const bvx_mesh_view *const m = rule->mesh;
     uint64_t unused;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, m->vertex_count * 4, "the vertices' places", &rule->same));
     BVXI_TRY(bvxi_weld(ctx, m, rule->same, &unused));
     BVXI_TRY(

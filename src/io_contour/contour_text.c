@@ -54,10 +54,8 @@ bvx_status bvxi_contour_add_plane(bvxi_contour_file *f, double position, const d
 bvx_status bvxi_contour_add_loop(bvxi_contour_file *f, uint32_t section, int32_t label)
 {
     bvx_sections *const s = &f->sections;
-    bvx_section_loop *l;
-
     BVXI_TRY(contour_room(f, &s->loops, s->loop_count, &s->loop_capacity, sizeof *s->loops, "the loops"));
-    l = &s->loops[s->loop_count++];
+    bvx_section_loop *const l = &s->loops[s->loop_count++];
     memset(l, 0, sizeof *l);
     l->first_point = s->point_count;
     l->section = section;

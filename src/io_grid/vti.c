@@ -202,7 +202,6 @@ static bvx_status vti_take_array(vti_file *f, int is_point)
 static bvx_status vti_take_appended(vti_file *f)
 {
     bvxi_xml_text v;
-
     /* Raw bytes follow the underscore, so nothing after it can be parsed as XML. */
     f->appended_base64 = (int8_t)(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "base64"));
     if (!f->appended_base64 && !(bvxi_xml_attribute(&f->xml, "encoding", &v) && bvxi_xml_is(v, "raw")))
@@ -337,7 +336,6 @@ static bvx_status vti_find_base64(const vti_file *f, const char *p, int is_inlin
 static bvx_status vti_find_blocks(const vti_file *f, const char *p, int is_text, bvxi_dense *d)
 {
     uint64_t size = 0;
-
     bvxi_base64_start(&d->base64, p, is_text ? vti_text_end(f, p) : f->xml.source.end);
     d->encoding = BVXI_DENSE_BLOCKS;
     d->array = f->array.tag;

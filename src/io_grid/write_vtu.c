@@ -117,7 +117,6 @@ static uint8_t *put_vtu_corners(const vtu_leaves *v, const uint64_t size[VTU_ARR
 static void put_vtu_arrays(const vtu_leaves *v, uint8_t *to)
 {
     uint64_t size[VTU_ARRAYS];
-
     vtu_sizes(v, size);
     to = put_vtu_length(put_vtu_corners(v, size, to), size[2]);
     for (uint64_t n = 0; n < v->count; n++, to += 4) bvxi_store_u32(to, (uint32_t)(8 * n + 8));

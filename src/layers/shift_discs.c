@@ -57,7 +57,6 @@ static int in_disc_box(const double box[4], const double *at)
 static void find_depths(bvxi_discs *d)
 {
     const bvxi_plane *const p = d->plane;
-
     for (uint32_t i = 0; i < d->count; i++) {
         uint32_t const at = p->contour[i].first;
         for (uint32_t j = 0; j < d->count; j++)
@@ -171,11 +170,9 @@ static double centre_square(const bvxi_disc *a, const bvxi_disc *b)
 static shift_near find_near_disc(bvxi_discs on[2], const uint8_t *met, uint32_t i, double reach)
 {
     shift_near near = {BVXI_NONE, reach * reach};
-
     for (uint32_t j = 0; j < on[1].count; j++) {
-        double square;
         if (met[on[0].count + j] || on[1].disc[j].depth != on[0].disc[i].depth) continue;
-        square = centre_square(&on[0].disc[i], &on[1].disc[j]);
+        double const square = centre_square(&on[0].disc[i], &on[1].disc[j]);
         /* Of equally near ones the first stays; one just at the reach is taken too. */
         if (square < near.square || (square == near.square && near.to == BVXI_NONE)) {
             near.to = j;
@@ -214,7 +211,6 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
 {
     bvxi_disc *const d = &on[k].disc[number];
     bvxi_disc_group *const group = &g->group[d->group];
-
     for (int i = 0; i < 2; i++) {
         if (group->count[k] == 0 || d->box[i] < group->box[k][i]) group->box[k][i] = d->box[i];
         if (group->count[k] == 0 || d->box[i + 2] > group->box[k][i + 2])
@@ -229,7 +225,6 @@ static void add_to_group(bvxi_disc_groups *g, bvxi_discs on[2], int k, uint32_t 
 static void number_groups(bvxi_disc_groups *g, bvxi_discs on[2], uint32_t *joined)
 {
     uint32_t const n = on[0].count + on[1].count;
-
     /* A root is the lowest of its group, so it has its number before the others look it up. */
     for (uint32_t i = 0; i < n; i++) {
         uint32_t const root = bvxi_root(joined, i);
@@ -247,12 +242,10 @@ static void set_shift(bvxi_disc_groups *g, bvxi_discs on[2], bvxi_disc_group *gr
     double const width = a->width < b->width ? a->width : b->width, far = sqrt(centre_square(a, b));
     double const share = width > 0.0 ? far * SHIFT_STEPS_A_WIDTH / width : 0.0;
     double const steps = floor(share) < share ? floor(share) + 1.0 : share;
-
     /* Discs that overlap may have centres farther apart than is to be shifted: they stay where they are. */
     if (far > reach) return;
     for (int k = 0; k < 2; k++) group->by[k] = b->centre[k] - a->centre[k];
     if (!(steps > 1.0)) return;
-
     if (g->shifted++ == 0 || width < g->width) g->width = width;
     if (steps > SHIFT_MOST_STEPS) g->steps = SHIFT_MOST_STEPS;
     else if (steps > g->steps) g->steps = (uint32_t)steps;
@@ -287,7 +280,6 @@ static double disc_box_distance(const double box[4], double u, double v)
 {
     double const left = box[0] - u, right = u - box[2], low = box[1] - v, high = v - box[3];
     double x = left > right ? left : right, y = low > high ? low : high;
-
     if (!(x > 0.0)) x = 0.0;
     if (!(y > 0.0)) y = 0.0;
     return sqrt(x * x + y * y);
@@ -297,14 +289,12 @@ double bvxi_disc_group_distance(bvxi_discs on[2], const bvxi_disc_group *g, int 
 {
     double least = 1e300;
     int inside = 0;
-
     /* Discs of a group do not overlap: the place is inside at most one. */
     for (uint32_t i = g->count[k] == 0 ? BVXI_NONE : g->first[k]; i != BVXI_NONE; i = on[k].disc[i].next) {
         bvxi_disc *const d = &on[k].disc[i];
         double const at[2] = {u, v};
-        double distance;
         if (disc_box_distance(d->box, u, v) > least) continue;
-        distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
+        double const distance = bvxi_plane_distance(&d->view, u, v, &d->hint);
         if (distance < least) least = distance;
         if (!inside && in_disc_box(d->box, at)) inside = bvxi_plane_encloses(&d->view, u, v);
     }

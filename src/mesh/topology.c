@@ -80,7 +80,6 @@ static uint32_t half_edge_before(uint32_t h)
 static void entries_sift(uint64_t *e, size_t at, size_t n)
 {
     uint64_t const value = e[at];
-
     for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
         if (child + 1 < n && e[child + 1] > e[child]) child++;
         if (e[child] <= value) break;
@@ -133,7 +132,6 @@ static void count_buckets(void *user, int32_t range)
         uint32_t const ab = t[0] < t[1] ? t[0] : t[1];
         uint32_t const bc = t[1] < t[2] ? t[1] : t[2];
         uint32_t const ca = t[2] < t[0] ? t[2] : t[0];
-
         if (ab - from < size) c->bucket_end[ab]++;
         if (bc - from < size) c->bucket_end[bc]++;
         if (ca - from < size) c->bucket_end[ca]++;
@@ -153,7 +151,6 @@ static void fill_buckets(void *user, int32_t range)
         for (uint32_t k = 0; k < 3; k++) {
             uint32_t const a = t[k], b = t[k == 2 ? 0 : k + 1];
             uint32_t const lower = a < b ? a : b, higher = a < b ? b : a;
-
             if (lower - from < size) c->entries[c->bucket_end[lower]++] = (uint64_t)higher << 32 | (h + k);
             if (a - from < size && !c->edges_alone) c->corner_of[a] = (uint32_t)h + k;
         }
@@ -162,7 +159,6 @@ static void fill_buckets(void *user, int32_t range)
 static void fill_edge_buckets(topology *c)
 {
     bucket_ranges r = {c, bvxi_piece_count(c->vertex_count, TOPOLOGY_GRAIN)};
-
     if (r.count > bvxi_threads(c->ctx)) r.count = bvxi_threads(c->ctx);
     if (r.count > BUCKET_RANGES) r.count = BUCKET_RANGES;
     bvxi_tasks(c->ctx, r.count, count_buckets, &r);
@@ -177,7 +173,6 @@ static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, 
 {
     uint64_t count = 0;
     size_t kept = 0;
-
     for (size_t i = 0; i < n; i++) {
         /* Each triangle has three edges; this test leaves one of them, that of its two least vertices. */
         uint32_t const opposite = c->corners[half_edge_before((uint32_t)e[i])];
@@ -228,7 +223,6 @@ static void join_around_edge(const topology *c, uint32_t first, uint64_t from, u
                              topology_counts *counts)
 {
     int const own = is_of_range(c, first, from);
-
     for (uint32_t h = c->ring[first]; h != first; h = c->ring[h]) {
         if (BVXI_LIKELY(own && is_of_range(c, h, from)))
             counts->joined += (uint64_t)bvxi_join(c->parent, first / 3, h / 3);
@@ -245,9 +239,8 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
 {
     topology *const c = user;
     topology_counts counts = {0};
-    uint64_t begin;
 
-    begin = first_entry(c, from);
+    uint64_t begin = first_entry(c, from);
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];
@@ -255,7 +248,6 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
         while (begin < end) {
             uint32_t const first = (uint32_t)c->entries[begin];
             uint64_t stop = begin + 1;
-
             while (stop < end && c->entries[stop] >> 32 == c->entries[begin] >> 32) stop++;
             check_edge(c, c->entries + begin, (size_t)(stop - begin), (uint32_t)v, &counts);
             if (!c->edges_alone) join_around_edge(c, first, from, waiting, &counts);
@@ -279,7 +271,6 @@ static bvx_status check_edges(topology *c)
     r->oriented = 1;
     for (int32_t i = 0; i < c->ranges; i++) {
         const topology_counts *const counts = &c->counts[i];
-
         r->edges += counts->edges;
         r->boundary_edges += counts->boundary;
         r->flipped_edges += counts->flipped;
@@ -297,7 +288,6 @@ static void join_ranges(topology *c)
     for (int32_t i = 0; i < c->ranges; i++) {
         const uint64_t *pair;
         uint64_t from, to;
-
         bvxi_piece(c->vertex_count, c->ranges, i, &from, &to);
         pair = c->entries + first_entry(c, from);
         for (uint64_t n = 0; n < c->counts[i].waiting; n++)
@@ -337,7 +327,6 @@ static uint64_t walk_whole_fan(const topology *c, uint32_t corner)
 {
     uint32_t const v = c->corners[corner];
     uint64_t corners = 1;
-
     if (!walk_fan(c, v, corner, corner, &corners)) walk_fan(c, v, half_edge_before(corner), corner, &corners);
     return corners;
 }
@@ -378,7 +367,6 @@ static void mark_broken_vertices(const topology *c)
 static void count_second_fans(topology *c)
 {
     uint32_t *const corners = c->bucket_end;
-
     memset(corners, 0, (size_t)c->vertex_count * 4);
     for (uint64_t h = 0; h < 3 * c->triangle_count; h++) corners[c->corners[h]]++;
     for (uint64_t v = 0; v < c->vertex_count; v++)
@@ -447,7 +435,6 @@ static bvx_status check_vertices(topology *c)
 static bvx_status allocate_topology(bvx_context *ctx, topology *c)
 {
     uint64_t const half_edges = 3 * c->triangle_count;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's corners", &c->corner_of));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));

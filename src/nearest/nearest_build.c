@@ -127,7 +127,6 @@ static inline void prefetch_near(const near_builder *b, uint64_t i, uint64_t end
 {
     const bvx_mesh_view *const v = &b->n->view;
     uint32_t c[3];
-
     /* Meshes with indices wait twice, for those and then for the vertices. */
     if (i + 2 * NEAR_AHEAD >= end || v->indices == NULL) return;
     BVXI_PREFETCH(bvxi_view_index_at(v, bvxi_near_order_number(&b->order, i + 2 * NEAR_AHEAD)));
@@ -164,7 +163,6 @@ static void count_near_leaves(void *user, int32_t index, uint64_t begin, uint64_
 {
     near_builder *const b = user;
     uint64_t leaves = 0;
-
     /* Cuts are looked for within the piece only, so that pieces need not wait for each other. */
     for (; begin < end; leaves++) begin += bvxi_near_order_run(&b->order, begin, end);
     b->first[index + 1] = leaves;
@@ -174,7 +172,6 @@ static void fill_near_leaves(void *user, int32_t index, uint64_t begin, uint64_t
 {
     const near_builder *const b = user;
     uint64_t leaf = b->first[index];
-
     /* The same cuts as were counted. */
     while (begin < end) {
         uint32_t const count = bvxi_near_order_run(&b->order, begin, end);

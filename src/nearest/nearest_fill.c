@@ -93,7 +93,6 @@ static void put_near_value(const fill_work *w, const bvxi_near_pairs *pairs, int
 static void start_fill_cube(const fill_work *w, const int32_t cube[3], double width, bvxi_near_worker *worker)
 {
     if (worker->started && worker->started_width >= width) return;
-
     /* A wider search finds all that a narrower one would, so it stays for the bricks that follow. */
     bvxi_near_cube_begin(w->n, cube, width, worker);
     worker->started = 1;
@@ -124,7 +123,6 @@ static void find_fill_triangles(const fill_work *w, const int32_t cube[3], uint6
                                 const uint32_t *remembered, bvxi_near_worker *worker)
 {
     uint64_t unknown = remembered == NULL ? set : 0;
-
     /* The band remembers what lay within its width; other slots were not asked for. */
     for (uint64_t m = set & ~unknown; m != 0; m &= m - 1)
         unknown |= (uint64_t)(remembered[bvxi_lowest(m)] == BVXI_NEAR_NONE) << bvxi_lowest(m);
@@ -195,7 +193,6 @@ static void fill_near_runs(void *user, int32_t index, int32_t worker)
 {
     const fill_work *const w = user;
     uint64_t begin, end;
-
     bvxi_piece(bvxi_near_plan_runs(&w->plan), w->pieces, index, &begin, &end);
     for (uint64_t i = begin; i < end; i++) {
         bvxi_near_run const r = bvxi_near_run_of(&w->plan, i);
@@ -218,7 +215,6 @@ bvx_status bvxi_nearest_fill(bvxi_call call, const bvxi_nearest *nearest, double
     const bvxi_near_memo *const m = nearest->memo;
 
     BVXI_TRY(bvxi_near_workers(call.ctx, 0, &w.workers));
-
     w.pieces = bvxi_piece_count(bvxi_near_plan_runs(&w.plan), 1);
 
     /* What the band remembered is of use only where it lay as these values do. */

@@ -32,7 +32,6 @@ static void warn_of_oblique(const bvxi_oblique *o)
 {
     if (o->apart != 0) {
         bvx_warning *const w = BVXI_WARN(o->ctx, BVX_WARN_OPEN_PARTS, (double)o->apart);
-
         w->placed = 1;
         memcpy(w->low, o->apart_at, sizeof w->low);
         memcpy(w->high, o->apart_at, sizeof w->high);
@@ -46,10 +45,7 @@ bvx_status bvxi_oblique_body(bvx_context *ctx, const char *function, const bvx_s
 {
     uint64_t const mark = bvxi_scratch_begin(ctx);
     bvxi_oblique o = {.ctx = ctx, .function = function, .given = given, .options = *options};
-    bvx_status status;
-
-    status = make_oblique(&o, mesh);
-
+    bvx_status const status = make_oblique(&o, mesh);
     /* A failure leaves the caller's report as it was. */
     if (status == BVX_OK) {
         *report = o.report;

@@ -98,7 +98,6 @@ static bvx_status count_surface_patches(handle_work *w)
     for (uint32_t c = 0; c < 3 * w->triangles; c++) w->loop[c] = c;
     for (uint32_t c = 0; c < 3 * w->triangles; c++) {
         int32_t *const euler = &w->euler[bvxi_root(w->patch, c / 3)];
-
         BVXI_TRY(report_patches(w, 0.2, c));
         /* Triangles and vertices count, edges count against them; an inner edge is counted at one of its
          * sides. */
@@ -172,7 +171,6 @@ static bvx_status loosen_tetrahedron(bvxi_oblique *o, uint32_t t)
 static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 {
     bvxi_oblique *const o = w->o;
-
     if (o->stamp[t] == o->stamps) return BVX_OK;
     BVXI_TRY(BVXI_GROW(o, w->tetra, w->tetras, w->tetra_room, "the tetrahedra of a handle"));
     o->stamp[t] = o->stamps;
@@ -184,14 +182,13 @@ static bvx_status add_handle_tetra(handle_work *w, uint32_t t)
 static bvx_status gather_patch(handle_work *w, const uint32_t *owner, uint32_t patch)
 {
     bvxi_oblique *const o = w->o;
-    uint32_t most;
 
     w->tetras = 0;
     bvxi_tetra_new_stamp(o);
     for (uint64_t t = o->plain_triangles; t < w->triangles; t++)
         if (bvxi_root(w->patch, (uint32_t)t) == patch)
             BVXI_TRY(add_handle_tetra(w, owner[t - o->plain_triangles]));
-    most = w->tetras + HANDLE_TETRA;
+    uint32_t const most = w->tetras + HANDLE_TETRA;
     for (uint32_t i = 0; i < w->tetras && w->tetras < most; i++)
         for (int k = 0; k < 4; k++) {
             uint32_t const t = w->tetra[i], next = o->tetra[t].n[k];
@@ -346,7 +343,6 @@ static bvx_status thin_side(handle_work *w, int inside)
         for (uint64_t i = 0; i < w->loose_count; i++) {
             uint32_t const v = (uint32_t)w->loose[i];
             uint32_t around = 0;
-
             if ((o->vertex[v].sign > 0) == inside) BVXI_TRY(change_side(w, v, 1, &around));
             if (around == 0) continue;
             BVXI_TRY(BVXI_GROW(o, w->flip, w->flips, w->flip_room, "the vertices of a handle"));
@@ -415,11 +411,9 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
 static bvx_status settle_surface_patch(handle_work *w, int32_t handles)
 {
     static const double depth[HANDLE_DEPTHS] = {0.01, 0.05, 0.5}; /* cells */
-
     for (int k = 0; k < 4 * HANDLE_DEPTHS && handles > 0;) {
         int const inside = (k & 1) == 0;
         int32_t gain;
-
         w->strict = (k & 2) == 0;
         BVXI_TRY(list_loose(w, depth[k / 4], inside));
         BVXI_TRY(thin_side(w, inside));
@@ -438,7 +432,6 @@ static void give_middle_numbers(const bvxi_oblique *o, uint64_t first)
     for (uint64_t v = first; v < o->vertex_count; v++) {
         bvxi_tetra_vertex *const x = &o->vertex[v];
         float const middle = 0.5F * (o->vertex[x->parent[0]].value + o->vertex[x->parent[1]].value);
-
         if ((x->sign > 0 && middle > 0.0F) || (x->sign < 0 && middle < 0.0F)) x->value = middle;
     }
 }

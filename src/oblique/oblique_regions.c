@@ -27,7 +27,6 @@ static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t pla
 {
     uint32_t const edge = bvxi_edge_find(&o->contour_edge, x, y);
     double a[2], b[2], c[2], area;
-
     if (edge == BVXI_NONE || edge / 2 != plane) return;
     bvxi_oblique_uv(&o->plane[plane], o->vertex[x].at, a);
     bvxi_oblique_uv(&o->plane[plane], o->vertex[y].at, b);
@@ -142,7 +141,6 @@ static void settle_kinds(bvxi_oblique *o, oblique_region_work *w, uint32_t plane
 static void mark_faces_piece(void *user, uint64_t begin, uint64_t end)
 {
     const bvxi_oblique *const o = user;
-
     for (uint64_t t = begin; t < end; t++) {
         o->mark[t] = 0;
         for (int k = 0; k < 4; k++) {
@@ -160,10 +158,9 @@ static bvx_status list_plane_faces(bvxi_oblique *o, oblique_region_work *w)
 {
     static const char what[] = "the faces on planes";
     uint64_t const n = (uint64_t)o->plane_count + 2;
-    uint64_t *next;
 
     BVXI_TRY(BVXI_ZEROS(o->ctx, n, what, w->first));
-    next = w->first + 1;
+    uint64_t *const next = w->first + 1;
     for (int fill = 0; fill < 2; fill++) {
         for (uint64_t t = 0; t < o->tetra_count; t++)
             for (int k = 0; k < 4 && o->mark[t] != 0; k++) {

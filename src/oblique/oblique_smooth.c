@@ -44,7 +44,6 @@ typedef struct smooth_work {
 static void keys_shares(double t, double share[4])
 {
     double const s = 1.0 - t;
-
     /* Shares sum to 1 and are symmetric in t and s, so that the number goes smoothly from cell to cell. */
     share[0] = -0.5 * t * s * s;
     share[1] = s * (1.0 + t - 1.5 * t * t);
@@ -143,10 +142,8 @@ static void tie_plane(const smooth_work *w, uint32_t plane, int axis)
 static void make_tables(smooth_work *w, int axis)
 {
     int const size = w->grid.size[axis];
-
     memset(w->plate[axis], 0, sizeof w->plate[axis]);
     memset(w->slope[axis], 0, sizeof w->slope[axis]);
-
     /* A difference is taken where all of its nodes exist: the plate's border is free, bent by nothing. */
     for (int c = 1; c + 1 < size; c++)
         for (int a = -1; a <= 1; a++)
@@ -223,7 +220,6 @@ static void pull_row(const smooth_work *w, int64_t first, const double *x, doubl
 static void image_slice(void *user, int32_t index)
 {
     const smooth_work *const w = user;
-
     for (int32_t j = 0; j < w->grid.size[1]; j++) {
         int64_t const first = j * w->step[1] + index * w->step[2];
         const double *const x = w->way + w->padding + first;
@@ -247,7 +243,6 @@ static bvx_status make_image(smooth_work *w)
 static void make_scale(const smooth_work *w)
 {
     const float *const diagonal = w->band + w->padding;
-
     for (int32_t k = 0, n = 0; k < w->grid.size[2]; k++)
         for (int32_t j = 0; j < w->grid.size[1]; j++)
             for (int32_t i = 0; i < w->grid.size[0]; i++, n++) {
@@ -261,7 +256,6 @@ static void make_scale(const smooth_work *w)
 static double lessen_residual(const smooth_work *w, double share)
 {
     double sum = 0.0;
-
     for (uint64_t i = 0; i < w->nodes; i++) {
         double const r = w->residual[i] - share * w->image[i];
         w->residual[i] = r;
@@ -314,7 +308,6 @@ static void lay_smooth_level(smooth_work *w, double spacing)
         w->step[k] = (int64_t)w->nodes;
         w->nodes *= (uint64_t)w->grid.size[k];
     }
-
     /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
     w->padding = 3 * (uint64_t)w->step[2];
 }
@@ -322,7 +315,6 @@ static void lay_smooth_level(smooth_work *w, double spacing)
 static void begin_with(const smooth_work *w, const bvxi_smooth *coarser)
 {
     uint64_t n = 0;
-
     for (int32_t k = 0; k < w->grid.size[2]; k++)
         for (int32_t j = 0; j < w->grid.size[1]; j++)
             for (int32_t i = 0; i < w->grid.size[0]; i++) {
@@ -363,7 +355,6 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
     smooth_work w = {.o = o};
-
     lay_smooth_level(&w, spacing);
     BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;
@@ -373,7 +364,6 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 bvx_status bvxi_oblique_smooth(bvxi_oblique *o)
 {
     double const spacing = o->longest > SMOOTH_NODES ? o->longest / SMOOTH_NODES : 1.0;
-
     /* Each level has eight times the nodes of the one before it; the shares of progress follow that. */
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.0, 0.05, make_smooth_level(o, 4.0 * spacing)));
     BVXI_TRY(BVXI_SHARE(o->ctx, 0.05, 0.2, make_smooth_level(o, 2.0 * spacing)));

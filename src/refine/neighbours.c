@@ -65,10 +65,8 @@ static int hold_voxel(const bvx_octree *tree, int32_t level, const int32_t v[3],
 {
     const bvxi_octets *o = &tree->root;
     uint64_t bit = bvxi_root_bit(tree, v[0] >> level, v[1] >> level, v[2] >> level);
-
     for (*at = 0; bvxi_octets_is_split(o, bit); ++*at) {
         int32_t const down = level - *at - 1;
-
         *octet = bvxi_octets_rank(o, bit);
         if (*at == level) return 1;
         o = &tree->octets[*at];

@@ -131,7 +131,6 @@ static int ray_meets_row(const octree_ray *r, int32_t y, int32_t z)
     int32_t const v[3] = {0, y, z};
     double t;
     int32_t axis;
-
     /* As if the ray stood still in x, in the middle of the row: then x never excludes. */
     flat.way[0] = 0;
     flat.u[0] = 0.0;

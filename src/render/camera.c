@@ -14,7 +14,6 @@
 static void camera_normalize(const double v[3], double n[3])
 {
     double most = 0.0, length;
-
     for (int a = 0; a < 3; a++) {
         most = v[a] > most ? v[a] : most;
         most = -v[a] > most ? -v[a] : most;
@@ -67,7 +66,6 @@ void bvxi_camera_show(const bvxi_camera *camera, const double show[2], bvxi_came
 void bvxi_camera_fit(bvxi_camera *camera, const bvxi_camera_extent *extent, int32_t width, int32_t height)
 {
     double const side[2] = {(double)width, (double)height};
-
     for (int a = 0; a < 2; a++) {
         /* The tighter side decides, so that all fits in. */
         double const size = extent->high[a] - extent->low[a];

@@ -43,7 +43,6 @@ static inline void faces_of_word(const bvxi_faces *f, const face_voxels *v, int3
     uint64_t const here = bvxi_face_word(f, v->row[3], w, &before);
     uint64_t const below_y = bvxi_face_word(f, v->row[2], w, &unused);
     uint64_t const below_z = bvxi_face_word(f, v->row[1], w, &unused);
-
     /* A face is owned by its low corner; the last rows have none beyond the window. */
     face[0] = j < f->grid->size[1] && k < f->grid->size[2] ? here ^ before : 0;
     face[1] = k < f->grid->size[2] ? here ^ below_y : 0;
@@ -204,13 +203,11 @@ bvx_status bvxi_faces_open_mesh(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 bvx_status bvxi_faces_single(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
 {
     uint64_t const bytes = (f->row_count + 1) * sizeof *f->rows;
-    int mine;
-
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, bytes, "the rows' numbers", &f->rows));
     BVXI_TRY(bvxi_for_ranges(ctx, "faces", 0.0, 0.3, f->pieces, f->row_count, count_face_piece, f));
     BVXI_TRY(number_face_rows(ctx, f));
     if (mesh == NULL) return BVX_OK;
-    mine = mesh->positions == NULL;
+    int const mine = mesh->positions == NULL;
     BVXI_TRY(bvxi_faces_open_mesh(ctx, f, mesh));
     return bvxi_mesh_made(
         ctx, bvxi_for_ranges(ctx, "faces", 0.3, 1.0, f->pieces, f->row_count, emit_face_piece, f), mine,

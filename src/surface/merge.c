@@ -61,7 +61,6 @@ static bvx_status check_parts(bvx_context *ctx, merge_work *w)
 static bvx_status sort_keys(bvx_context *ctx, merge_work *w, int triangles)
 {
     uint64_t n = 0;
-
     /* Keys of all parts, one after the other; their place names part and number. */
     for (uint64_t p = 0; p < w->part_count; p++) {
         const bvx_mesh *const m = &w->parts[p];
@@ -136,8 +135,6 @@ static uint64_t count_different(const uint64_t *keys, uint64_t n)
 static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, uint64_t *vertex_start,
                               bvx_mesh *whole)
 {
-    bvx_status status;
-
     BVXI_TRY(bvxi_progress(ctx, "merge", 0.0));
     /* All keys together say how many vertices there are, before any is made. */
     BVXI_TRY(sort_keys(ctx, w, 0));
@@ -146,7 +143,7 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
                             count_different(w->keys, w->vertices), w->triangles, whole));
     memcpy(whole->frame, w->parts[0].frame, sizeof whole->frame);
     merge_vertices(w, vertex_start, whole);
-    status = bvxi_progress(ctx, "merge", 0.5);
+    bvx_status status = bvxi_progress(ctx, "merge", 0.5);
     if (status == BVX_OK) status = sort_keys(ctx, w, 1);
     if (status != BVX_OK) {
         bvx_mesh_free(ctx, whole);
@@ -163,13 +160,12 @@ static bvx_status run_mesh_merge(bvx_context *context, const bvx_mesh *parts, ui
     merge_work w = {0};
     uint64_t *start = NULL, mark;
     bvx_mesh made = {0};
-    int brought;
 
     if (parts == NULL || whole == NULL)
         return bvxi_fail_null(context, merge_name, parts == NULL ? "parts" : "whole");
     if (part_count == 0) return bvxi_fail(context, BVX_ERR_ARGUMENT, "%s: there are no parts", merge_name);
     /* Arrays of the caller's are filled; the library's own are replaced once the new ones are whole. */
-    brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
+    int const brought = whole->owned != 1 && (whole->positions != NULL || whole->triangles != NULL);
     if (brought) made = *whole;
     w.parts = parts;
     w.part_count = part_count;

@@ -49,10 +49,9 @@ static void add_least_solution(double a[3][3], const double b[3], double x[3])
                 if (a[p][q] != 0.0) rotate_symmetric(a, v, p, q);
     for (int i = 0; i < 3; i++) largest = a[i][i] > largest ? a[i][i] : largest;
     for (int i = 0; i < 3; i++) {
-        double along;
         /* Directions that planes hardly decide stay at the middle. */
         if (!(a[i][i] > LEAST_EIGENVALUE * largest)) continue;
-        along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
+        double const along = (v[0][i] * b[0] + v[1][i] * b[1] + v[2][i] * b[2]) / a[i][i];
         for (int k = 0; k < 3; k++) x[k] += along * v[k][i];
     }
 }

@@ -36,7 +36,6 @@ static bvxi_sharp_loop *sharp_loop_alone(const bvxi_sharp_work *w, uint64_t slot
 {
     /* Loops lie in the order of cells: by bisection. */
     uint32_t low = w->first[slot], high = w->first[slot + 1];
-
     while (low < high) {
         uint32_t const middle = low + (high - low) / 2;
         if (w->loops[middle].x < x) low = middle + 1;
@@ -119,7 +118,6 @@ static void sharp_turn_piece(void *work, int32_t piece, uint64_t begin, uint64_t
 {
     bvxi_sharp_work *const w = work;
     uint64_t count = 0;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
         /* No sharp cell in this row. */
@@ -210,7 +208,6 @@ static void write_slot_triangles(const bvxi_sharp_work *w, uint64_t slot)
 static void write_sharp_piece(void *work, uint64_t begin, uint64_t end)
 {
     const bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) write_slot_triangles(w, s);
 }
 

@@ -41,10 +41,8 @@ static int may_be_sharp(const bvxi_sharp_work *w, const bvxi_cell_walk *c)
 void bvxi_sharp_count_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_cell_walk c;
-
         w->first[s] = 0;
         if (w->march->slots[s + 1].triangle == w->march->slots[s].triangle) continue;
         for (bvxi_start_cells(w->march, s, &c); bvxi_next_cell(&c);) {
@@ -70,7 +68,6 @@ static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_bo
 {
     const bvxi_march *const m = w->march;
     int32_t const at[3] = {c->x, c->j, c->k};
-
     /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
      * neighbouring cell's triangles. */
     for (int32_t a = 0; a < 3; a++) {
@@ -148,7 +145,6 @@ static int place_apex(const bvxi_sharp_work *w, const sharp_box *box, const bvxi
 static int looks_away(const bvxi_sharp_work *w, const uint32_t end[2], const double n[3])
 {
     int known = 0;
-
     for (int i = 0; i < 4; i++) {
         const bvxi_facet_plane *const p = &w->cuts->planes[2 * (size_t)end[i >> 1] + (size_t)(i & 1)];
         double const facet[3] = {(double)p->n[0], (double)p->n[1], (double)p->n[2]};
@@ -164,7 +160,6 @@ static int turns_over(const bvxi_sharp_work *w, const bvxi_cell_loop *l, const d
     for (int32_t i = 0; i < l->corners; i++) {
         uint32_t const end[2] = {l->vertex[i], l->vertex[i + 1 < l->corners ? i + 1 : 0]};
         double p[2][3], n[3];
-
         for (int k = 0; k < 2; k++) bvxi_sharp_vertex(w->march, end[k], p[k]);
         if (!bvxi_normal_of(p[0], p[1], apex, w->cuts->unit, n) || looks_away(w, end, n)) return 1;
     }
@@ -240,7 +235,6 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
 void bvxi_sharp_fill_piece(void *work, uint64_t begin, uint64_t end)
 {
     bvxi_sharp_work *const w = work;
-
     for (uint64_t s = begin; s < end; s++) {
         bvxi_sharp_loop *out = w->loops + w->first[s];
         bvxi_cell_walk c;

@@ -126,7 +126,6 @@ static bvx_status list_row(label_table *t, const bvx_volume_view *v, const uint8
                            int32_t y, int32_t z, uint64_t *last)
 {
     int32_t const n = v->size[0];
-
     for (int32_t x = 0; x < n;) {
         uint64_t const value = bvxi_whole_sample(row + (ptrdiff_t)(x * step), v->sample_type);
         int32_t const begin = x;
@@ -144,7 +143,6 @@ static bvx_status list_volume(label_table *t, const bvx_volume_view *v, const in
 {
     const uint8_t *const first = v->samples;
     uint64_t last = 0;
-
     for (int32_t z = 0; z < v->size[2]; z++) {
         BVXI_TRY(bvxi_progress(t->ctx, "labels", (double)z / (double)v->size[2]));
         for (int32_t y = 0; y < v->size[1]; y++)
@@ -186,7 +184,6 @@ bvx_status bvxi_make_label_list(bvx_context *ctx, const bvx_volume_view *volume,
                                 uint64_t skip, bvx_label **labels, uint64_t *count)
 {
     label_table t = {.ctx = ctx, .skip = skip};
-
     BVXI_TRY(list_volume(&t, volume, stride));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_RESULT, t.count * sizeof **labels, "the labels", labels));
     *count = t.count;

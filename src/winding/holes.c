@@ -183,7 +183,6 @@ static bvx_status join_loops(bvx_context *ctx, const uint64_t *edges, uint64_t c
 {
     uint64_t const bytes = (corners + 1) * 8, mark = bvxi_scratch_begin(ctx);
     hole_walk w = {edges, count, NULL, NULL, NULL, NULL, NULL, NULL};
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that leave", &w.out));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the open edges that arrive", &w.in));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the open edges by end", &w.incoming));
@@ -238,7 +237,6 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
 {
     uint64_t const bytes = s->vertex_count * 4;
     uint32_t *place = NULL, *number = NULL;
-
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the open edges' corners", &place));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the corners' numbers", &number));
     uint64_t const corners = number_places(s, edges, count, number, place);
@@ -263,9 +261,7 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
                              int odd_once, bvxi_holes *holes)
 {
     uint64_t *edges = NULL, count = 0;
-
     memset(holes, 0, sizeof *holes);
-
     /* The edges first; most meshes have none, and need nothing more. */
     BVXI_TRY(bvxi_open_edges(ctx, view, snapped, odd_once, &edges, &count));
     if (count >= HOLE_NONE)
@@ -302,9 +298,7 @@ bvx_status bvxi_holes_open_rule(bvx_context *ctx, const char *function, const bv
 {
     bvxi_snapped snapped;
     bvx_status status;
-
     memset(holes, 0, sizeof *holes);
-
     /* Corners are checked here, as snapping trusts them. */
     BVXI_TRY(bvxi_holes_check_corners(ctx, function, view));
     BVXI_TRY(bvxi_snap(ctx, function, view, lattice, &snapped));
