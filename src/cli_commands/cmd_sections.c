@@ -526,18 +526,6 @@ static int32_t *list_labels(const bvx_sections *s, int *count)
     return label;
 }
 
-/* What is told and reported of one body, with its label before it. */
-static void tell_labelled(const cli_run *run, const sections_job *job, int32_t label, cli_made *made)
-{
-    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
-    warn_of_body(run, job, made);
-    tell_body(run, job, made);
-    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
-    report_body(run, job, made);
-    tell_wishes(run, job, made);
-    cli_text_add(&made->members, "}}");
-}
-
 /* All bodies by one call, which takes what is the same faces from the same numbers. */
 static int build_all(cli_run *run, sections_job *job, const int32_t *label, int count)
 {
@@ -572,7 +560,15 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     } else CLI_TRY(build_body(run, job, label, path));
     CLI_TRY(reduce_body(run, job));
     CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
-    tell_labelled(run, job, label, made);
+
+    /* What is told and reported of one body, with its label before it. */
+    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
+    warn_of_body(run, job, made);
+    tell_body(run, job, made);
+    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
+    report_body(run, job, made);
+    tell_wishes(run, job, made);
+    cli_text_add(&made->members, "}}");
     return CLI_DONE;
 }
 

@@ -353,16 +353,6 @@ static void walk_range_of_fans(void *user, int32_t range)
     }
 }
 
-/* Both ends of edges with three or more triangles, whose rings take more than two steps. */
-static void mark_broken_vertices(const topology *c)
-{
-    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
-        if (c->ring[c->ring[h]] == h) continue;
-        topology_bit_set(c->broken, c->corners[h]);
-        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
-    }
-}
-
 /* Vertices with more corners than their first fan has; the buckets are needed no more. */
 static void count_second_fans(topology *c)
 {
@@ -385,7 +375,14 @@ static bvx_status search_broken_fans(topology *c)
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, vertex_bits, "the check's marks", &c->seen));
     BVXI_TRY(bvxi_alloc_zero(c->ctx, BVXI_SCRATCH, topology_bit_words(half_edges) * 8, "the check's marks",
                              &c->walked));
-    mark_broken_vertices(c);
+
+    /* Both ends of edges with three or more triangles, whose rings take more than two steps. */
+    for (uint64_t h = 0; h < 3 * c->triangle_count; h++) {
+        if (c->ring[c->ring[h]] == h) continue;
+        topology_bit_set(c->broken, c->corners[h]);
+        topology_bit_set(c->broken, c->corners[half_edge_after((uint32_t)h)]);
+    }
+
     for (uint64_t h = 0; h < half_edges; h++) {
         uint32_t const v = c->corners[h];
         if (h % TOPOLOGY_ASKS == 0)
@@ -432,26 +429,6 @@ static bvx_status check_vertices(topology *c)
 
 /* ---- the whole ---- */
 
-static bvx_status allocate_topology(bvx_context *ctx, topology *c)
-{
-    uint64_t const half_edges = 3 * c->triangle_count;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's buckets", &c->bucket_end));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->vertex_count * 4, "the check's corners", &c->corner_of));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c->ring));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c->triangle_count * 4, "the check's components", &c->parent));
-    return bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c->entries);
-}
-
-static void conclude_topology(topology *c)
-{
-    bvx_certificate *const r = c->result;
-    r->unused_vertices = c->vertex_count - r->vertices;
-    r->closed = r->boundary_edges == 0;
-    r->edge_manifold = r->nonmanifold_edges == 0;
-    r->vertex_manifold = r->nonmanifold_vertices == 0;
-    r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c->triangle_count;
-}
-
 bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t triangle_count,
                          uint64_t vertex_count, int edges_alone, bvx_certificate *certificate)
 {
@@ -463,11 +440,23 @@ bvx_status bvxi_topology(bvx_context *ctx, const uint32_t *corners, uint64_t tri
                   .result = certificate,
                   .edges_alone = edges_alone};
 
-    BVXI_TRY(allocate_topology(ctx, &c));
+    uint64_t const half_edges = 3 * c.triangle_count;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.vertex_count * 4, "the check's buckets", &c.bucket_end));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.vertex_count * 4, "the check's corners", &c.corner_of));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 4, "the check's edge rings", &c.ring));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, c.triangle_count * 4, "the check's components", &c.parent));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, half_edges * 8, "the check's half-edges", &c.entries));
     /* Edges first: what they break decides which vertices have fans at all. */
     fill_edge_buckets(&c);
     BVXI_TRY(check_edges(&c));
     if (!edges_alone) BVXI_TRY(check_vertices(&c));
-    if (!edges_alone) conclude_topology(&c);
+    if (!edges_alone) {
+        bvx_certificate *const r = c.result;
+        r->unused_vertices = c.vertex_count - r->vertices;
+        r->closed = r->boundary_edges == 0;
+        r->edge_manifold = r->nonmanifold_edges == 0;
+        r->vertex_manifold = r->nonmanifold_vertices == 0;
+        r->euler = (int64_t)r->vertices - (int64_t)r->edges + (int64_t)c.triangle_count;
+    }
     return bvxi_scratch_end(ctx, mark, BVX_OK);
 }

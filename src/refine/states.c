@@ -412,23 +412,6 @@ static void take_cubes(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static void take_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
-            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
-                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
-            *bvxi_news_of(job, l, n) = fresh;
-        }
-}
-
-static void give_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
-            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
-}
-
 /* Pieces are whole words of the masks. */
 static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin,
                            uint64_t *end)
@@ -494,13 +477,20 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
         return work_until_done(ctx, job);
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
-    take_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
+            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
+                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+            *bvxi_news_of(job, l, n) = fresh;
+        }
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
         bvxi_for(ctx, "refine", job->tree->octets[job->bottom].count, STATES_GRAIN, take_cubes, job)));
     expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
-    give_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
+            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
     return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 

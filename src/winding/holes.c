@@ -246,17 +246,6 @@ bvx_status bvxi_holes_append(bvx_context *ctx, const bvxi_snapped *s, uint64_t *
     return BVX_OK;
 }
 
-static bvx_status make_loops(bvx_context *ctx, const bvxi_snapped *s, uint64_t *edges, uint64_t count,
-                             bvxi_holes *holes)
-{
-    /* A loop has as many points as edges, so these arrays hold all of them. */
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
-    BVXI_TRY(bvxi_holes_append(ctx, s, edges, count, holes));
-    holes->repeated = has_repeated_edge(edges, count);
-    return BVX_OK;
-}
-
 static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const bvxi_snapped *snapped,
                              int odd_once, bvxi_holes *holes)
 {
@@ -267,7 +256,13 @@ static bvx_status open_holes(bvx_context *ctx, const bvx_mesh_view *view, const 
     if (count >= HOLE_NONE)
         return bvxi_fail_for(ctx, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "the mesh has %u open edges; fewer than 2^32 - 1 can be closed", count);
-    if (count > 0) BVXI_TRY(make_loops(ctx, snapped, edges, count, holes));
+    if (count > 0) {
+        /* A loop has as many points as edges, so these arrays hold all of them. */
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 4, "the loops' points", &holes->vertex));
+        BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, count * 8, "the loops' ends", &holes->loop_end));
+        BVXI_TRY(bvxi_holes_append(ctx, snapped, edges, count, holes));
+        holes->repeated = has_repeated_edge(edges, count);
+    }
     bvxi_drop(ctx, edges);
     return BVX_OK;
 }
