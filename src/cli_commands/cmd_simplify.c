@@ -3,7 +3,6 @@
 #include "cli_args/rows.h"
 
 #include <inttypes.h>
-#include <stdio.h>
 #include <string.h>
 
 static const cli_argument simplify_rows[] = {

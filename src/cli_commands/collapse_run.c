@@ -4,10 +4,7 @@
  * afterwards, one stage a level. */
 #include "cli_commands/collapse_run.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {

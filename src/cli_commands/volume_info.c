@@ -3,7 +3,6 @@
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
 enum { INFO_BINS = 16, INFO_BAR = 40 };

@@ -144,7 +144,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
     return BVX_OK;
 }
 
-/* Between a plane and the next one. */
 static bvx_status nest_find_between(nest_work *w, uint32_t number)
 {
     bvxi_stack *const s = w->s;

@@ -11,6 +11,7 @@
  * Numbers: half-edge h = 3 t + k runs from corner k to corner k + 1 of triangle t and stands for corner k
  * too. */
 #include "mesh/topology.h"
+#include "bits/sort.h"
 
 enum {
     TOPOLOGY_ASKS = 1 << 20, /* corners between asking progress */
@@ -19,8 +20,6 @@ enum {
     BUCKET_RANGES = 4 /* more would read more than they share */
 };
 #define TOPOLOGY_NONE UINT32_MAX /* no corner */
-/* larger buckets are heap-sorted: a fan of a million triangles is harmless */
-enum { TOPOLOGY_INSERTION_LIMIT = 32 };
 
 /* What a range of vertices has. */
 typedef struct topology_counts {
@@ -76,39 +75,6 @@ static uint32_t half_edge_before(uint32_t h)
 }
 
 /* ---- edges ---- */
-
-static void entries_sift(uint64_t *e, size_t at, size_t n)
-{
-    uint64_t const value = e[at];
-    for (size_t child = 2 * at + 1; child < n; child = 2 * at + 1) {
-        if (child + 1 < n && e[child + 1] > e[child]) child++;
-        if (e[child] <= value) break;
-        e[at] = e[child];
-        at = child;
-    }
-    e[at] = value;
-}
-
-static void entries_sort(uint64_t *e, size_t n)
-{
-    /* Buckets hold some three edges as a rule, for which insertion is the fastest. */
-    if (n <= TOPOLOGY_INSERTION_LIMIT) {
-        for (size_t i = 1; i < n; i++) {
-            uint64_t const value = e[i];
-            size_t k = i;
-            for (; k > 0 && e[k - 1] > value; k--) e[k] = e[k - 1];
-            e[k] = value;
-        }
-        return;
-    }
-    for (size_t i = n / 2; i-- > 0;) entries_sift(e, i, n);
-    for (size_t end = n - 1; end > 0; end--) {
-        uint64_t const top = e[0];
-        e[0] = e[end];
-        e[end] = top;
-        entries_sift(e, 0, end);
-    }
-}
 
 /* Counting sort of the half-edges by their lower vertex. A task reads all triangles and takes what belongs to
  * its range of vertices, so that each bucket is filled in the order of the half-edges. That costs a read for
@@ -179,7 +145,7 @@ static uint64_t count_edge_duplicates(const topology *c, uint64_t *e, size_t n, 
         if (opposite > higher) e[kept++] = (uint64_t)opposite << 32 | (e[i] & UINT32_MAX);
     }
     if (kept < 2) return 0;
-    entries_sort(e, kept);
+    bvxi_sort_u64(e, kept);
     for (size_t i = 1; i < kept; i++) count += e[i] >> 32 == e[i - 1] >> 32;
     return count;
 }
@@ -244,7 +210,7 @@ static void check_range_of_edges(void *user, int32_t range, uint64_t from, uint6
     uint64_t *const waiting = c->entries + begin;
     for (uint64_t v = from; v < to; v++) {
         uint64_t const end = c->bucket_end[v];
-        entries_sort(c->entries + begin, (size_t)(end - begin));
+        bvxi_sort_u64(c->entries + begin, (size_t)(end - begin));
         while (begin < end) {
             uint32_t const first = (uint32_t)c->entries[begin];
             uint64_t stop = begin + 1;

@@ -284,7 +284,6 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     }
     bvxi_refine_free_front(job, &job->front);
 
-    /* The next level's voxels take the place of this one's. */
     job->front = split->next;
     bvxi_drop(job->ctx, split);
     return BVX_OK;

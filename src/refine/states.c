@@ -193,7 +193,6 @@ static inline void expose_voxels(bvxi_states_job *job, uint64_t octet, uint64_t 
     bvxi_list_numbered(job, job->bottom, octet, &c->state);
 }
 
-/* The octet that child p of an octet is split into. */
 static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
@@ -214,7 +213,6 @@ static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, ui
     return 1;
 }
 
-/* What lies beyond face d of an octet. */
 static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, uint64_t octet, int d)
 {
     uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
@@ -298,7 +296,6 @@ static void expose_base(bvxi_states_job *job, uint64_t bit)
     bvxi_list_row(job, (bit >> 6) / (uint64_t)job->row_words);
 }
 
-/* To a leaf beyond a face. */
 static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
 {
     if (beyond->kind == NEIGHBOUR_CHILD)
@@ -446,13 +443,11 @@ static void give_cubes(void *user, int32_t index)
     }
 }
 
-/* The level of the octets that are cubes, of a tree of these levels. */
 static int32_t bottom_of_levels(int32_t levels)
 {
     return levels >= 2 ? levels - 2 : levels - 1;
 }
 
-/* Octets above the cubes. */
 static uint64_t octets_above(const bvx_octree *tree, int32_t bottom)
 {
     uint64_t octets = 0;

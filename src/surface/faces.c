@@ -21,7 +21,6 @@ static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
     return v;
 }
 
-/* Corners of word w that are used. */
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
