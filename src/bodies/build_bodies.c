@@ -44,14 +44,6 @@ static bvx_status make_joint(bvxi_oblique *o, const int32_t *labels, uint32_t co
     return BVXI_SHARE(o->ctx, 0.85, 1.0, bvxi_joint_surfaces(o, &cut, meshes));
 }
 
-static void drop_bodies(bvx_context *ctx, bvx_mesh *meshes, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        if (meshes[i].owned) bvx_mesh_free(ctx, &meshes[i]);
-        else meshes[i].vertex_count = meshes[i].triangle_count = 0;
-    }
-}
-
 static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sections,
                                    const bvx_sections_options *options, const int32_t *labels, uint32_t count,
                                    bvx_mesh *meshes)
@@ -84,7 +76,12 @@ static bvx_status run_build_bodies(bvx_context *context, const bvx_sections *sec
         memcpy(with_normals.normals + 3 * i, sections->normal, 24);
     o.given = &with_normals;
     bvx_status const status = make_joint(&o, labels, count, meshes);
-    if (status != BVX_OK) drop_bodies(context, meshes, count);
+    if (status != BVX_OK) {
+        for (uint32_t i = 0; i < count; i++) {
+            if (meshes[i].owned) bvx_mesh_free(context, &meshes[i]);
+            else meshes[i].vertex_count = meshes[i].triangle_count = 0;
+        }
+    }
     if (status != BVX_OK || o.options.report == NULL) return status;
     bvxi_sections_warn(context, &o.report, o.options.slabs.depth);
     *o.options.report = o.report;

@@ -82,16 +82,6 @@ static bvx_status list_all_faces(const bvxi_oblique *o, const bvxi_joint_cut *cu
     return BVX_OK;
 }
 
-/* Only one body's are needed at a time. */
-static void close_faces(const joint_faces *f)
-{
-    bvxi_drop(f->o->ctx, f->number);
-    bvxi_drop(f->o->ctx, f->joined);
-    bvxi_drop(f->o->ctx, f->next);
-    bvxi_drop(f->o->ctx, f->from);
-    bvxi_drop(f->o->ctx, f->corner);
-}
-
 /* Of an edge's ends the one with fewer corners has it, so that no vertex has many, also where a contour of
  * many points has a fan (Chiba, Nishizeki 1985). */
 static uint32_t end_with_edge(const joint_list *list, uint32_t a, uint32_t b)
@@ -208,7 +198,13 @@ static bvx_status find_pinched(bvxi_oblique *o, bvxi_joint_cut *cut, const joint
         pinched->edge[pinched->count][0] = v[i % 3];
         pinched->edge[pinched->count++][1] = v[(i + 1) % 3];
     }
-    close_faces(&f);
+
+    /* Only one body's are needed at a time. */
+    bvxi_drop(f.o->ctx, f.number);
+    bvxi_drop(f.o->ctx, f.joined);
+    bvxi_drop(f.o->ctx, f.next);
+    bvxi_drop(f.o->ctx, f.from);
+    bvxi_drop(f.o->ctx, f.corner);
     return BVX_OK;
 }
 
@@ -300,19 +296,6 @@ static void join_pinched(const joint_faces *f, uint32_t first)
         if (face == BVXI_NONE) continue;
         for (uint32_t j = first; j != BVXI_NONE; j = f->next[j])
             if (f->from[j / 3] == face) join_sides(f, i, j);
-    }
-}
-
-/* Corners that are one vertex: those of faces that follow each other around it. */
-static void find_fans(const joint_faces *f)
-{
-    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
-    for (uint64_t i = 0; i < 3 * f->count; i++) {
-        uint32_t const first = (uint32_t)i;
-        /* Two faces at an edge belong together; of more it has to be found out which. */
-        if (!is_first_side(f, i)) continue;
-        if (is_pinched(f, first)) join_pinched(f, first);
-        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
     }
 }
 
@@ -420,7 +403,17 @@ static bvx_status make_joint_mesh(joint_faces *f, const joint_list *list, int ki
         return bvxi_fail_for(o->ctx, BVX_ERR_EMPTY, BVX_REASON_EMPTY,
                              "%s: no point of the lattice lies inside label %d; take more cells", o->function,
                              (int64_t)label);
-    find_fans(f);
+
+    /* Corners that are one vertex: those of faces that follow each other around it. */
+    for (uint64_t i = 0; i < 3 * f->count; i++) f->joined[i] = (uint32_t)i;
+    for (uint64_t i = 0; i < 3 * f->count; i++) {
+        uint32_t const first = (uint32_t)i;
+        /* Two faces at an edge belong together; of more it has to be found out which. */
+        if (!is_first_side(f, i)) continue;
+        if (is_pinched(f, first)) join_pinched(f, first);
+        else if (f->next[first] != BVXI_NONE) join_sides(f, first, f->next[first]);
+    }
+
     BVXI_TRY(write_joint_mesh(f, mesh));
     count_unkept_points(f);
     /* Closed by construction, and a manifold once its fans have vertices of their own: looked at all the same. */

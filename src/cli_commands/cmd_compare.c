@@ -156,19 +156,6 @@ static void tell_way(cli_made *made, const char *way, double mean, double most, 
     cli_tell(made, "  %-10s %11.4g %8.4f%% %13.4g %8.4f%%\n", way, mean, mean * part, most, most * part);
 }
 
-static void tell_distance_of(cli_made *made, const bvx_distance_report *d, double diagonal)
-{
-    cli_tell(made,
-             "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
-             " random points on each mesh, seed %" PRIu64 "\n",
-             diagonal, d->samples, d->seed);
-    cli_tell(made, "  %22s%24s\n", "mean", "max");
-    /* Two ways, since a point of A may be near B while B has parts far from A. */
-    tell_way(made, "A to B", d->mean_a_to_b, d->max_a_to_b, diagonal);
-    tell_way(made, "B to A", d->mean_b_to_a, d->max_b_to_a, diagonal);
-    tell_way(made, "both ways", d->mean, d->max, diagonal);
-}
-
 static void report_distance(cli_made *made, const bvx_distance_report *d, double diagonal)
 {
     cli_text *const t = &made->members;
@@ -211,7 +198,16 @@ static int compare_meshes(cli_run *run, const cli_input in[2], cli_made *made)
     tell_mesh(made, "A", &run->report.mesh[0]);
     tell_mesh(made, "B", &run->report.mesh[1]);
     if (samples == 0) return CLI_DONE;
-    tell_distance_of(made, &d, diagonal);
+    cli_tell(made,
+             "distances in the meshes' unit and in %% of A's diagonal, %.6g, from %" PRIu64
+             " random points on each mesh, seed %" PRIu64 "\n",
+             diagonal, d.samples, d.seed);
+    cli_tell(made, "  %22s%24s\n", "mean", "max");
+    /* Two ways, since a point of A may be near B while B has parts far from A. */
+    tell_way(made, "A to B", d.mean_a_to_b, d.max_a_to_b, diagonal);
+    tell_way(made, "B to A", d.mean_b_to_a, d.max_b_to_a, diagonal);
+    tell_way(made, "both ways", d.mean, d.max, diagonal);
+
     report_distance(made, &d, diagonal);
     return CLI_DONE;
 }

@@ -4,7 +4,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct info_options {
@@ -102,15 +101,6 @@ static int check_both(cli_run *run, const bvx_mesh *mesh, bvx_certificate *c, bv
     return status;
 }
 
-/* Indices of triangles stand for materials of the file; those beyond them for none. */
-static void tell_materials(cli_made *made, const bvx_mesh *mesh)
-{
-    uint32_t most = 0;
-    for (uint64_t t = 0; t < mesh->triangle_count; t++)
-        if (mesh->materials[t] > most) most = mesh->materials[t];
-    cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
-}
-
 static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
 {
     if (mesh->colours != NULL) cli_tell(made, "  colours     of vertices\n");
@@ -120,7 +110,13 @@ static void tell_attributes(cli_made *made, const bvx_mesh *mesh)
                  mesh->uv_triangles != NULL ? "triangles' corners"
                  : mesh->uvs2 != NULL       ? "vertices, two of each"
                                             : "vertices");
-    if (mesh->materials != NULL) tell_materials(made, mesh);
+    if (mesh->materials != NULL) {
+        /* Indices of triangles stand for materials of the file; those beyond them for none. */
+        uint32_t most = 0;
+        for (uint64_t t = 0; t < mesh->triangle_count; t++)
+            if (mesh->materials[t] > most) most = mesh->materials[t];
+        cli_tell(made, "  materials   of triangles, indices up to %" PRIu32 "\n", most);
+    }
 }
 
 static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *entry)
@@ -135,21 +131,6 @@ static int count_crossings(cli_run *run, const bvx_mesh *mesh, cli_mesh_entry *e
                             cli_input_name(run->options->input[0])));
     entry->has_crossings = 1;
     return cli_interrupted() ? cli_fail_interrupted(run) : CLI_DONE;
-}
-
-/* The element of MuJoCo's models, then that of robots in ROS. */
-static void write_inertial(const bvx_measure_report *r, cli_text *mjcf, cli_text *urdf)
-{
-    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
-    const double *const c = r->center, *const i = r->inertia;
-    cli_text_add(mjcf,
-                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
-                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
-                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
-    cli_text_add(urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
-                 c[1], c[2], r->mass);
-    for (int k = 0; k < 6; k++) cli_text_add(urdf, " %s=\"%.10g\"", names[k], i[k]);
-    cli_text_add(urdf, "/></inertial>");
 }
 
 static void report_measure(const bvx_measure_report *r, const char *mjcf, const char *urdf, cli_text *t)
@@ -182,7 +163,17 @@ static void tell_measure(cli_made *made, const bvx_measure_report *r)
     const double *const c = r->center, *const i = r->inertia;
     cli_text mjcf = {0}, urdf = {0};
 
-    write_inertial(r, &mjcf, &urdf);
+    /* The element of MuJoCo's models, then that of robots in ROS. */
+    static const char *const names[6] = {"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    cli_text_add(&mjcf,
+                 "<inertial pos=\"%.10g %.10g %.10g\" mass=\"%.10g\" "
+                 "fullinertia=\"%.10g %.10g %.10g %.10g %.10g %.10g\"/>",
+                 c[0], c[1], c[2], r->mass, i[0], i[1], i[2], i[3], i[4], i[5]);
+    cli_text_add(&urdf, "<inertial><origin xyz=\"%.10g %.10g %.10g\"/><mass value=\"%.10g\"/><inertia", c[0],
+                 c[1], c[2], r->mass);
+    for (int k = 0; k < 6; k++) cli_text_add(&urdf, " %s=\"%.10g\"", names[k], i[k]);
+    cli_text_add(&urdf, "/></inertial>");
+
     if (r->resolution == 0) cli_tell(made, "  body        summed up over its triangles");
     else
         cli_tell(made, "  body        filled by the rule %s, %" PRId32 " voxels along each axis",

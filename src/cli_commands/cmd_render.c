@@ -55,15 +55,6 @@ typedef struct render_job {
 
 /* ---- sheets ---- */
 
-static void choose_size(const cli_run *run, int pictures, sheet *s)
-{
-    const cli_render_options *const own = run->own;
-    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
-    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
-    s->rows = (pictures + 3) / 4;
-    s->columns = (pictures + s->rows - 1) / s->rows;
-}
-
 static int open_sheet(cli_run *run, sheet *s)
 {
     const cli_options *const o = run->options;
@@ -76,15 +67,6 @@ static int open_sheet(cli_run *run, sheet *s)
     if (s->image.pixels == NULL) return cli_fail(run, "no memory for a picture of %" PRIu64 " bytes", bytes);
     memset(s->image.pixels, 255, (size_t)bytes);
     return CLI_DONE;
-}
-
-static void place_picture(const sheet *s, int32_t number, const bvx_image *picture)
-{
-    size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
-    uint8_t *const corner = s->image.pixels + (size_t)(number / s->columns) * (size_t)s->height * whole +
-                            (size_t)(number % s->columns) * line;
-    for (int32_t y = 0; y < s->height; y++)
-        memcpy(corner + (size_t)y * whole, picture->pixels + (size_t)y * line, line);
 }
 
 static int write_image(cli_run *run, int number, const bvx_image *image)
@@ -120,7 +102,10 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
     int const pictures = own->difference ? 1 : o->inputs;
     int status = cli_open_output(run, o->output);
 
-    choose_size(run, pictures, s);
+    s->width = own->size.count != 0 ? (int32_t)own->size.value[0] : pictures == 1 ? 1024 : 640;
+    s->height = own->size.count != 0 ? (int32_t)own->size.value[1] : pictures == 1 ? 768 : 480;
+    s->rows = (pictures + 3) / 4;
+    s->columns = (pictures + s->rows - 1) / s->rows;
     if (status == CLI_DONE) status = open_sheet(run, s);
     for (int i = 0; i < pictures && status == CLI_DONE; i++) {
         bvx_image picture = {0};
@@ -129,7 +114,13 @@ static int render_sheet(cli_run *run, cli_scene *scene, sheet *s)
         if (status == CLI_DONE) status = cli_draw_scene(run, scene, s->width, s->height, &picture);
         cli_stage_end(run);
         /* Copied at once: one input and one picture are held at a time. */
-        if (status == CLI_DONE) place_picture(s, i, &picture);
+        if (status == CLI_DONE) {
+            size_t const line = (size_t)s->width * 3, whole = (size_t)s->image.width * 3;
+            uint8_t *const corner = s->image.pixels + (size_t)(i / s->columns) * (size_t)s->height * whole +
+                                    (size_t)(i % s->columns) * line;
+            for (int32_t y = 0; y < s->height; y++)
+                memcpy(corner + (size_t)y * whole, picture.pixels + (size_t)y * line, line);
+        }
         bvx_image_free(run->context, &picture);
         cli_free_scene(run, scene);
     }

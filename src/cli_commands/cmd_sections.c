@@ -233,7 +233,6 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     const sections_options *const own = run->own;
     const cli_options *const o = run->options;
     bvx_sections_options s = own->body;
-    int32_t reason;
 
     if (own->grid.count != 0)
         for (int k = 0; k < 2; k++) s.slabs.grid[k] = (int32_t)own->grid.value[k];
@@ -244,7 +243,7 @@ static int build_body(cli_run *run, sections_job *job, int32_t label, const char
     bvx_status const status = bvx_build_sections(run->context, &job->sections, &s, &job->mesh);
     job->seconds = cli_stage_end(run);
     /* Two failures have a remedy that an option names. */
-    reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
+    int32_t const reason = status == BVX_OK ? BVX_REASON_NONE : bvx_last_error(run->context)->reason;
     if (reason == BVX_REASON_SEVERAL_BODIES)
         return cli_fail(run, "%s: the sections hold several bodies; choose one by --label, or --label all",
                         cli_input_name(o->input[0]));
@@ -311,7 +310,6 @@ static int make_blocks(cli_run *run, sections_job *job)
     int32_t dims[3], layers;
     bvx_lattice lattice;
     bvx_mesh_view view;
-    bvx_status status = BVX_OK;
 
     for (int k = 0; k < 3; k++) {
         /* Whole multiples of the sides, the last one beyond the body's end. */
@@ -326,7 +324,7 @@ static int make_blocks(cli_run *run, sections_job *job)
     layers = dims[2] / BLOCK_PARTS;
     bvx_mesh_view_of(&job->mesh, &view);
     cli_stage_begin(run, "blocks");
-    status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
+    bvx_status status = bvx_lattice_make(run->context, origin, spacing, dims, &lattice);
     cli_text_add(text, "x,y,z,dx,dy,dz,fraction\n");
     for (int32_t k = 0; k < layers && status == BVX_OK; k++) {
         bvx_voxelize_options v = {.struct_size = sizeof v};
@@ -526,18 +524,6 @@ static int32_t *list_labels(const bvx_sections *s, int *count)
     return label;
 }
 
-/* What is told and reported of one body, with its label before it. */
-static void tell_labelled(const cli_run *run, const sections_job *job, int32_t label, cli_made *made)
-{
-    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
-    warn_of_body(run, job, made);
-    tell_body(run, job, made);
-    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
-    report_body(run, job, made);
-    tell_wishes(run, job, made);
-    cli_text_add(&made->members, "}}");
-}
-
 /* All bodies by one call, which takes what is the same faces from the same numbers. */
 static int build_all(cli_run *run, sections_job *job, const int32_t *label, int count)
 {
@@ -572,7 +558,15 @@ static int make_labelled(cli_run *run, sections_job *job, int32_t label, cli_mad
     } else CLI_TRY(build_body(run, job, label, path));
     CLI_TRY(reduce_body(run, job));
     CLI_TRY(cli_write_mesh_as(run, &job->mesh, job->n, path));
-    tell_labelled(run, job, label, made);
+
+    /* What is told and reported of one body, with its label before it. */
+    cli_tell(made, "label %" PRId32 ": %s\n", label, run->report.mesh[job->n].path);
+    warn_of_body(run, job, made);
+    tell_body(run, job, made);
+    cli_text_add(&made->members, "%s{\"label\": %" PRId32, job->n == 0 ? "" : ", ", label);
+    report_body(run, job, made);
+    tell_wishes(run, job, made);
+    cli_text_add(&made->members, "}}");
     return CLI_DONE;
 }
 

@@ -4,10 +4,7 @@
  * afterwards, one stage a level. */
 #include "cli_commands/collapse_run.h"
 
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -39,19 +36,6 @@ static int usual_count(uint64_t triangles)
     int count = 1;
     while (count < USUAL_LEVELS && triangles >> (count + 1) >= LEAST_USUAL) count++;
     return count;
-}
-
-static void choose_targets(const cli_run *run, cli_collapse_run *c)
-{
-    const cli_options *const o = run->options;
-    for (int i = 0; i < c->count; i++) {
-        /* Shifted by at most 63, which C defines. */
-        uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
-        if (c->by_error)
-            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
-        else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
-        else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
-    }
 }
 
 /* The surface of a grid stands for the mesh. */
@@ -90,7 +74,15 @@ int cli_open_collapse(cli_run *run, cli_collapse_run *c)
                         cli_input_name(run->options->input[0]), c->diagonal);
 
     if (!known) c->count = usual_count(c->input.triangle_count);
-    choose_targets(run, c);
+    const cli_options *const o = run->options;
+    for (int i = 0; i < c->count; i++) {
+        /* Shifted by at most 63, which C defines. */
+        uint64_t const halved = i < 63 ? c->input.triangle_count >> (i + 1) : 0;
+        if (c->by_error)
+            c->error[i] = o->errors.value[i] * (o->errors.percent[i] ? c->diagonal / 100.0 : 1.0);
+        else if (o->triangles.count != 0) c->target[i] = (uint64_t)o->triangles.value[i];
+        else c->target[i] = halved > LEAST_TRIANGLES ? halved : LEAST_TRIANGLES;
+    }
     return known ? CLI_DONE : cli_open_levels(run, c->count, c->path);
 }
 
@@ -142,20 +134,6 @@ static int measure_level(cli_run *run, cli_collapse_run *c, int i)
     return CLI_DONE;
 }
 
-static void report_level(cli_run *run, cli_collapse_run *c, int i)
-{
-    cli_mesh_entry *const entry = &run->report.mesh[i];
-    entry->path = c->path[i];
-    entry->number = i;
-    entry->certificate = c->level[i].certificate;
-    entry->level = &c->level[i];
-    entry->solid = c->solid;
-    entry->colours = c->mesh[i].colours != NULL;
-    entry->uvs = c->mesh[i].uvs != NULL;
-    entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
-    run->report.meshes = i + 1;
-}
-
 int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
 {
     int status = CLI_DONE;
@@ -163,7 +141,18 @@ int cli_finish_collapse(cli_run *run, cli_collapse_run *c)
         char stage[32];
         snprintf(stage, sizeof stage, "carry %d", i);
         status = cli_carry(run, &c->input, &c->mesh[i], stage, c->path[i]);
-        if (status == CLI_DONE) report_level(run, c, i);
+        if (status == CLI_DONE) {
+            cli_mesh_entry *const entry = &run->report.mesh[i];
+            entry->path = c->path[i];
+            entry->number = i;
+            entry->certificate = c->level[i].certificate;
+            entry->level = &c->level[i];
+            entry->solid = c->solid;
+            entry->colours = c->mesh[i].colours != NULL;
+            entry->uvs = c->mesh[i].uvs != NULL;
+            entry->rate = (double)c->mesh[i].triangle_count / (double)c->input.triangle_count;
+            run->report.meshes = i + 1;
+        }
     }
     for (int i = 0; i < c->count && status == CLI_DONE; i++) status = measure_level(run, c, i);
     return status;

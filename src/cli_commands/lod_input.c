@@ -2,7 +2,6 @@
  * levels, or a grid as it is, whose own surface then stands for the mesh. */
 #include "cli_commands/lod_chain.h"
 
-#include <inttypes.h>
 #include <string.h>
 
 /* Samples along the longest axis. A small grid gives smaller levels than

@@ -72,13 +72,6 @@ static int help(cli_run *run, int count, char **word)
     return cli_end_of_output(run);
 }
 
-static int print_version(cli_run *run)
-{
-    int32_t const v = bvx_version();
-    printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
-    return cli_end_of_output(run);
-}
-
 static int run_command(cli_run *run, int count, char **word)
 {
     static const cli_leaving leaving = {cli_remove_temporaries, cli_interrupt_text, cli_report_text};
@@ -136,7 +129,11 @@ static int run_words(cli_run *run, int count, char **word)
     /* Words that are no commands come first: no command may have their names. */
     if (strcmp(word[0], "help") == 0) return help(run, count - 1, word + 1);
     if (strcmp(word[0], "--help") == 0 || strcmp(word[0], "-h") == 0) return help(run, 0, NULL);
-    if (strcmp(word[0], "--version") == 0) return print_version(run);
+    if (strcmp(word[0], "--version") == 0) {
+        int32_t const v = bvx_version();
+        printf("bitvox %d.%d.%d\n", (int)(v / 10000), (int)(v / 100 % 100), (int)(v % 100));
+        return cli_end_of_output(run);
+    }
     run->command = find_command(word[0]);
     run->name = run->command != NULL ? run->command->name : NULL;
     if (run->command != NULL) return run_command(run, count - 1, word + 1);

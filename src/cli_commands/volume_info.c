@@ -3,7 +3,6 @@
 #include "cli_commands/commands.h"
 
 #include <inttypes.h>
-#include <math.h>
 #include <string.h>
 
 enum { INFO_BINS = 16, INFO_BAR = 40 };
@@ -81,16 +80,6 @@ static void walk_samples(const bvx_volume_view *v, void (*note)(volume_facts *f,
         }
 }
 
-static void choose_bins(const bvx_volume_view *v, volume_facts *f)
-{
-    double const range = f->greatest - f->least;
-    int const whole = v->sample_type != BVX_SAMPLE_F32 && v->sample_type != BVX_SAMPLE_F64 &&
-                      range < INFO_BINS;
-    /* A bin a value where there are few, so that labels can be read off. */
-    f->bins = whole ? (int)range + 1 : INFO_BINS;
-    f->width = whole ? 1.0 : range / INFO_BINS;
-}
-
 static void tell_facts(const cli_run *run, const bvx_volume_view *v, const volume_facts *f, cli_made *made)
 {
     cli_text *const t = &made->members, *const lines = &made->head;
@@ -131,7 +120,12 @@ int cli_tell_samples(cli_run *run, const char *path, cli_made *made)
     if (status == CLI_DONE) {
         cli_stage_begin(run, "samples");
         walk_samples(&v.view, note_range, &f);
-        choose_bins(&v.view, &f);
+        double const range = f.greatest - f.least;
+        int const whole = v.view.sample_type != BVX_SAMPLE_F32 && v.view.sample_type != BVX_SAMPLE_F64 &&
+                          range < INFO_BINS;
+        /* A bin a value where there are few, so that labels can be read off. */
+        f.bins = whole ? (int)range + 1 : INFO_BINS;
+        f.width = whole ? 1.0 : range / INFO_BINS;
         /* All samples alike have no range to divide. */
         if (f.width > 0.0) walk_samples(&v.view, note_bin, &f);
         for (int i = 0; i < INFO_BINS; i++) f.fullest = f.bin[i] > f.fullest ? f.bin[i] : f.fullest;

@@ -45,15 +45,6 @@ static int is_length(double diagonal)
     return diagonal > 0.0 && diagonal - diagonal == 0.0;
 }
 
-/* What was requested: triangles, or a distance in percent of the diagonal. */
-static void target_text(const bvx_level_report *l, double diagonal, char *text, size_t room)
-{
-    if (l->target_error > 0.0 && is_length(diagonal))
-        snprintf(text, room, "%.4g%%", 100.0 * l->target_error / diagonal);
-    else if (l->target_error > 0.0) snprintf(text, room, "%.4g", l->target_error);
-    else snprintf(text, room, "%" PRIu64, l->target);
-}
-
 /* One thing after the other, with a comma between. */
 static void add_words(char *text, size_t room, const char *words, uint64_t count, const char *from)
 {
@@ -86,7 +77,13 @@ void cli_tell_collapsed(const cli_run *run, int count, double diagonal, const bv
         const bvx_level_report *const l = m->level;
         char target[32], sound[160];
 
-        target_text(l, diagonal, target, sizeof target);
+        /* What was requested: triangles, or a distance in percent of the diagonal. */
+        size_t const room = sizeof target;
+        if (l->target_error > 0.0 && is_length(diagonal))
+            snprintf(target, room, "%.4g%%", 100.0 * l->target_error / diagonal);
+        else if (l->target_error > 0.0) snprintf(target, room, "%.4g", l->target_error);
+        else snprintf(target, room, "%" PRIu64, l->target);
+
         defect_text(l, in, sound, sizeof sound);
         cli_tell(made, "%5d %10" PRIu64 " %10s %7.2f%% %10.2f deg %7" PRIu64 "  %-7s  %s\n", i,
                  m->certificate.triangles, target, m->rate * 100.0, l->least_angle, m->certificate.components,

@@ -47,14 +47,6 @@ int cli_take_tree(cli_run *run, bvx_octree *tree, cli_tree *t)
     return CLI_DONE;
 }
 
-static int write_expanded(cli_run *run, cli_tree *t)
-{
-    CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
-    bvx_grid_count(run->context, &t->grid, &run->report.set);
-    run->report.has_set = 1;
-    return cli_write_grid(run, &t->grid);
-}
-
 static int make_surface_mesh(cli_run *run, cli_tree *t)
 {
     cli_stage_begin(run, "surface");
@@ -86,7 +78,12 @@ int cli_write_tree(cli_run *run, void *tree)
 {
     cli_tree *const t = tree;
     int status = CLI_DONE;
-    if (t->kind == CLI_GRID) return write_expanded(run, t);
+    if (t->kind == CLI_GRID) {
+        CLI_TRY(cli_expand_tree(run, t->tree, &t->window, run->options->output, &t->grid));
+        bvx_grid_count(run->context, &t->grid, &run->report.set);
+        run->report.has_set = 1;
+        return cli_write_grid(run, &t->grid);
+    }
     if (t->kind == CLI_MESH)
         status = run->options->leaves ? cli_make_leaf_mesh(run, t->tree, &t->surface)
                                       : make_surface_mesh(run, t);

@@ -152,21 +152,18 @@ static bvx_status make_surface_mesh(cli_run *run, cli_voxels *v)
     return status;
 }
 
-static int write_surface(cli_run *run, cli_voxels *v)
-{
-    cli_stage_begin(run, "surface");
-    CLI_TRY(cli_stage_check(run, make_surface_mesh(run, v), cli_input_name(v->name)));
-    if (v->mesh.triangle_count == 0)
-        return cli_fail(run, "%s: the result is empty, so there is no surface to write",
-                        cli_input_name(v->name));
-    CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
-    CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
-    return cli_write_mesh(run, &v->mesh);
-}
-
 int cli_write_voxels(cli_run *run, cli_voxels *v)
 {
-    if (CLI_HOLDS(run, CLI_TO_MESH)) return write_surface(run, v);
+    if (CLI_HOLDS(run, CLI_TO_MESH)) {
+        cli_stage_begin(run, "surface");
+        CLI_TRY(cli_stage_check(run, make_surface_mesh(run, v), cli_input_name(v->name)));
+        if (v->mesh.triangle_count == 0)
+            return cli_fail(run, "%s: the result is empty, so there is no surface to write",
+                            cli_input_name(v->name));
+        CLI_TRY(cli_reduce(run, &v->mesh, &v->reduction));
+        CLI_TRY(cli_check_mesh(run, &v->mesh, 0, run->options->output, "check"));
+        return cli_write_mesh(run, &v->mesh);
+    }
     CLI_TRY(cli_check_grid_format(run, run->options->output, &v->grid->lattice, v->grid->size));
     return cli_write_grid(run, v->grid);
 }

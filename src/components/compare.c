@@ -81,20 +81,6 @@ static void compare_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     w->sums[index] = s;
 }
 
-static void add_compare_sums(const compare_work *w, compare_sums *all)
-{
-    clear_compare_sums(w->grid[0]->size, all);
-    for (int32_t i = 0; i < w->pieces; i++) {
-        const compare_sums *const s = &w->sums[i];
-        all->set_a += s->set_a;
-        all->set_b += s->set_b;
-        all->both += s->both;
-        all->runs[0] += s->runs[0];
-        all->runs[1] += s->runs[1];
-        widen_compare_box(all, s->low, s->high);
-    }
-}
-
 static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums *all)
 {
     const bvx_grid *const a = w->grid[0];
@@ -105,7 +91,17 @@ static bvx_status compare_words(bvx_context *ctx, compare_work *w, compare_sums 
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the comparison's sums", &w->sums));
     BVXI_TRY(
         bvxi_for_pieces(ctx, "compare", 0.0, 0.5, w->pieces, bvxi_grid_rows(w->grid[0]), compare_piece, w));
-    add_compare_sums(w, all);
+    clear_compare_sums(w->grid[0]->size, all);
+    for (int32_t i = 0; i < w->pieces; i++) {
+        const compare_sums *const s = &w->sums[i];
+        all->set_a += s->set_a;
+        all->set_b += s->set_b;
+        all->both += s->both;
+        all->runs[0] += s->runs[0];
+        all->runs[1] += s->runs[1];
+        widen_compare_box(all, s->low, s->high);
+    }
+
     bvxi_drop(ctx, w->sums);
     return BVX_OK;
 }
@@ -230,20 +226,6 @@ static bvx_status count_components(bvx_context *ctx, const char *function, const
     return BVX_OK;
 }
 
-static void report_comparison(const compare_sums *all, bvx_grid_difference *d)
-{
-    /* The pass has counted what only one has; with both it is the whole of each. */
-    d->only_a = all->set_a;
-    d->only_b = all->set_b;
-    d->both = all->both;
-    d->set_a = all->set_a + all->both;
-    d->set_b = all->set_b + all->both;
-    for (int32_t i = 0; i < 3 && all->high[0] >= 0; i++) {
-        d->low[i] = all->low[i];
-        d->size[i] = all->high[i] - all->low[i] + 1;
-    }
-}
-
 static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, const bvx_grid *b,
                                    bvx_grid_difference *difference)
 {
@@ -262,7 +244,17 @@ static bvx_status run_grid_compare(bvx_context *context, const bvx_grid *a, cons
     BVXI_TRY(compare_words(context, &w, &all));
     BVXI_TRY(count_components(context, function, &w, &all, 0, &d.components_only_a, &d.largest_only_a));
     BVXI_TRY(count_components(context, function, &w, &all, 1, &d.components_only_b, &d.largest_only_b));
-    report_comparison(&all, &d);
+    /* The pass has counted what only one has; with both it is the whole of each. */
+    d.only_a = all.set_a;
+    d.only_b = all.set_b;
+    d.both = all.both;
+    d.set_a = all.set_a + all.both;
+    d.set_b = all.set_b + all.both;
+    for (int32_t i = 0; i < 3 && all.high[0] >= 0; i++) {
+        d.low[i] = all.low[i];
+        d.size[i] = all.high[i] - all.low[i] + 1;
+    }
+
     *difference = d;
     return BVX_OK;
 }

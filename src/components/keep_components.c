@@ -47,11 +47,6 @@ static bvx_status open_keep_work(bvx_context *ctx, const char *function, const b
     return BVX_OK;
 }
 
-static void drop_small_parts(keep_work *w, uint64_t at_least)
-{
-    for (uint64_t i = 0; i < w->spaces.count; i++) w->marks[i] |= w->voxels[i] < at_least;
-}
-
 typedef struct keep_seeds {
     const bvx_grid *seeds; /* a grid of the seeds' voxels */
     uint8_t *marks;
@@ -143,7 +138,8 @@ static bvx_status keep_parts(bvx_context *ctx, const bvx_grid *grid, const bvx_k
     if (o->seed_count != 0) BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "the seeds' voxels", &seeds.words));
 
     if (o->seed_count != 0) drop_unseeded_parts(&w, o, &seeds);
-    drop_small_parts(&w, o->at_least);
+    uint64_t const at_least = o->at_least;
+    for (uint64_t i = 0; i < w.spaces.count; i++) w.marks[i] |= w.voxels[i] < at_least;
     if (o->largest != 0) drop_all_but_largest(&w, o->largest);
     if (o->report != NULL) report_kept(&w, o->report);
     /* The result may be the grid itself; then only what goes is changed. */

@@ -40,14 +40,6 @@ static void list_part_run(void *user, uint32_t space, int32_t begin, int32_t end
     p->size[2] = z + 1;
 }
 
-static void list_parts(const bvxi_spaces *spaces, bvx_component *parts)
-{
-    parts_list list = {spaces->grid, parts, 0};
-    bvxi_spaces_each(spaces, list_part_run, &list);
-    for (uint64_t i = 0; i < spaces->count; i++)
-        for (int32_t a = 0; a < 3; a++) parts[i].size[a] -= parts[i].low[a];
-}
-
 static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid, int32_t connectivity,
                                       bvx_component *parts, uint64_t capacity, uint64_t *count)
 {
@@ -61,7 +53,12 @@ static bvx_status run_grid_components(bvx_context *context, const bvx_grid *grid
     if (parts != NULL && spaces.count > capacity)
         return bvxi_fail(context, BVX_ERR_CAPACITY, "%s: the grid has %u parts, the array given holds %u",
                          parts_name, spaces.count, capacity);
-    if (parts != NULL) list_parts(&spaces, parts);
+    if (parts != NULL) {
+        parts_list list = {spaces.grid, parts, 0};
+        bvxi_spaces_each(&spaces, list_part_run, &list);
+        for (uint64_t i = 0; i < spaces.count; i++)
+            for (int32_t a = 0; a < 3; a++) parts[i].size[a] -= parts[i].low[a];
+    }
     return BVX_OK;
 }
 

@@ -160,16 +160,6 @@ static void count_by(const bvxi_plane *p, const bvxi_arc_scratch *x, int shift, 
     }
 }
 
-static void sort_arcs(const bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *x)
-{
-    count_by(p, x, 0, s->size[0], NULL, x->order[0]);
-    count_by(p, x, 16, s->size[1], x->order[0], x->order[1]);
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        p->arc[i] = x->arc[x->order[1][i]];
-        p->arc_cell[i] = x->cell[x->order[1][i]];
-    }
-}
-
 static int side_of_cell(const bvxi_stack *s, const bvxi_line_cut *c, uint32_t key)
 {
     int32_t const low = (int32_t)((c->axis == 0 ? key & 0xffff : key >> 16) << s->fine);
@@ -235,7 +225,12 @@ void bvxi_plane_cut(bvxi_stack *s, bvxi_plane *p, const bvxi_arc_scratch *scratc
     arc_walk w = {.s = s, .p = p, .out = scratch};
     for (uint32_t i = 0; i < p->contour_count; i++) walk_loop(&w, &p->contour[i]);
     p->grid_cut_count = p->cut_count;
-    sort_arcs(s, p, scratch);
+    count_by(p, scratch, 0, s->size[0], NULL, scratch->order[0]);
+    count_by(p, scratch, 16, s->size[1], scratch->order[0], scratch->order[1]);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        p->arc[i] = scratch->arc[scratch->order[1][i]];
+        p->arc_cell[i] = scratch->cell[scratch->order[1][i]];
+    }
     bvxi_plane_look_at_cells(s, p);
     bvxi_plane_fill_rows(s, p->inside);
 }

@@ -6,10 +6,7 @@
  * all. */
 #include "contours/section.h"
 
-#include "lattice/wide.h"
 #include "mesh/mesh.h"
-
-#include <math.h>
 
 enum { LEAST_CUBIC = 5 }; /* sections */
 

@@ -222,8 +222,7 @@ static bvx_status meet_in_spaces(bvx_context *ctx, const char *stage, double at,
     f.come_in = come + bvxi_grid_words(band);
     f.changed = changed;
     f.change = changed + rows;
-    BVXI_TRY(run_fronts(ctx, stage, at, &f));
-    return BVX_OK;
+    return run_fronts(ctx, stage, at, &f);
 }
 
 bvx_status bvxi_carry_signs(bvxi_call call, const bvx_grid *band, bvx_grid *inside)

@@ -16,13 +16,6 @@ static bvx_status sign_band(bvxi_call call, const bvx_mesh_view *mesh, const bvx
                                    : bvxi_sign_pseudonormal(call, mesh, band, inside);
 }
 
-static void set_every_voxel(bvx_grid *grid)
-{
-    uint64_t const rows = bvxi_grid_rows(grid);
-    for (uint64_t r = 0; r < rows; r++)
-        bvxi_set_run(grid->words + r * (uint64_t)grid->words_per_row, 0, grid->size[0]);
-}
-
 /* All of inside's window as the first centre of the lattice. */
 static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *nearest, const bvx_mesh_view *mesh,
                                        int32_t sign, bvx_grid *inside)
@@ -43,7 +36,11 @@ static bvx_status sign_by_first_centre(bvxi_call call, const bvxi_nearest *neare
     BVXI_TRY(bvxi_nearest_fill(at_once, nearest, HUGE_VAL, &one));
     BVXI_TRY(sign_band(at_once, mesh, &one, sign, &its_side));
     memset(inside->words, 0, (size_t)bvxi_grid_words(inside) * 8);
-    if (set != 0) set_every_voxel(inside);
+    if (set != 0) {
+        uint64_t const rows = bvxi_grid_rows(inside);
+        for (uint64_t r = 0; r < rows; r++)
+            bvxi_set_run(inside->words + r * (uint64_t)inside->words_per_row, 0, inside->size[0]);
+    }
     return BVX_OK;
 }
 

@@ -36,17 +36,6 @@ static int is_rounding(double v)
     return v < 0x1p-40 && v > -0x1p-40;
 }
 
-/* away: from the closest point to the centre, where mesh and window lie within [-1, 1]. */
-static int is_behind(const double outwards[3], const double away[3])
-{
-    double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
-    /* On the surface, as far as doubles know: the side that the moved centre lies on decides. */
-    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
-        return along < 0.0;
-    if (outwards[0] != 0.0) return outwards[0] < 0.0;
-    return outwards[1] != 0.0 ? outwards[1] < 0.0 : outwards[2] < 0.0;
-}
-
 static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_t value)
 {
     const bvx_mesh_view *const mesh = job->mesh;
@@ -65,7 +54,14 @@ static int side_of(const side_job *job, int32_t x, int32_t y, int32_t z, uint64_
     /* From the closest point to the centre, in the scaled world. */
     for (int a = 0; a < 3; a++) away[a] = p[a] - q[a];
     job->outwards(job->rule, triangle, job->band->features[value], outwards);
-    return is_behind(outwards, away);
+
+    /* away: from the closest point to the centre, where mesh and window lie within [-1, 1]. */
+    double const along = outwards[0] * away[0] + outwards[1] * away[1] + outwards[2] * away[2];
+    /* On the surface, as far as doubles know: the side that the moved centre lies on decides. */
+    if (along != 0.0 || !is_rounding(away[0]) || !is_rounding(away[1]) || !is_rounding(away[2]))
+        return along < 0.0;
+    if (outwards[0] != 0.0) return outwards[0] < 0.0;
+    return outwards[1] != 0.0 ? outwards[1] < 0.0 : outwards[2] < 0.0;
 }
 
 static void decide_sides(void *user, uint64_t row, uint64_t end)

@@ -11,7 +11,6 @@
 uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
 {
     static const bvx_window none = {{0, 0, 0}, {0, 0, 0}};
-    uint64_t rows = 1;
     int ok = 1, whole;
     int32_t size[3];
 
@@ -24,7 +23,7 @@ uint64_t bvx_grid_bound(const bvx_lattice *lattice, const bvx_window *window)
     }
 
     /* 0 is the answer for what does not fit, as no grid has 0 words. */
-    rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
+    uint64_t rows = bvxi_mul((uint64_t)size[1], (uint64_t)size[2], &ok);
     rows = bvxi_mul(rows, (uint64_t)bvxi_row_words(size[0]), &ok);
     return ok && rows <= UINT64_MAX / 8 ? rows : 0;
 }

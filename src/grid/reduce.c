@@ -185,18 +185,6 @@ static void reduce_piece(void *user, int32_t index, int32_t worker)
                    job->result->words + (size_t)r * (size_t)b->count_words);
 }
 
-static bvx_status reduce_grid(bvx_context *ctx, const char *function, reduce_job *job, bvx_grid *result)
-{
-    /* Made once the blocks are known: their number is the size of the result. */
-    bvxi_grid_renew(ctx, &job->blocks.lattice, &job->blocks.window, result);
-    int const mine = result->words == NULL;
-    BVXI_TRY(bvxi_grid_open(ctx, function, &job->blocks.lattice, &job->blocks.window, result));
-    job->result = result;
-    job->pieces = block_pieces(&job->blocks);
-    return bvxi_grid_made(ctx, bvxi_parallel(ctx, "downsample", 0.0, 1.0, job->pieces, reduce_piece, job),
-                          mine, result);
-}
-
 static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],
                                       int32_t rule, bvx_grid *result)
 {
@@ -213,8 +201,15 @@ static bvx_status run_grid_downsample(bvx_context *context, const bvx_grid *grid
 
     /* After the check of the rule, as it is the index of the table. */
     BVXI_TRY(blocks_open(context, function, grid, factor, what[rule], &job.blocks));
-    BVXI_TRY(reduce_grid(context, function, &job, result));
-    return BVX_OK;
+    /* Made once the blocks are known: their number is the size of the result. */
+    bvxi_grid_renew(context, &job.blocks.lattice, &job.blocks.window, result);
+    int const mine = result->words == NULL;
+    BVXI_TRY(bvxi_grid_open(context, function, &job.blocks.lattice, &job.blocks.window, result));
+    job.result = result;
+    job.pieces = block_pieces(&job.blocks);
+    return bvxi_grid_made(context,
+                          bvxi_parallel(context, "downsample", 0.0, 1.0, job.pieces, reduce_piece, &job),
+                          mine, result);
 }
 
 bvx_status bvx_grid_downsample(bvx_context *context, const bvx_grid *grid, const int32_t factor[3],

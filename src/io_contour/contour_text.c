@@ -1,6 +1,5 @@
 /* contour_text.c - contour stacks as readers make them, and which reader a format has. */
 #include "io_contour/contour_text.h"
-#include "io/formats.h"
 
 static uint64_t contour_line(const bvxi_contour_file *f, const char *at)
 {

@@ -355,6 +355,5 @@ bvx_status bvxi_read_contour_table(bvxi_contour_file *f, double close_gap)
     /* The planes of a table are z = position. */
     f->sections.normal[2] = 1.0;
     if (f->end - f->p >= 3 && memcmp(f->p, "\xef\xbb\xbf", 3) == 0) f->p += 3; /* a byte order mark */
-    BVXI_TRY(read_table_lines(&r));
-    return BVX_OK;
+    return read_table_lines(&r);
 }

@@ -351,17 +351,6 @@ static void bvx_fill_piece(void *user, uint64_t k, uint64_t end)
     }
 }
 
-static bvx_status bvx_unpack(bvx_unpacking *job, bvx_grid *grid)
-{
-    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
-    BVXI_TRY(bvx_find_slices(job));
-    BVXI_TRY(bvx_check_slices(job));
-    BVXI_TRY(bvxi_open_file_grid(job->source, "BVX", &job->lattice, &job->window, &job->part, grid));
-    job->grid = grid;
-    return bvxi_for_ranges(job->source->ctx, "read", 0.5, 1.0, job->pieces, (uint64_t)job->count,
-                           bvx_fill_piece, job);
-}
-
 bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
 {
     uint64_t const least = BVXI_BVX_SLICE_HEAD + 1, size = (uint64_t)(source->end - source->begin);
@@ -383,7 +372,14 @@ bvx_status bvxi_read_bvx(const bvxi_grid_source *source, bvx_grid *grid)
     if (job.pieces > job.count) job.pieces = job.count;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_SCRATCH, (uint64_t)job.count * sizeof *job.place,
                         "the places of slices", &job.place));
-    BVXI_TRY(bvx_unpack(&job, grid));
+    /* Find, check, make the grid, fill: nothing large is allocated for a file that is wrong. */
+    BVXI_TRY(bvx_find_slices(&job));
+    BVXI_TRY(bvx_check_slices(&job));
+    BVXI_TRY(bvxi_open_file_grid(job.source, "BVX", &job.lattice, &job.window, &job.part, grid));
+    job.grid = grid;
+    BVXI_TRY(bvxi_for_ranges(job.source->ctx, "read", 0.5, 1.0, job.pieces, (uint64_t)job.count,
+                             bvx_fill_piece, &job));
+
     bvxi_drop(source->ctx, job.place);
     return BVX_OK;
 }

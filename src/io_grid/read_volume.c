@@ -248,7 +248,6 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
 {
     int const half = d->samples.kind == BVXI_SAMPLE_F16;
     uint8_t *made = NULL;
-    bvx_status status = BVX_OK;
     int fits = 1;
 
     v->view.sample_type = half ? BVX_SAMPLE_F32 : d->samples.kind;
@@ -266,7 +265,7 @@ static bvx_status make_volume(const bvxi_grid_source *source, const bvxi_dense *
     /* A half becomes a float of twice the size, as C99 has no type for halves. */
     v->bytes = half ? bvxi_mul(d->size, 2, &fits) : d->size;
     BVXI_TRY(bvxi_alloc(source->ctx, BVXI_RESULT, v->bytes, "the volume", &made));
-    status = unpack_volume(source, d, made);
+    bvx_status const status = unpack_volume(source, d, made);
     if (status != BVX_OK) {
         bvxi_free(source->ctx, made, v->bytes);
         return status;

@@ -133,16 +133,6 @@ static bvx_status vti_take_image(vti_file *f)
     return BVX_OK;
 }
 
-static bvx_status vti_take_piece(vti_file *f)
-{
-    if (f->has_piece)
-        return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag,
-                        "a second piece; write the image in one (vtkXMLImageDataWriter, "
-                        "SetNumberOfPieces(1))");
-    f->has_piece = 1;
-    return vti_take_extent(f, "Extent", f->extent);
-}
-
 static int32_t vti_kind_of(bvxi_xml_text type)
 {
     static const struct {
@@ -222,7 +212,14 @@ static bvx_status vti_take_element(vti_file *f)
         return vti_fail(f, BVX_ERR_FORMAT, x->tag, "the file is not a VTKFile");
     }
     if (bvxi_xml_is_at(x, "VTKFile/ImageData")) return vti_take_image(f);
-    if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece")) return vti_take_piece(f);
+    if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece")) {
+        if (f->has_piece)
+            return vti_fail(f, BVX_ERR_UNSUPPORTED, f->xml.tag,
+                            "a second piece; write the image in one (vtkXMLImageDataWriter, "
+                            "SetNumberOfPieces(1))");
+        f->has_piece = 1;
+        return vti_take_extent(f, "Extent", f->extent);
+    }
     if (bvxi_xml_is_at(x, "VTKFile/AppendedData")) return vti_take_appended(f);
     if (bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/CellData") ||
         bvxi_xml_is_at(x, "VTKFile/ImageData/Piece/PointData"))

@@ -67,20 +67,6 @@ static void nest_meet(nest_loop *a, nest_loop *b)
     a->met = b->met = 1;
 }
 
-/* Candidates of which one encloses the other's first point. */
-static void nest_meet_by_points(nest_work *w)
-{
-    for (uint32_t i = 0; i < w->plane[0]->contour_count; i++)
-        for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
-            nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
-            if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
-            /* A loop within another holds its first point; those that cross are found by their segments. */
-            if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
-                nest_contains(w->plane[1], j, w->on[1], w->plane[0]->q[w->plane[0]->contour[i].first]))
-                nest_meet(a, b);
-        }
-}
-
 static bvx_status nest_meet_segments(void *user, uint32_t one, uint32_t two)
 {
     nest_work *const w = user;
@@ -130,7 +116,17 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
 
     *found = 0;
     if (goes_on && depth < NESTING_DEEPEST && nest_choose_candidates(w, level, depth) != 0) {
-        nest_meet_by_points(w);
+        /* Candidates of which one encloses the other's first point. */
+        for (uint32_t i = 0; i < w->plane[0]->contour_count; i++)
+            for (uint32_t j = 0; j < w->plane[1]->contour_count; j++) {
+                nest_loop *const a = &w->on[0][i], *const b = &w->on[1][j];
+                if (!a->candidate || !b->candidate || (a->met && b->met)) continue;
+                /* A loop within another holds its first point; those that cross are found by their segments. */
+                if (nest_contains(w->plane[0], i, w->on[0], w->plane[1]->q[w->plane[1]->contour[j].first]) ||
+                    nest_contains(w->plane[1], j, w->on[1], w->plane[0]->q[w->plane[0]->contour[i].first]))
+                    nest_meet(a, b);
+            }
+
         for (int k = 0; k < 2; k++)
             for (uint32_t c = 0; c < w->plane[k]->contour_count; c++)
                 all_met &= !w->on[k][c].candidate || w->on[k][c].met;
@@ -148,7 +144,6 @@ static bvx_status nest_pair_depth(nest_work *w, uint8_t *const level[2], uint32_
     return BVX_OK;
 }
 
-/* Between a plane and the next one. */
 static bvx_status nest_find_between(nest_work *w, uint32_t number)
 {
     bvxi_stack *const s = w->s;

@@ -103,7 +103,6 @@ static bvx_status nest_gather_shared(nest_mesh *m, uint64_t *own)
         BVXI_TRY(bvxi_progress(m->s->ctx, "levels", 0.5 * (double)i / m->count));
         memset(m->seen, 0, (size_t)bytes);
         memset(m->shared, 0, (size_t)bytes);
-        /* Cells first, for all levels; then the triangles in cells of several. */
         for (uint32_t k = i; k < end; k++) nest_mark_cells(m, &m->slab[k], own);
         for (uint32_t k = i; k < end; k++)
             for (uint64_t t = 0; t < m->slab[k].mesh.triangle_count; t++)

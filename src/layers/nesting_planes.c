@@ -75,21 +75,6 @@ static void nest_copy_loops(bvxi_plane *p, const uint8_t *level, uint32_t number
         for (int k = 0; k < 2; k++) p->ends[k] |= level[c] == number && p->contour[c].end[k] > 0.0;
 }
 
-/* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
-static void nest_set_inside(const bvxi_stack *s, bvxi_plane *p)
-{
-    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
-    for (uint32_t i = 0; i < p->arc_count; i++) {
-        const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
-        uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
-        /* Loops inside a cell and crossings of the other axis turn no row. */
-        if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
-        p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
-    }
-    bvxi_plane_fill_rows(s, p->inside);
-    for (uint64_t i = 0; i < bvxi_stack_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
-}
-
 static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *level, uint32_t number,
                             uint32_t *segment)
 {
@@ -107,7 +92,19 @@ static void nest_fill_level(const bvxi_stack *s, bvxi_plane *p, const uint8_t *l
     }
 
     bvxi_plane_look_at_cells(s, p);
-    nest_set_inside(s, p);
+
+    /* Each crossing of a line of one v turns the grid points beyond it, and is the end of one arc. */
+    memset(p->inside, 0, (size_t)bvxi_stack_words(s) * 8);
+    for (uint32_t i = 0; i < p->arc_count; i++) {
+        const bvxi_line_cut *const c = &p->cut[p->arc[i].to];
+        uint32_t const bit = (p->arc_cell[i] & 0xffff) + 1;
+        /* Loops inside a cell and crossings of the other axis turn no row. */
+        if (p->arc[i].from == BVXI_NONE || c->axis != 1) continue;
+        p->inside[(size_t)(c->line >> s->fine) * (size_t)s->words + (bit >> 6)] ^= UINT64_C(1) << (bit & 63);
+    }
+    bvxi_plane_fill_rows(s, p->inside);
+    for (uint64_t i = 0; i < bvxi_stack_words(s) && p->turned; i++) p->inside[i] = ~p->inside[i];
+
     bvxi_plane_tree(p);
 }
 

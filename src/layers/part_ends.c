@@ -124,7 +124,6 @@ static void depth_by_area(const ends_work *w, double *depth)
         const bvxi_contour *const l = &p->contour[c];
         const double *const first = p->uv[l->first];
         double twice_area = 0.0, border = 0.0;
-
         if (w->owner[c] != c || w->met[c] || depth[c] > 0.0) continue;
         for (uint32_t i = l->first; i < l->first + l->count; i++) {
             const double *const a = p->uv[i], *const b = p->uv[p->next[i]];

@@ -203,18 +203,6 @@ static bvx_status trace_loop(shift_lattice *l, int32_t i, int32_t j)
     }
 }
 
-/* Each loop crosses an edge along u: at the end of a run of points inside. */
-static bvx_status trace_section(shift_lattice *l)
-{
-    size_t const words = ((size_t)l->size[0] * (size_t)l->size[1] + 63) / 64;
-    memset(l->seen, 0, words * 8);
-    for (int32_t j = 0; j < l->size[1]; j++)
-        for (int32_t i = 0; i + 1 < l->size[0]; i++)
-            if (value_inside(l, i, j) != value_inside(l, i + 1, j) && see_edge(l, i, j))
-                BVXI_TRY(trace_loop(l, i, j));
-    return BVX_OK;
-}
-
 /* ---- sections ---- */
 
 /* The grid's cells halved until the thinnest part that moves is some of them wide; half a cell aside, so
@@ -246,7 +234,14 @@ static bvx_status add_sections(shift_lattice *l, uint32_t number)
         l->w = below + t * (above - below);
         l->section = number + n - 1;
         fill_values(l, t);
-        BVXI_TRY(trace_section(l));
+
+        /* Each loop crosses an edge along u: at the end of a run of points inside. */
+        size_t const words = ((size_t)l->size[0] * (size_t)l->size[1] + 63) / 64;
+        memset(l->seen, 0, words * 8);
+        for (int32_t j = 0; j < l->size[1]; j++)
+            for (int32_t i = 0; i + 1 < l->size[0]; i++)
+                if (value_inside(l, i, j) != value_inside(l, i + 1, j) && see_edge(l, i, j))
+                    BVXI_TRY(trace_loop(l, i, j));
     }
     return BVX_OK;
 }

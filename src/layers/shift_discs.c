@@ -53,19 +53,6 @@ static int in_disc_box(const double box[4], const double *at)
     return at[0] >= box[0] && at[0] <= box[2] && at[1] >= box[1] && at[1] <= box[3];
 }
 
-/* Loops do not touch, so one point of a loop says whether all of it lies in another. */
-static void find_depths(bvxi_discs *d)
-{
-    const bvxi_plane *const p = d->plane;
-    for (uint32_t i = 0; i < d->count; i++) {
-        uint32_t const at = p->contour[i].first;
-        for (uint32_t j = 0; j < d->count; j++)
-            if (j != i && in_disc_box(d->disc[j].box, p->uv[at]) &&
-                bvxi_loop_contains(p, &p->contour[j], p->q[at]))
-                d->disc[i].depth++;
-    }
-}
-
 static void make_discs(bvxi_discs *d)
 {
     const bvxi_plane *const p = d->plane;
@@ -92,7 +79,15 @@ static void make_discs(bvxi_discs *d)
         disc_box(p, &p->contour[c], disc->box);
         measure_disc(p, &p->contour[c], disc);
     }
-    find_depths(d);
+
+    /* Loops do not touch, so one point of a loop says whether all of it lies in another. */
+    for (uint32_t i = 0; i < d->count; i++) {
+        uint32_t const at = p->contour[i].first;
+        for (uint32_t j = 0; j < d->count; j++)
+            if (j != i && in_disc_box(d->disc[j].box, p->uv[at]) &&
+                bvxi_loop_contains(p, &p->contour[j], p->q[at]))
+                d->disc[i].depth++;
+    }
 }
 
 bvx_status bvxi_discs_open(const bvxi_stack *s, const bvxi_plane *plane, bvxi_discs *d)
@@ -140,18 +135,6 @@ static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
     for (int k = 0; k < 2; k++)
         if (a->box[k] > b->box[k + 2] || b->box[k] > a->box[k + 2]) return 0;
     return has_point_in(a, b) || has_point_in(b, a);
-}
-
-static void join_overlapping(bvxi_discs on[2], uint8_t *met, uint32_t *joined)
-{
-    for (uint32_t i = 0; i < on[0].count; i++)
-        for (uint32_t j = 0; j < on[1].count; j++) {
-            const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
-            /* A hole over an outline is no overlap of parts. */
-            if (a->depth != b->depth || !discs_overlap(a, b)) continue;
-            met[i] = met[on[0].count + j] = 1;
-            bvxi_join(joined, i, on[0].count + j);
-        }
 }
 
 /* ---- the nearest of those that do not ---- */
@@ -268,7 +251,15 @@ bvx_status bvxi_disc_groups_open(const bvxi_stack *s, bvxi_discs on[2], bvxi_dis
     for (uint32_t i = 0; i < n; i++) joined[i] = i;
 
     /* Overlaps first: only what has none is looked for further off. */
-    join_overlapping(on, met, joined);
+    for (uint32_t i = 0; i < on[0].count; i++)
+        for (uint32_t j = 0; j < on[1].count; j++) {
+            const bvxi_disc *const a = &on[0].disc[i], *const b = &on[1].disc[j];
+            /* A hole over an outline is no overlap of parts. */
+            if (a->depth != b->depth || !discs_overlap(a, b)) continue;
+            met[i] = met[on[0].count + j] = 1;
+            bvxi_join(joined, i, on[0].count + j);
+        }
+
     join_nearest(on, met, joined, near, reach);
     number_groups(g, on, joined);
     for (uint32_t i = 0; i < g->count; i++)

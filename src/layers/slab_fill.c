@@ -159,20 +159,6 @@ static bvx_status fill_grid_cell(bvxi_slab_work *w, int32_t i, int32_t j)
     return BVX_OK;
 }
 
-static bvx_status fill_layer(bvxi_slab_work *w)
-{
-    bvxi_stack *const s = w->s;
-    w->split = w->arc[0] = w->arc[1] = 0;
-    for (int32_t j = 0; j < s->size[1]; j++) {
-        find_active(w, j);
-        for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
-        for (int32_t k = 0; k < s->words; k++)
-            for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
-                BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
-    }
-    return BVX_OK;
-}
-
 static void set_level(bvxi_slab_work *w, bvxi_level *level, int32_t number)
 {
     const bvxi_slab *const slab = w->field.slab;
@@ -205,7 +191,15 @@ static bvx_status fill_layers(bvxi_slab_work *w)
         t->low_w = t->level[0].w;
         t->high_w = t->level[1].w;
         t->layer = layer;
-        BVXI_TRY(fill_layer(w));
+        bvxi_stack *const s = w->s;
+        w->split = w->arc[0] = w->arc[1] = 0;
+        for (int32_t j = 0; j < s->size[1]; j++) {
+            find_active(w, j);
+            for (int k = 0; k < 2; k++) w->line[k] = w->field.before[(size_t)(j + k) * (size_t)s->words];
+            for (int32_t k = 0; k < s->words; k++)
+                for (uint64_t bits = w->row[k]; bits != 0; bits &= bits - 1)
+                    BVXI_TRY(fill_grid_cell(w, 64 * k + bvxi_lowest(bits), j));
+        }
     }
     return BVX_OK;
 }

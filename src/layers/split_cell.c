@@ -252,10 +252,9 @@ static bvx_status add_hanging(bvxi_split_work *w, int32_t u, int32_t v, uint32_t
 static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
 {
     bvxi_slab *const slab = w->slab;
-    bvxi_leaf *leaf;
 
     BVXI_TRY(BVXI_SLAB_GROW(w->s, slab->leaf, slab->leaf_count, slab->leaf_room, "the parts of cells"));
-    leaf = &slab->leaf[slab->leaf_count++];
+    bvxi_leaf *const leaf = &slab->leaf[slab->leaf_count++];
     memset(leaf, 0, sizeof *leaf);
     leaf->low[0] = c->low[0];
     leaf->low[1] = c->low[1];
@@ -278,7 +277,6 @@ static bvx_status add_leaf(bvxi_split_work *w, const bvxi_split_cell *c)
     return BVX_OK;
 }
 
-/* Quarters in order, depth first. */
 static bvx_status split_down(bvxi_split_work *w, const bvxi_split_cell *root)
 {
     bvxi_split_cell stack[SPLIT_STACK];
@@ -307,7 +305,6 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
     bvxi_stack *const s = w->s;
     bvxi_slab *const slab = w->slab;
     bvxi_split_cell c = {0};
-    bvxi_split *split;
 
     w->pool_count = 0;
     c.low[0] = i << s->fine;
@@ -321,13 +318,12 @@ bvx_status bvxi_split_grid_cell(bvxi_split_work *w, int32_t i, int32_t j)
         uint32_t const first = bvxi_plane_arcs_in(p, bvxi_cell_key(i, j), &c.arc_count[k]);
         for (uint32_t a = first; a < first + c.arc_count[k]; a++) BVXI_TRY(add_to_pool(w, &p->arc[a]));
     }
-    /* Without subdivision there is only what has to be reported. */
     if (s->options.slabs.depth == 0) {
         count_unkept(w, &c);
         return BVX_OK;
     }
     BVXI_TRY(BVXI_SLAB_GROW(s, slab->split, slab->split_count, slab->split_room, "the subdivided cells"));
-    split = &slab->split[slab->split_count++];
+    bvxi_split *const split = &slab->split[slab->split_count++];
     split->cell = bvxi_cell_key(i, j);
     split->leaf = slab->leaf_count;
     BVXI_TRY(split_down(w, &c));

@@ -37,19 +37,6 @@ static bvx_status gather_ends(bvxi_trace *t)
     return BVX_OK;
 }
 
-/* Each end's point goes on along its arc: contours below run forwards, above backwards. */
-static void link_arcs(bvxi_trace *t)
-{
-    for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
-        const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
-        const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;
-        bvxi_trace_point *const p = &t->point[a->point];
-        p->next = b->point;
-        p->arc = from->arc;
-        p->link = from->k == 0 ? BVXI_LINK_ARC : BVXI_LINK_ARC_BACK;
-    }
-}
-
 /* 1 when crossing c comes before d on one line, towards higher coordinates; exact. */
 static int cut_before(const bvxi_plane *p, const bvxi_line_cut *c, const bvxi_line_cut *d)
 {
@@ -170,7 +157,17 @@ bvx_status bvxi_trace_slab_cell(bvxi_trace *t)
     BVXI_TRY(bvxi_trace_open_loop(t, (uint64_t)t->node_count + 16));
     /* the loop's scratch holds the nodes' points until loops are followed */
     BVXI_TRY(link_sides(t, corner, t->next));
-    link_arcs(t);
+
+    /* Each end's point goes on along its arc: contours below run forwards, above backwards. */
+    for (uint32_t i = 0; i + 1 < t->end_count; i += 2) { /* from, to */
+        const bvxi_trace_end *const from = &t->end[i], *const to = &t->end[i + 1];
+        const bvxi_trace_end *const a = from->k == 0 ? from : to, *const b = from->k == 0 ? to : from;
+        bvxi_trace_point *const p = &t->point[a->point];
+        p->next = b->point;
+        p->arc = from->arc;
+        p->link = from->k == 0 ? BVXI_LINK_ARC : BVXI_LINK_ARC_BACK;
+    }
+
     for (int k = 0; k < 2; k++)
         if (t->level[k].kind == BVXI_PLANE_FIELD) bvxi_trace_face(t, k);
     return bvxi_trace_loops(t);

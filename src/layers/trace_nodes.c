@@ -39,9 +39,8 @@ static bvx_status add_hanging_nodes(bvxi_trace *t, int side)
         /* Sides 2 and 3 run towards lower coordinates. */
         uint32_t const number = side >= 2 ? low + n - 1 - i : low + i;
         const bvxi_hanging *const h = &slab->hanging[along == 0 ? number : slab->by_u[number]];
-        bvxi_trace_node *node;
         BVXI_TRY(BVXI_SLAB_GROW(t->s, t->node, t->node_count, t->node_room, "the corners of a cell"));
-        node = &t->node[t->node_count++];
+        bvxi_trace_node *const node = &t->node[t->node_count++];
         memcpy(node->at, h->at, sizeof node->at);
         node->faces = (uint8_t)(BVXI_FACE_SIDE << side);
         node->on[0] = h->inside[0];

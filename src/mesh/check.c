@@ -20,21 +20,6 @@ typedef struct checker {
     bvx_certificate result;
 } checker;
 
-/* Representatives become numbers without gaps, in their order. */
-static bvx_status weld_and_renumber(bvx_context *ctx, checker *c)
-{
-    uint32_t next = 0;
-    /* Each position is represented by its first vertex, so
-     * representatives rise and get the next numbers in their order. */
-    if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
-    else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
-    for (uint64_t v = 0; v < c->view->vertex_count; v++) {
-        uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
-        c->renumber[v] = r == v ? next++ : c->renumber[r];
-    }
-    return BVX_OK;
-}
-
 /* What a triangle adds: twice its area, or -1 where it does not count, and six times its volume. */
 typedef struct check_terms {
     double twice, volume;
@@ -170,7 +155,17 @@ static bvx_status check_whole_mesh(bvx_context *ctx, checker *c, int weld, const
     if (weld) {
         BVXI_TRY(
             bvxi_alloc(ctx, BVXI_SCRATCH, c->view->vertex_count * 4, "the check's welding", &c->renumber));
-        BVXI_TRY(weld_and_renumber(ctx, c));
+
+        /* Representatives become numbers without gaps, in their order. */
+        uint32_t next = 0;
+        /* Each position is represented by its first vertex, so
+         * representatives rise and get the next numbers in their order. */
+        if (c->representative == NULL) BVXI_TRY(bvxi_weld(ctx, c->view, c->renumber, &c->vertex_count));
+        else memcpy(c->renumber, c->representative, (size_t)c->view->vertex_count * 4);
+        for (uint64_t v = 0; v < c->view->vertex_count; v++) {
+            uint32_t const r = c->renumber[v]; /* at most v, so an earlier one is renumbered already */
+            c->renumber[v] = r == v ? next++ : c->renumber[r];
+        }
     }
     BVXI_TRY(collect_triangles(ctx, c, 0.3, low, high));
     /* once more about the right centre */

@@ -220,18 +220,6 @@ typedef struct cross_corners {
     int count;
 } cross_corners;
 
-static void cross_compare(const double *const p[3], const double *const q[3], cross_corners *c)
-{
-    c->count = 0;
-    c->own_p = c->own_q = NULL;
-    for (int i = 0; i < 3; i++) {
-        int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
-        if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c->own_p = p[i];
-        else if (!again) c->common[c->count++] = p[i];
-        if (q[i] != p[0] && q[i] != p[1] && q[i] != p[2]) c->own_q = q[i];
-    }
-}
-
 int bvxi_triangles_cross_rest(const bvxi_orient_plane *plane, const double *const p[3],
                               const double *const q[3])
 {
@@ -245,7 +233,15 @@ int bvxi_triangles_cross_exact(const double *const p[3], const double *const q[3
 {
     cross_corners c;
     cross_triangle a, b;
-    cross_compare(p, q, &c);
+    c.count = 0;
+    c.own_p = c.own_q = NULL;
+    for (int i = 0; i < 3; i++) {
+        int const again = (i > 0 && p[i] == p[0]) || (i > 1 && p[i] == p[1]);
+        if (p[i] != q[0] && p[i] != q[1] && p[i] != q[2]) c.own_p = p[i];
+        else if (!again) c.common[c.count++] = p[i];
+        if (q[i] != p[0] && q[i] != p[1] && q[i] != p[2]) c.own_q = q[i];
+    }
+
     /* The same triangle: it overlaps itself where it has an area. */
     if (c.count == 3) return bvxi_has_area(p);
     if (c.count == 2)

@@ -259,19 +259,6 @@ int bvxi_orient_exact(const double a[3], const double b[3], const double c[3], c
     return bvxi_wide_sign(sum);
 }
 
-static int orient_flat_large(const orient_axis axis[2])
-{
-    orient_number d[2][2];
-    orient_sums sums;
-    /* The same in two dimensions: two vectors and two products. */
-    for (int k = 0; k < 2; k++)
-        for (int i = 0; i < 2; i++) orient_large_difference(&axis[k], i, 2, &d[k][i]);
-    orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
-    orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
-    orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
-    return orient_compare(sums.plus, sums.minus, sums.count);
-}
-
 int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[3], int axis)
 {
     const double *const points[3] = {a, b, c};
@@ -279,7 +266,17 @@ int bvxi_orient_flat_exact(const double a[3], const double b[3], const double c[
     /* The two axes that remain, the next one first, so that left stays left. */
     orient_open_axis(points, 3, (axis + 1) % 3, &along[0]);
     orient_open_axis(points, 3, (axis + 2) % 3, &along[1]);
-    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) return orient_flat_large(along);
+    if (along[0].bits > ORIENT_FEW_BITS || along[1].bits > ORIENT_FEW_BITS) {
+        orient_number d[2][2];
+        orient_sums sums;
+        /* The same in two dimensions: two vectors and two products. */
+        for (int k = 0; k < 2; k++)
+            for (int i = 0; i < 2; i++) orient_large_difference(&along[k], i, 2, &d[k][i]);
+        orient_sums_open(&sums, d[0][0].count + d[1][0].count + 1);
+        orient_sums_add(&sums, 1, &d[0][0], &d[1][1], NULL);
+        orient_sums_add(&sums, -1, &d[1][0], &d[0][1], NULL);
+        return orient_compare(sums.plus, sums.minus, sums.count);
+    }
     return bvxi_wide_sign(bvxi_wide_add(
         bvxi_wide_mul(orient_small_difference(&along[0], 0, 2), orient_small_difference(&along[1], 1, 2)),
         bvxi_wide_mul(-orient_small_difference(&along[1], 0, 2), orient_small_difference(&along[0], 1, 2))));

@@ -80,20 +80,6 @@ static void sum_side_triangles(const bvxi_patch_sides *in, patch_side *sides)
     }
 }
 
-static void sum_side_borders(const bvxi_patch_sides *in, patch_side *sides)
-{
-    for (uint64_t i = 0; i < in->border_count; i++) {
-        uint64_t const half = in->border[i], t = half / 3, k = half % 3;
-        patch_side *const s = &sides[in->patch[t]];
-        double p[3][3], length;
-        side_corners(in, t, p);
-        length = sqrt(bvxi_vec_distance2(p[k], p[(k + 1) % 3]));
-        s->border += length;
-        for (int a = 0; a < 3; a++)
-            s->middle[a] += length * (0.5 * p[k][a] + 0.5 * p[(k + 1) % 3][a] - in->centre[a]);
-    }
-}
-
 /* Returns how many face inward. */
 static uint64_t find_inward_sides(patch_side *sides, uint64_t count)
 {
@@ -217,16 +203,6 @@ static int crosses_before(const side_crossing *a, const side_crossing *b)
     return a->patch < b->patch;
 }
 
-static void sort_crossings(side_crossing *c, uint64_t n)
-{
-    for (uint64_t i = 1; i < n; i++) {
-        side_crossing const one = c[i];
-        uint64_t k = i;
-        for (; k > 0 && crosses_before(&one, &c[k - 1]); k--) c[k] = c[k - 1];
-        c[k] = one;
-    }
-}
-
 /* 1: the crossings fit together as they are. */
 static int depths_fit(const side_crossing *c, uint64_t n)
 {
@@ -255,7 +231,12 @@ static void judge_ray(side_crossing *c, uint64_t n, int chance, patch_side *side
 {
     /* An odd number of crossings: the ray went through a hole, or along a sheet. */
     if (n == 0 || n % 2 != 0 || n > MOST_CROSSINGS) return;
-    sort_crossings(c, n);
+    for (uint64_t i = 1; i < n; i++) {
+        side_crossing const one = c[i];
+        uint64_t k = i;
+        for (; k > 0 && crosses_before(&one, &c[k - 1]); k--) c[k] = c[k - 1];
+        c[k] = one;
+    }
     int const fit = !chance && depths_fit(c, n);
 
     for (uint64_t i = 0; i < n; i++) {
@@ -333,7 +314,17 @@ bvx_status bvxi_patch_sides_turn(bvx_context *ctx, const bvxi_patch_sides *in)
     if (in->patches < 2 || in->patches > MOST_PATCHES) return BVX_OK;
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, in->patches * sizeof *sides, "the patches' sides", &sides));
     sum_side_triangles(in, sides);
-    sum_side_borders(in, sides);
+    for (uint64_t i = 0; i < in->border_count; i++) {
+        uint64_t const half = in->border[i], t = half / 3, k = half % 3;
+        patch_side *const s = &sides[in->patch[t]];
+        double p[3][3], length;
+        side_corners(in, t, p);
+        length = sqrt(bvxi_vec_distance2(p[k], p[(k + 1) % 3]));
+        s->border += length;
+        for (int a = 0; a < 3; a++)
+            s->middle[a] += length * (0.5 * p[k][a] + 0.5 * p[(k + 1) % 3][a] - in->centre[a]);
+    }
+
     /* Of most meshes no patch faces inward, and no ray is needed. */
     if (find_inward_sides(sides, in->patches) != 0 || in->chance) BVXI_TRY(judge_rays(ctx, in, sides));
     for (uint64_t t = 0; t < in->triangles; t++)

@@ -153,18 +153,6 @@ double bvxi_patches_volume(const bvx_mesh_view *view, uint64_t t, const double c
            p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
 }
 
-static void sum_patches(patch_work *w)
-{
-    for (uint64_t t = 0; t < w->out->triangles; t++) {
-        uint32_t differs;
-        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
-        double const volume = bvxi_patches_volume(w->view, t, w->centre);
-        /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
-        *(differs ? &s->other : &s->same) += 1;
-        s->volume += differs ? -volume : volume;
-    }
-}
-
 /* 1: the triangles of a patch that run as its root does are turned, 0: the others. */
 static uint32_t turns_root(const patch_sums *s)
 {
@@ -174,19 +162,6 @@ static uint32_t turns_root(const patch_sums *s)
     if (8 * (uint64_t)s->same >= 5 * all) return 0;
     if (8 * (uint64_t)s->other >= 5 * all) return 1;
     return s->volume < 0 || (s->volume == 0 && s->other > s->same);
-}
-
-static void choose_turned(patch_work *w)
-{
-    bvxi_patches *const out = w->out;
-    for (uint64_t t = 0; t < out->triangles; t++) {
-        uint32_t differs;
-        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
-        out->part[t] = bvxi_root(out->part, (uint32_t)t);
-        out->unorientable += root == t && w->torn[root];
-        /* A torn patch is left as it is: no turning makes it run one way. */
-        out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
-    }
 }
 
 /* ---- Whole patches ---- */
@@ -236,16 +211,6 @@ static bvx_status turn_whole_patches(bvx_context *ctx, patch_work *w)
 
 /* ---- The whole ---- */
 
-static bvx_status open_patch_work(bvx_context *ctx, patch_work *w)
-{
-    uint64_t const n = w->out->triangles;
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w->corner));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w->keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w->numbers));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w->link));
-    return bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w->sums, "the patches' sums", &w->sums);
-}
-
 static bvx_status find_patches(bvx_context *ctx, patch_work *w)
 {
     /* At first each triangle is a patch and a part of its own. */
@@ -259,8 +224,25 @@ static bvx_status find_patches(bvx_context *ctx, patch_work *w)
     each_edge(w, link_edge);
 
     /* Sums need all links, and turning needs all sums. */
-    sum_patches(w);
-    choose_turned(w);
+    for (uint64_t t = 0; t < w->out->triangles; t++) {
+        uint32_t differs;
+        patch_sums *const s = &w->sums[patch_root(w->link, (uint32_t)t, &differs)];
+        double const volume = bvxi_patches_volume(w->view, t, w->centre);
+        /* Counted by what the patch's root does: turning the root's side turns the sign of the volume. */
+        *(differs ? &s->other : &s->same) += 1;
+        s->volume += differs ? -volume : volume;
+    }
+
+    bvxi_patches *const out = w->out;
+    for (uint64_t t = 0; t < out->triangles; t++) {
+        uint32_t differs;
+        uint32_t const root = patch_root(w->link, (uint32_t)t, &differs);
+        out->part[t] = bvxi_root(out->part, (uint32_t)t);
+        out->unorientable += root == t && w->torn[root];
+        /* A torn patch is left as it is: no turning makes it run one way. */
+        out->turn[t] = !w->torn[root] && (differs ^ turns_root(&w->sums[root])) != 0;
+    }
+
     BVXI_TRY(BVXI_SCOPE(ctx, turn_whole_patches(ctx, w)));
     for (uint64_t t = 0; t < w->out->triangles; t++) w->out->turned += w->out->turn[t];
     /* What is torn has been decided: the marks are of open parts from here on. */
@@ -290,7 +272,12 @@ bvx_status bvxi_patches_open(bvx_context *ctx, const bvx_mesh_view *view, const 
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, view->triangle_count, "the patches' marks", &patches->open));
     w.torn = patches->open;
     uint64_t const mark = bvxi_scratch_begin(ctx);
-    BVXI_TRY(open_patch_work(ctx, &w));
+    uint64_t const n = w.out->triangles;
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' corners", &w.corner));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 24, "the patches' edges", &w.keys));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 12, "the patches' half-edges", &w.numbers));
+    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, n * 4, "the patches", &w.link));
+    BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, n * sizeof *w.sums, "the patches' sums", &w.sums));
     return bvxi_scratch_end(ctx, mark, find_patches(ctx, &w));
 }
 

@@ -489,23 +489,6 @@ static int ear_may_go(polygon_ears *e, uint32_t v, uint32_t round)
     return turn == 0 ? ear_is_fold(e, p, v, q) : turn > 0 && ear_is_free(e, p, v, q);
 }
 
-static void ear_cut(polygon_ears *e, uint32_t v)
-{
-    uint32_t const p = e->previous[v], q = e->next[v];
-    bvxi_ring_triangle(e->ring, p, v, q);
-    e->next[p] = q;
-    e->previous[q] = p;
-    e->state[v] = EAR_CUT;
-    ear_set_state(e, p);
-    ear_set_state(e, q);
-}
-
-static void ear_make_fan(polygon_ears *e, uint32_t v)
-{
-    for (uint32_t a = e->next[v], b = e->next[a]; b != v; a = b, b = e->next[b])
-        bvxi_ring_triangle(e->ring, v, a, b);
-}
-
 static void ears_prepare(polygon_ears *e, void *scratch)
 {
     uint32_t const n = e->ring->count;
@@ -549,7 +532,14 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
         }
         e.looks++;
         if (ear_may_go(&e, v, round)) {
-            ear_cut(&e, v);
+            uint32_t const p = e.previous[v], q = e.next[v];
+            bvxi_ring_triangle(e.ring, p, v, q);
+            e.next[p] = q;
+            e.previous[q] = p;
+            e.state[v] = EAR_CUT;
+            ear_set_state(&e, p);
+            ear_set_state(&e, q);
+
             left--;
             /* A cut changes what its neighbours are, so the stricter rules get another chance. */
             vain = round = 0;
@@ -561,6 +551,7 @@ bvx_status bvxi_polygon_ears(bvxi_ring *ring, void *scratch)
     }
 
     /* Three corners, or all that is left when the looks are used up. */
-    ear_make_fan(&e, v);
+    for (uint32_t a = e.next[v], b = e.next[a]; b != v; a = b, b = e.next[b])
+        bvxi_ring_triangle(e.ring, v, a, b);
     return BVX_OK;
 }

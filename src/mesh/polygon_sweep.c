@@ -277,25 +277,24 @@ static void sweep_start(polygon_sweep *s, uint32_t corner, uint32_t before)
 static void sweep_part(polygon_sweep *s, uint32_t corner, uint32_t before)
 {
     uint32_t const found = sweep_find(s, corner);
-    uint32_t made, front, copy, roof;
 
     /* A corner inside of nothing: edges have crossed. */
     if (found == SWEEP_NONE) {
         s->good = 0;
         return;
     }
-    made = ++s->interval_count;
+    uint32_t const made = ++s->interval_count;
     sweep_interval *const lower = &s->intervals[found];
     sweep_interval *const upper = &s->intervals[made];
 
     /* Floors and roofs: the lower interval ends at the corner's own edge, the upper one begins there. */
     sweep_insert(s, found, made);
-    roof = lower->roof;
+    uint32_t const roof = lower->roof;
     sweep_bound(s, made, corner, roof);
     sweep_bound(s, found, lower->floor, before);
-    front = lower->front;
+    uint32_t const front = lower->front;
     /* The front belongs to both chains now, so it gets a second link. */
-    copy = sweep_link(s, s->links[front].corner);
+    uint32_t const copy = sweep_link(s, s->links[front].corner);
     upper->bottom = copy;
     upper->top = lower->top == front ? copy : lower->top;
     if (s->links[front].above != SWEEP_NONE) sweep_join(s, copy, s->links[front].above);

@@ -59,18 +59,6 @@ int bvxi_ball_is_small(const bvxi_morph *morph)
            RUNS_MOST;
 }
 
-static void measure_runs(const bvxi_morph *m, runs_job *job)
-{
-    for (int32_t dz = 0; dz <= job->reach[2]; dz++) {
-        /* The ball narrows with dy, so each run begins from the one before. */
-        int32_t k = job->reach[0];
-        for (int32_t dy = 0; dy <= job->reach[1]; dy++) {
-            while (k >= 0 && !in_ball(m, k, dy, dz)) k--;
-            job->half[dz * (job->reach[1] + 1) + dy] = k;
-        }
-    }
-}
-
 BVXI_VECTOR_INLINE void grow_slice_loop(const uint64_t *BVXI_RESTRICT from, const bvxi_row_ends *ends,
                                         uint64_t around, uint64_t *BVXI_RESTRICT out, size_t words)
 {
@@ -231,7 +219,13 @@ bvx_status bvxi_morph_runs(bvx_context *ctx, const bvxi_morph *morph, int32_t op
     BVXI_TRY(bvxi_row_ends_open(ctx, source, &job.ends));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, job.half_bytes, "the ball's runs", &job.half));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bytes, "grown slices", &job.scratch));
-    measure_runs(morph, &job);
-    BVXI_TRY(run_steps(ctx, morph->stage, from, to, &job));
-    return BVX_OK;
+    for (int32_t dz = 0; dz <= job.reach[2]; dz++) {
+        /* The ball narrows with dy, so each run begins from the one before. */
+        int32_t k = job.reach[0];
+        for (int32_t dy = 0; dy <= job.reach[1]; dy++) {
+            while (k >= 0 && !in_ball(morph, k, dy, dz)) k--;
+            job.half[dz * (job.reach[1] + 1) + dy] = k;
+        }
+    }
+    return run_steps(ctx, morph->stage, from, to, &job);
 }

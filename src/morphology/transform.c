@@ -139,19 +139,6 @@ static void run_columns(const transform_job *job, const bvxi_columns *c)
     else bvxi_real_columns(c);
 }
 
-static void square_steps(const transform_job *job, const int32_t steps[BVXI_LANES], void *line)
-{
-    if (job->t->whole) {
-        uint32_t *const out = line;
-        /* Steps up to 2^16 by the check above: squares fit 32 bits. */
-        for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
-    } else {
-        double *const out = line;
-        double const w = job->t->weight[0];
-        for (int i = 0; i < BVXI_LANES; i++) out[i] = w * ((double)steps[i] * (double)steps[i]);
-    }
-}
-
 /* Squares along x of the 16 columns from x on, into s->in; which rows have
  * any goes to s->places. Returns how many. */
 static int32_t make_rows(const transform_job *job, const transform_scratch *s, int32_t x, int32_t z)
@@ -171,7 +158,17 @@ static int32_t make_rows(const transform_job *job, const transform_scratch *s, i
         if (!bvxi_row_steps(&job->table, carry, &row, x, job->reach, steps,
                             s->x_places != NULL ? s->x_places + (size_t)y * BVXI_LANES : NULL))
             continue;
-        square_steps(job, steps, (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell);
+        void *const line = (unsigned char *)s->in + (size_t)y * BVXI_LANES * job->cell;
+        if (job->t->whole) {
+            uint32_t *const out = line;
+            /* Steps up to 2^16 by the check above: squares fit 32 bits. */
+            for (int i = 0; i < BVXI_LANES; i++) out[i] = (uint32_t)steps[i] * (uint32_t)steps[i];
+        } else {
+            double *const out = line;
+            double const w = job->t->weight[0];
+            for (int i = 0; i < BVXI_LANES; i++) out[i] = w * ((double)steps[i] * (double)steps[i]);
+        }
+
         s->places[count++] = y;
     }
     return count;

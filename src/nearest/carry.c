@@ -177,20 +177,6 @@ static bvx_status make_carried_arrays(bvx_context *ctx, const bvx_mesh *target, 
     return BVX_OK;
 }
 
-static void replace_carried_arrays(bvx_context *ctx, bvx_mesh *target, const carry_work *w)
-{
-    if (w->colours != NULL) {
-        bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
-        target->colours = w->colours;
-    }
-    /* A coordinate a vertex: triangles of their own are not needed any more. */
-    if (w->uvs != NULL) {
-        bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
-        target->uvs = w->uvs;
-        target->uv_count = target->vertex_capacity;
-    }
-}
-
 /* With the search tree built: carry, or leave the target as it was. */
 static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry_work *w, bvx_mesh *target)
 {
@@ -202,7 +188,16 @@ static bvx_status carry_with_tree(bvx_context *ctx, const char *of_source, carry
         status = BVXI_SHARE(ctx, 0.3, 1.0,
                             bvxi_for(ctx, "carry", target->vertex_count, CARRY_GRAIN, carry_piece, w));
     if (status == BVX_OK) {
-        replace_carried_arrays(ctx, target, w);
+        if (w->colours != NULL) {
+            bvxi_mesh_release(ctx, target, BVXI_MESH_COLOURS);
+            target->colours = w->colours;
+        }
+        /* A coordinate a vertex: triangles of their own are not needed any more. */
+        if (w->uvs != NULL) {
+            bvxi_mesh_release(ctx, target, BVXI_MESH_UV_TRIANGLES | BVXI_MESH_UVS);
+            target->uvs = w->uvs;
+            target->uv_count = target->vertex_capacity;
+        }
     } else {
         bvxi_free(ctx, w->uvs, target->vertex_capacity * 8);
         bvxi_free(ctx, w->colours, target->vertex_capacity * 4);

@@ -158,20 +158,6 @@ static int has_long_run(const closest_builder *b)
     return 0;
 }
 
-static bvx_status order_all_runs(bvx_context *ctx, const closest_builder *b)
-{
-    uint64_t const n = b->tree->triangle_count;
-    uint64_t end;
-    for (uint64_t first = 0; first < n; first = end) {
-        end = end_of_its_run(b, first, n);
-        if (end - first == 1) continue;
-        hash_run(b, first, end);
-        if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
-        else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
-    }
-    return BVX_OK;
-}
-
 /* Triangles of equal keys by a hash of their positions; keys are used up. */
 static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 {
@@ -179,7 +165,17 @@ static bvx_status order_by_positions(bvx_context *ctx, closest_builder *b)
 
     /* Long runs take memory to be sorted, which tasks cannot request. Meshes have none, unless most of their
      * triangles lie in a speck. */
-    if (has_long_run(b)) return order_all_runs(ctx, b);
+    if (has_long_run(b)) {
+        uint64_t end;
+        for (uint64_t first = 0; first < n; first = end) {
+            end = end_of_its_run(b, first, n);
+            if (end - first == 1) continue;
+            hash_run(b, first, end);
+            if (end - first <= CLOSEST_FEW) order_few(b->keys + first, b->tree->order + first, end - first);
+            else BVXI_TRY(bvxi_radix_sort(ctx, b->keys + first, b->tree->order + first, end - first));
+        }
+        return BVX_OK;
+    }
 
     /* Known before a piece begins, as keys of others change under its hands: where its first run does. */
     for (int32_t i = 0; i <= b->pieces; i++) {

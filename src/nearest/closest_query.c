@@ -262,17 +262,6 @@ static bvx_status find_closest_batches(bvx_context *ctx, closest_query *all)
     return BVX_OK;
 }
 
-static bvx_status find_all_closest(bvx_context *ctx, closest_query *q)
-{
-    uint64_t const most = q->count < QUERY_TOGETHER ? q->count : QUERY_TOGETHER;
-    /* A few points are not worth an order; none is work that says so. */
-    if (q->count <= QUERY_GRAIN) return find_closest_batch(ctx, q, 0.0, 1.0);
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->keys, "the points' keys", &q->keys));
-    BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, most * sizeof *q->order, "the points' order", &q->order));
-    BVXI_TRY(find_closest_batches(ctx, q));
-    return BVX_OK;
-}
-
 static bvx_status run_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,
                                    uint64_t count, bvx_closest_point *found)
 {
@@ -285,7 +274,12 @@ static bvx_status run_closest_find(bvx_context *context, const bvx_closest *clos
         return bvxi_fail_for(context, BVX_ERR_RANGE, BVX_REASON_TOO_MANY,
                              "%s: %u points are beyond this machine's addresses", function, count);
     BVXI_TRY(bvxi_check_points(context, function, points, count));
-    return find_all_closest(context, &q);
+    uint64_t const most = q.count < QUERY_TOGETHER ? q.count : QUERY_TOGETHER;
+    /* A few points are not worth an order; none is work that says so. */
+    if (q.count <= QUERY_GRAIN) return find_closest_batch(context, &q, 0.0, 1.0);
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.keys, "the points' keys", &q.keys));
+    BVXI_TRY(bvxi_alloc(context, BVXI_SCRATCH, most * sizeof *q.order, "the points' order", &q.order));
+    return find_closest_batches(context, &q);
 }
 
 bvx_status bvx_closest_find(bvx_context *context, const bvx_closest *closest, const double *points,

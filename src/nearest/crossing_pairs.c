@@ -217,7 +217,6 @@ static uint64_t crossings_of_four(const crossings_job *job, uint64_t four, uint6
     return found;
 }
 
-/* Task, first run. */
 static void count_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;
@@ -231,7 +230,6 @@ static void count_crossings_piece(void *user, int32_t index, uint64_t begin, uin
     job->counts[index] = count;
 }
 
-/* Task, second run. */
 static void write_crossings_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
 {
     const crossings_job *const job = user;

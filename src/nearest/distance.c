@@ -165,21 +165,6 @@ static bvx_status measure_distance_one_way(bvx_context *ctx, const bvxi_closest_
     return BVX_OK;
 }
 
-static void make_distance_report(const distance_way *ab, const distance_way *ba, uint64_t samples,
-                                 uint64_t seed, bvx_distance_report *r)
-{
-    r->samples = samples;
-    r->seed = seed;
-    r->mean_a_to_b = ab->mean;
-    r->max_a_to_b = ab->max;
-    r->normal_a_to_b = ab->normal;
-    r->mean_b_to_a = ba->mean;
-    r->max_b_to_a = ba->max;
-    r->normal_b_to_a = ba->normal;
-    r->mean = (ab->mean + ba->mean) * 0.5;
-    r->max = ab->max > ba->max ? ab->max : ba->max;
-}
-
 /* A mesh and its bounds. */
 typedef struct distance_side {
     const bvx_mesh_view *view;
@@ -255,7 +240,17 @@ static bvx_status measure_distance_both_ways(bvx_context *ctx, const distance_pa
     /* Two keys from one seed: places on a and on b have nothing to do with each other. */
     BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, tree_a, &tree_b, samples, key_a, 0.2, &ab)));
     BVXI_TRY(BVXI_SCOPE(ctx, measure_distance_one_way(ctx, &tree_b, tree_a, samples, key_b, 0.6, &ba)));
-    make_distance_report(&ab, &ba, samples, seed, report);
+    report->samples = samples;
+    report->seed = seed;
+    report->mean_a_to_b = ab.mean;
+    report->max_a_to_b = ab.max;
+    report->normal_a_to_b = ab.normal;
+    report->mean_b_to_a = ba.mean;
+    report->max_b_to_a = ba.max;
+    report->normal_b_to_a = ba.normal;
+    report->mean = (ab.mean + ba.mean) * 0.5;
+    report->max = ab.max > ba.max ? ab.max : ba.max;
+
     bvxi_closest_free(ctx, &tree_b);
     return BVX_OK;
 }

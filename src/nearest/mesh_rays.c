@@ -143,7 +143,6 @@ static void ray_weights(const mesh_ray *r, const double t[3][3], double weight[3
     for (int k = 0; k < 3; k++) weight[k] = sum > 0.0 ? weight[k] / sum : 1.0 / 3.0;
 }
 
-/* By t, then by index. */
 static int hit_before(const bvx_mesh_hit *a, const bvx_mesh_hit *b)
 {
     return a->t < b->t || (a->t == b->t && a->triangle < b->triangle);

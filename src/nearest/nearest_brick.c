@@ -131,7 +131,6 @@ static void take_near_pair(const bvxi_nearest *n, bvxi_near_worker *w, uint32_t 
 
 /* ---- Eight centres ---- */
 
-/* Slot of centre c of group g. */
 static inline int32_t near_slot(int32_t g, int32_t c)
 {
     return ((g & 1) * 2 + (c & 1)) + 4 * ((g & 2) + (c >> 1 & 1)) + 16 * ((g >> 2) * 2 + (c >> 2));
@@ -329,7 +328,6 @@ static void find_near_eight(const bvxi_nearest *n, int32_t g, uint32_t active, d
     end_near_eight(n, sure2, parts, w);
 }
 
-/* The box of the wanted slots. */
 static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
 {
     /* The 64 slots are bits x + 4 y + 16 z, so folding them by shifts gives the shadow along each axis. */
@@ -340,7 +338,6 @@ static void bound_near_slots(uint64_t wanted, int32_t begin[3], int32_t end[3])
         end[a] = 0;
     }
 
-    /* First and last that are set, along each axis. */
     for (int32_t i = 0; i < BVXI_NEAR_SIDE; i++) {
         int const is[3] = {(x >> i & 1) != 0, (y >> 4 * i & 15) != 0, (wanted >> 16 * i & 0xffff) != 0};
         for (int a = 0; a < 3; a++) {

@@ -189,7 +189,6 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
     uint64_t slot = BVXI_NONE;
     uint32_t *found;
     double at[3];
-    float value;
 
     if (o->block_at[block] >= 0) {
         slot = (uint64_t)o->block_at[block] * BVXI_BLOCK_SIZE + (uint64_t)bit;
@@ -212,7 +211,7 @@ static bvx_status lattice_vertex(bvxi_oblique *o, const int32_t vertex[3], const
         return BVX_OK;
     }
     v->sign = bvxi_oblique_kind(o, vertex) ? 1 : -1;
-    value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
+    float const value = slot != BVXI_NONE ? o->value[slot] : bvxi_oblique_vertex_value(o, vertex);
     v->value = (value > 0.0F) == (v->sign > 0) ? value : -value;
     return BVX_OK;
 }

@@ -15,6 +15,7 @@
  * No vertex of a plane or contour changes; a cut that would tear a contour's surface is taken back. A handle
  * that is half a cell thick at its thinnest on both sides stays: it is the body's rather than the lattice's. */
 #include "oblique/oblique.h"
+#include "bits/sort.h"
 
 #define HANDLE_MIDDLE 0.001F /* cells: the number of a vertex put into an edge between planes */
 
@@ -319,14 +320,7 @@ static bvx_status list_loose(handle_work *w, double depth, int inside)
         w->loose[n++] = (uint64_t)bits << 32 | x;
     }
     w->loose_count = n;
-    /* By insertion with growing steps back (Shell 1959). */
-    for (uint64_t gap = n / 2; gap > 0; gap /= 2)
-        for (uint64_t i = gap; i < n; i++) {
-            uint64_t const x = w->loose[i];
-            uint64_t j = i;
-            for (; j >= gap && w->loose[j - gap] > x; j -= gap) w->loose[j] = w->loose[j - gap];
-            w->loose[j] = x;
-        }
+    bvxi_sort_u64(w->loose, n);
     return BVX_OK;
 }
 
@@ -381,7 +375,6 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
     for (uint64_t i = 0; i < w->loose_count && tries < HANDLE_TRIES; i++) {
         uint32_t const v = (uint32_t)w->loose[i];
         uint32_t around;
-        int hold = 0;
 
         if ((o->vertex[v].sign > 0) != inside) continue;
         BVXI_TRY(change_side(w, v, 2, &around));
@@ -390,7 +383,7 @@ static bvx_status cut_thread(handle_work *w, int inside, int32_t *gain)
         BVXI_TRY(bvxi_progress(o->ctx, "surface", w->done));
         if (count_handle_stretches(w, inside) == stretches) {
             BVXI_TRY(thicken_side(w));
-            hold = 1;
+            int hold = 1;
             BVXI_TRY(contours_hold(w, v, &hold));
             for (uint32_t k = 0; k < w->flips && hold; k++)
                 if (!w->back[k]) BVXI_TRY(contours_hold(w, w->flip[k], &hold));

@@ -297,20 +297,6 @@ static void order_knots(const bvxi_oblique *o, line_event *e, uint64_t n)
         }
 }
 
-static bvx_status order_plane(bvxi_oblique *o, oblique_line_work *w, uint32_t plane)
-{
-    w->count = 0;
-    for (uint32_t k = o->plane[plane].knot; k != BVXI_NONE; k = o->knot[k].next) {
-        BVXI_TRY(BVXI_GROW(o, w->event, w->count, w->room, "the crossings of contours with planes"));
-        w->event[w->count].which = o->knot[k].segment;
-        w->event[w->count].along = o->knot[k].segment + o->knot[k].share;
-        w->event[w->count++].knot = k;
-    }
-    sort_events(w->event, w->count);
-    order_knots(o, w->event, w->count);
-    return BVX_OK;
-}
-
 bvx_status bvxi_oblique_settle(bvxi_oblique *o)
 {
     oblique_line_work w = {0};
@@ -319,6 +305,16 @@ bvx_status bvxi_oblique_settle(bvxi_oblique *o)
         for (uint32_t b = a + 1; b < o->plane_count; b++) BVXI_TRY(settle_line(o, &w, a, b));
     }
     /* Once all are moved: which side of a corner a contour passes depends on both of its crossings there. */
-    for (uint32_t a = 0; a < o->plane_count; a++) BVXI_TRY(order_plane(o, &w, a));
+    for (uint32_t a = 0; a < o->plane_count; a++) {
+        w.count = 0;
+        for (uint32_t k = o->plane[a].knot; k != BVXI_NONE; k = o->knot[k].next) {
+            BVXI_TRY(BVXI_GROW(o, w.event, w.count, w.room, "the crossings of contours with planes"));
+            w.event[w.count].which = o->knot[k].segment;
+            w.event[w.count].along = o->knot[k].segment + o->knot[k].share;
+            w.event[w.count++].knot = k;
+        }
+        sort_events(w.event, w.count);
+        order_knots(o, w.event, w.count);
+    }
     return BVX_OK;
 }

@@ -5,8 +5,6 @@
  * plane on which there is no body. */
 #include "oblique/oblique.h"
 
-#include <math.h>
-
 enum { OBLIQUE_CELLS = 64, OBLIQUE_MOST_CELLS = 1024, OBLIQUE_FINE = 29 };
 
 #define OBLIQUE_OFF 1e-3 /* of the longest side: how far a point may lie off its plane */

@@ -35,17 +35,6 @@ static void vote_for(const bvxi_oblique *o, oblique_region_work *w, uint32_t pla
     w->vote[z] += (x > y) == (edge & 1) ? area : -area;
 }
 
-static void look_at_plane_face(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane,
-                               const uint32_t v[3])
-{
-    for (int k = 0; k < 3; k++) {
-        uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
-        if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 && o->vertex[z].sign != 0)
-            vote_for(o, w, plane, x, y, z);
-        if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
-    }
-}
-
 /* Arrays over all vertices, made ready for this plane's alone, as others may have used them; then joins and
  * votes. */
 static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_t plane)
@@ -63,7 +52,13 @@ static void vote_on_plane(const bvxi_oblique *o, oblique_region_work *w, uint32_
     }
     for (uint64_t i = begin; i < end; i++) {
         bvxi_tetra_face(&o->tetra[w->face[i] / 4], (int)(w->face[i] % 4), v);
-        look_at_plane_face(o, w, plane, v);
+        for (int k = 0; k < 3; k++) {
+            uint32_t const x = v[k], y = v[(k + 1) % 3], z = v[(k + 2) % 3];
+            if (o->body_count == 0 && o->vertex[x].sign == 0 && o->vertex[y].sign == 0 &&
+                o->vertex[z].sign != 0)
+                vote_for(o, w, plane, x, y, z);
+            if (o->vertex[x].sign != 0 && o->vertex[y].sign != 0) bvxi_join(w->joined, x, y);
+        }
     }
 }
 

@@ -240,18 +240,6 @@ static bvx_status make_image(smooth_work *w)
 
 /* ---- conjugate gradients ---- */
 
-static void make_scale(const smooth_work *w)
-{
-    const float *const diagonal = w->band + w->padding;
-    for (int32_t k = 0, n = 0; k < w->grid.size[2]; k++)
-        for (int32_t j = 0; j < w->grid.size[1]; j++)
-            for (int32_t i = 0; i < w->grid.size[0]; i++, n++) {
-                double const a = w->slope[0][i][1], b = w->slope[1][j][1], c = w->slope[2][k][1];
-                double const plate = (w->plate[0][i][2] + w->plate[1][j][2]) + w->plate[2][k][2];
-                w->scale[n] = 1.0 / ((plate + 2.0 * ((a * b + a * c) + b * c)) + (double)diagonal[n]);
-            }
-}
-
 /* residual -= share * image; what is left of it, squared by the scale */
 static double lessen_residual(const smooth_work *w, double share)
 {
@@ -271,7 +259,15 @@ static bvx_status solve_plate(smooth_work *w)
     double left, first;
 
     /* The nodes may come from a coarser level, so the first residual is not just that of the ties. */
-    make_scale(w);
+    const float *const diagonal = w->band + w->padding;
+    for (int32_t k = 0, n = 0; k < w->grid.size[2]; k++)
+        for (int32_t j = 0; j < w->grid.size[1]; j++)
+            for (int32_t i = 0; i < w->grid.size[0]; i++, n++) {
+                double const a = w->slope[0][i][1], b = w->slope[1][j][1], c = w->slope[2][k][1];
+                double const plate = (w->plate[0][i][2] + w->plate[1][j][2]) + w->plate[2][k][2];
+                w->scale[n] = 1.0 / ((plate + 2.0 * ((a * b + a * c) + b * c)) + (double)diagonal[n]);
+            }
+
     memcpy(way, w->grid.node, (size_t)w->nodes * 8);
     BVXI_TRY(BVXI_SHARE(w->o->ctx, 0.0, 0.01, make_image(w)));
     first = left = lessen_residual(w, 1.0);
@@ -298,33 +294,6 @@ static bvx_status solve_plate(smooth_work *w)
 
 /* ---- levels ---- */
 
-static void lay_smooth_level(smooth_work *w, double spacing)
-{
-    w->grid.scale = 1.0 / spacing;
-    w->nodes = 1;
-    for (int k = 0; k < 3; k++) {
-        w->grid.low[k] = w->o->near_low[k];
-        w->grid.size[k] = (int32_t)((w->o->near_high[k] - w->o->near_low[k] - 1.0) / spacing) + 4;
-        w->step[k] = (int64_t)w->nodes;
-        w->nodes *= (uint64_t)w->grid.size[k];
-    }
-    /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
-    w->padding = 3 * (uint64_t)w->step[2];
-}
-
-static void begin_with(const smooth_work *w, const bvxi_smooth *coarser)
-{
-    uint64_t n = 0;
-    for (int32_t k = 0; k < w->grid.size[2]; k++)
-        for (int32_t j = 0; j < w->grid.size[1]; j++)
-            for (int32_t i = 0; i < w->grid.size[0]; i++) {
-                double const at[3] = {(i - 1) / w->grid.scale + w->grid.low[0],
-                                      (j - 1) / w->grid.scale + w->grid.low[1],
-                                      (k - 1) / w->grid.scale + w->grid.low[2]};
-                w->grid.node[n++] = bvxi_smooth_at(coarser, at);
-            }
-}
-
 static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
 {
     static const char what[] = "the nodes of the smooth number";
@@ -338,7 +307,17 @@ static bvx_status solve_smooth_level(smooth_work *w, const bvxi_smooth *coarser)
     BVXI_TRY(BVXI_ZEROS(ctx, w->nodes + 2 * w->padding, what, w->way));
     BVXI_TRY(BVXI_ZEROS(ctx, bands, what, w->band));
 
-    if (coarser->node != NULL) begin_with(w, coarser);
+    if (coarser->node != NULL) {
+        uint64_t n = 0;
+        for (int32_t k = 0; k < w->grid.size[2]; k++)
+            for (int32_t j = 0; j < w->grid.size[1]; j++)
+                for (int32_t i = 0; i < w->grid.size[0]; i++) {
+                    double const at[3] = {(i - 1) / w->grid.scale + w->grid.low[0],
+                                          (j - 1) / w->grid.scale + w->grid.low[1],
+                                          (k - 1) / w->grid.scale + w->grid.low[2]};
+                    w->grid.node[n++] = bvxi_smooth_at(coarser, at);
+                }
+    }
     for (int axis = 0; axis < 3; axis++) {
         make_tables(w, axis);
         for (uint32_t p = 0; p < w->o->plane_count; p++) {
@@ -355,7 +334,17 @@ static bvx_status make_smooth_level(bvxi_oblique *o, double spacing)
 {
     bvxi_smooth coarser = o->smooth;
     smooth_work w = {.o = o};
-    lay_smooth_level(&w, spacing);
+    w.grid.scale = 1.0 / spacing;
+    w.nodes = 1;
+    for (int k = 0; k < 3; k++) {
+        w.grid.low[k] = w.o->near_low[k];
+        w.grid.size[k] = (int32_t)((w.o->near_high[k] - w.o->near_low[k] - 1.0) / spacing) + 4;
+        w.step[k] = (int64_t)w.nodes;
+        w.nodes *= (uint64_t)w.grid.size[k];
+    }
+    /* Ties reach three nodes on: rows and slices beyond the ends read zeros. */
+    w.padding = 3 * (uint64_t)w.step[2];
+
     BVXI_TRY(BVXI_ZEROS(o->ctx, w.nodes, "the nodes of the smooth number", w.grid.node));
     o->smooth = w.grid;
     return BVXI_SCOPE(o->ctx, solve_smooth_level(&w, &coarser));

@@ -75,18 +75,6 @@ static void project_piece(void *user, int32_t index, uint64_t begin, uint64_t en
     job->part[index] = sum;
 }
 
-/* Pieces follow from the count only, and are summed in order. */
-static bvx_status project_triangles(bvx_context *ctx, choose_job *job)
-{
-    uint64_t const all = job->view->triangle_count;
-    job->looked_at = all < CHOOSE_TRIANGLES ? all : CHOOSE_TRIANGLES;
-    job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
-    BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
-    for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
-    job->projected *= (double)all / (double)job->looked_at;
-    return BVX_OK;
-}
-
 /* ---- the model ---- */
 
 /* Voxels along an axis at resolution n, about. */
@@ -216,7 +204,15 @@ static bvx_status measure_choice(bvx_context *ctx, const bvx_mesh_view *mesh, in
     job->view = mesh;
     job->scale = 1.0 / (fit.spacing[0] * resolution);
     for (int a = 0; a < 3; a++) job->sides[a] = (double)fit.dims[a] / resolution;
-    return project_triangles(ctx, job);
+
+    /* Pieces follow from the count only, and are summed in order. */
+    uint64_t const all = job->view->triangle_count;
+    job->looked_at = all < CHOOSE_TRIANGLES ? all : CHOOSE_TRIANGLES;
+    job->pieces = bvxi_piece_count(job->looked_at, CHOOSE_GRAIN);
+    BVXI_TRY(bvxi_for_pieces(ctx, "choose", 0.0, 1.0, job->pieces, job->looked_at, project_piece, job));
+    for (int32_t i = 0; i < job->pieces; i++) job->projected += job->part[i];
+    job->projected *= (double)all / (double)job->looked_at;
+    return BVX_OK;
 }
 
 static bvx_status run_refine_choose(bvx_context *context, const bvx_mesh_view *mesh, int32_t resolution,

@@ -80,7 +80,6 @@ static void expand_octet(const expand_job *job, int32_t level, uint64_t octet, c
 
     step->enter = 0;
 
-    /* The children are the voxels requested: all eight at once. */
     if (level + 1 == job->level) {
         set_expanded_children(job, v, bvxi_octet_in_states(o, octet, job->states));
         return;

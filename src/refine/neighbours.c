@@ -108,7 +108,6 @@ bvx_status bvx_octree_neighbours(bvx_context *context, const bvx_octree *tree, c
     list.leaves = leaves;
     list.capacity = leaves != NULL ? capacity : 0;
 
-    /* Beyond the lattice there is no leaf. */
     if (v[direction % 3] >= 0 && v[direction % 3] < tree->base[direction % 3] << leaf->level) {
         if (hold_voxel(tree, leaf->level, v, &at, &state, &octet)) {
             leaves_on_side(tree, leaf->level, octet, v, (direction + 3) % BVXI_DIRECTIONS, &list);

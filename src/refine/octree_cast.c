@@ -8,8 +8,6 @@
  * (t, z, y, x) by these numbers, as if all had been asked. */
 #include "refine/room.h"
 
-#include <math.h>
-
 typedef struct octree_ray {
     const bvx_octree *tree;
     double u[3], per[3]; /* per: 1 / step */

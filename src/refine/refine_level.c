@@ -99,15 +99,6 @@ static void children_by_list(const level_job *job, uint64_t n, level_batch *batc
     }
 }
 
-static void mark_by_lists(const level_job *job, uint64_t begin, uint64_t end)
-{
-    level_batch batch;
-    batch.count = 0;
-    /* Batches run over several octets, as most lists are shorter than one. */
-    for (uint64_t n = begin; n < end; n++) children_by_list(job, n, &batch);
-    end_level_batch(job, &batch);
-}
-
 /* Those of an octet's touched children that are split. */
 static uint32_t children_to_split(const level_job *job, uint64_t n, uint32_t touched)
 {
@@ -157,7 +148,13 @@ static void mark_octets(void *user, int32_t index)
     octets_of_piece(job, index, &begin, &end);
 
     /* From lists all octets of the piece go through batches first; from a grid each is read by itself. */
-    if (!from_grid) mark_by_lists(job, begin, end);
+    if (!from_grid) {
+        level_batch batch;
+        batch.count = 0;
+        /* Batches run over several octets, as most lists are shorter than one. */
+        for (uint64_t n = begin; n < end; n++) children_by_list(job, n, &batch);
+        end_level_batch(job, &batch);
+    }
     for (uint64_t n = begin; n < end; n++) {
         if (from_grid)
             bvxi_octet_put(job->octets->touched, n, children_in_grid(job, job->front->ijk + 3 * n));
@@ -237,17 +234,6 @@ void bvxi_refine_free_front(bvxi_refine_job *job, bvxi_refine_front *front)
     memset(front, 0, sizeof *front);
 }
 
-/* The start's lists wait in the fronts above it. */
-static void hand_lists_on(bvxi_refine_front *from, bvxi_refine_front *to)
-{
-    to->offset = from->offset;
-    to->list = from->list;
-    to->slots = from->slots;
-    to->pairs = from->pairs;
-    from->offset = NULL;
-    from->list = NULL;
-}
-
 static bvx_status split_front(level_job *job, double from, double to)
 {
     bvxi_refine_job *const refine = job->refine;
@@ -287,10 +273,17 @@ bvx_status bvxi_refine_split(bvxi_refine_job *job, int32_t level)
     bvxi_drop(job->ctx, split->hits);
 
     /* Above the start nobody reads the lists: they pass through to the level that does. */
-    if (!lists) hand_lists_on(&job->front, &split->next);
+    if (!lists) {
+        /* The start's lists wait in the fronts above it. */
+        split->next.offset = job->front.offset;
+        split->next.list = job->front.list;
+        split->next.slots = job->front.slots;
+        split->next.pairs = job->front.pairs;
+        job->front.offset = NULL;
+        job->front.list = NULL;
+    }
     bvxi_refine_free_front(job, &job->front);
 
-    /* The next level's voxels take the place of this one's. */
     job->front = split->next;
     bvxi_drop(job->ctx, split);
     return BVX_OK;

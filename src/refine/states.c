@@ -193,7 +193,6 @@ static inline void expose_voxels(bvxi_states_job *job, uint64_t octet, uint64_t 
     bvxi_list_numbered(job, job->bottom, octet, &c->state);
 }
 
-/* The octet that child p of an octet is split into. */
 static inline uint64_t octet_below(const bvxi_states_job *job, int32_t level, uint64_t octet, uint32_t p)
 {
     return bvxi_octets_rank(&job->tree->octets[level], 8 * octet + p);
@@ -214,7 +213,6 @@ static int base_neighbour(const bvxi_states_job *job, uint32_t linear, int d, ui
     return 1;
 }
 
-/* What lies beyond face d of an octet. */
 static octree_neighbour neighbour_of(const bvxi_states_job *job, int32_t level, uint64_t octet, int d)
 {
     uint32_t const across = 1u << d % 3, side = d >= 3 ? across : 0;
@@ -298,7 +296,6 @@ static void expose_base(bvxi_states_job *job, uint64_t bit)
     bvxi_list_row(job, (bit >> 6) / (uint64_t)job->row_words);
 }
 
-/* To a leaf beyond a face. */
 static inline void pass_to_leaf(bvxi_states_job *job, const octree_neighbour *beyond)
 {
     if (beyond->kind == NEIGHBOUR_CHILD)
@@ -412,23 +409,6 @@ static void take_cubes(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static void take_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
-            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
-                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
-            *bvxi_news_of(job, l, n) = fresh;
-        }
-}
-
-static void give_octets(const bvxi_states_job *job)
-{
-    for (int32_t l = 0; l < job->bottom; l++)
-        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
-            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
-}
-
 /* Pieces are whole words of the masks. */
 static void words_of_piece(const bvxi_states_job *job, int32_t level, int32_t index, uint64_t *begin,
                            uint64_t *end)
@@ -463,13 +443,11 @@ static void give_cubes(void *user, int32_t index)
     }
 }
 
-/* The level of the octets that are cubes, of a tree of these levels. */
 static int32_t bottom_of_levels(int32_t levels)
 {
     return levels >= 2 ? levels - 2 : levels - 1;
 }
 
-/* Octets above the cubes. */
 static uint64_t octets_above(const bvx_octree *tree, int32_t bottom)
 {
     uint64_t octets = 0;
@@ -494,13 +472,20 @@ static bvx_status find_states(bvx_context *ctx, bvxi_states_job *job)
         return work_until_done(ctx, job);
     }
     job->pieces = bvxi_piece_count(job->tree->octets[job->bottom].count, STATES_GRAIN);
-    take_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++) {
+            bvxi_octet_news const fresh = {(uint8_t)bvxi_octet_mask(job->tree->octets[l].touched, n),
+                                           (uint8_t)bvxi_octet_split(&job->tree->octets[l], n), 0, 0, 0};
+            *bvxi_news_of(job, l, n) = fresh;
+        }
     BVXI_TRY(BVXI_SHARE(
         ctx, 0.0, 0.2,
         bvxi_for(ctx, "refine", job->tree->octets[job->bottom].count, STATES_GRAIN, take_cubes, job)));
     expose_sides(job);
     BVXI_TRY(work_until_done(ctx, job));
-    give_octets(job);
+    for (int32_t l = 0; l < job->bottom; l++)
+        for (uint64_t n = 0; n < job->tree->octets[l].count; n++)
+            bvxi_octet_put(job->tree->octets[l].outside, n, bvxi_news_of(job, l, n)->outside);
     return bvxi_each(ctx, "refine", 0.8, 1.0, job->pieces, give_cubes, job);
 }
 

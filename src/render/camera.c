@@ -4,8 +4,6 @@
 
 #include "mesh/view.h"
 
-#include <math.h>
-
 #define CAMERA_FILLS 0.94 /* of the frame's side; the rest is margin */
 #define CAMERA_FAR   1e6  /* most that is shown; the model's size is about 1 */
 #define CAMERA_THIN  1e-9 /* least extent that the scale is taken from; the model's size is about 1 */

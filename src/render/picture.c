@@ -71,13 +71,6 @@ static void put_picture_defaults(bvx_render_options *o)
     }
 }
 
-static bvx_status check_picture_options(bvx_context *ctx, const char *function, bvx_render_options *o)
-{
-    BVXI_TRY(bvxi_check_options(ctx, function, o, BVXI_OPTIONS(picture_rows)));
-    put_picture_defaults(o);
-    return check_picture_cut(ctx, function, o);
-}
-
 bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bvx_render_options *given,
                                 const bvx_image *image, int looked_at, bvx_render_options *options)
 {
@@ -87,7 +80,9 @@ bvx_status bvxi_picture_options(bvx_context *ctx, const char *function, const bv
         return bvxi_fail_for(ctx, BVX_ERR_ARGUMENT, BVX_REASON_NOT_EMPTY,
                              "%s: image brings pixels, which are not used; zero it first", function);
     BVXI_TRY(bvxi_take_options(ctx, function, given, options, sizeof *options));
-    BVXI_TRY(check_picture_options(ctx, function, options));
+    BVXI_TRY(bvxi_check_options(ctx, function, options, BVXI_OPTIONS(picture_rows)));
+    put_picture_defaults(options);
+    BVXI_TRY(check_picture_cut(ctx, function, options));
     return looked_at ? check_picture_view(ctx, function, options) : BVX_OK;
 }
 

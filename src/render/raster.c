@@ -104,7 +104,6 @@ void bvxi_raster_polygon(const bvxi_raster *raster, bvxi_raster_rows rows, const
     int32_t end = bvxi_centres_below(high[1], bits);
     begin = begin < rows.begin ? rows.begin : begin;
     end = end > rows.end ? rows.end : end;
-    /* between samples */
     if (begin >= end || bvxi_centres_below(low[0], bits) >= bvxi_centres_below(high[0], bits)) return;
     for (int32_t row = 0; row < end - begin; row++) {
         span.left[row] = INT32_MAX;
@@ -215,7 +214,6 @@ bvx_status bvxi_triangle_bins_open(bvx_context *ctx, uint64_t triangle_count, in
  * whichever way the polygon goes round, and lies on the plane exactly. Both triangles of an edge are clipped
  * by the same planes in the same order, so they keep the same piece of it. */
 
-/* 1 when a comes before b. */
 static int cut_is_before(const double a[3], const double b[3])
 {
     for (int k = 0; k < 3; k++)

@@ -72,18 +72,6 @@ static double light_of_lines(const bvxi_grid_scene *s, int axis, const double pa
     return 1.0 - ink;
 }
 
-static void normal_of_sample(const bvxi_grid_scene *s, const int32_t voxel[3], const double face[3],
-                             bvxi_seen *seen)
-{
-    double mix[3], length2;
-    if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
-    else memcpy(seen->tangent, face, 3 * sizeof *face);
-    /* Large voxels show their faces, small ones the shape around them; in between both are mixed. */
-    for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
-    length2 = bvxi_vec_dot(mix, mix);
-    for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
-}
-
 static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, int32_t x, int32_t y,
                      bvxi_seen *seen)
 {
@@ -110,7 +98,15 @@ static void see_face(const void *user, const bvxi_raster *raster, uint32_t id, i
         seen->colour[a] = colour[a];
     }
     /* A face that the cut laid bare is flat: it is not part of the surface. */
-    if (!bare) normal_of_sample(s, voxel, face, seen);
+    if (!bare) {
+        double mix[3], length2;
+        if (s->picture.roughness > 0.0) normal_around(s, voxel, face, seen->tangent);
+        else memcpy(seen->tangent, face, 3 * sizeof *face);
+        /* Large voxels show their faces, small ones the shape around them; in between both are mixed. */
+        for (int a = 0; a < 3; a++) mix[a] = face[a] * s->blocky + seen->tangent[a] * (1.0 - s->blocky);
+        length2 = bvxi_vec_dot(mix, mix);
+        for (int a = 0; a < 3; a++) seen->normal[a] = length2 > 0.0 ? mix[a] / sqrt(length2) : face[a];
+    }
     for (int a = 0; a < 3 && bare; a++) seen->normal[a] = seen->tangent[a] = face[a];
 }
 

@@ -36,21 +36,6 @@ static int32_t cut_corners(const bvxi_mesh_scene *s, uint64_t t, double q[BVXI_C
     return n;
 }
 
-/* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
-static void take_scene_cut(bvxi_mesh_scene *s, double low[3], double high[3])
-{
-    const bvx_render_options *const o = &s->picture.options;
-    /* Where the cut lies inside the bounds, it replaces them for the camera. */
-    for (int a = 0; a < 3; a++) {
-        s->cut.low[a] = o->cut.low[a] * s->picture.camera.unit;
-        s->cut.high[a] = o->cut.high[a] * s->picture.camera.unit;
-        s->cut.on |= o->cut.low[a] > low[a] || o->cut.high[a] < high[a];
-        if (o->cut.low[a] > low[a] && o->cut.low[a] < high[a]) low[a] = o->cut.low[a];
-        if (o->cut.high[a] < high[a] && o->cut.high[a] > low[a]) high[a] = o->cut.high[a];
-    }
-    if (s->cut.on) bvxi_camera_move(&s->picture.camera, low, high);
-}
-
 /* ---- where the mesh lies in the view ---- */
 
 static void extent_of_piece(void *user, int32_t index, uint64_t begin, uint64_t end)
@@ -266,7 +251,19 @@ static bvx_status run_render_mesh(bvx_context *context, const bvx_mesh_view *mes
     /* The direction of view is that of the whole mesh; the cut only moves what is looked at. */
     bvxi_camera_look(&s.picture.camera, low, high, s.picture.options.camera.direction,
                      s.picture.options.camera.up);
-    take_scene_cut(&s, low, high);
+
+    /* A box around the whole mesh is no cut; else the camera turns about what is left of the bounds. */
+    const bvx_render_options *const o = &s.picture.options;
+    /* Where the cut lies inside the bounds, it replaces them for the camera. */
+    for (int a = 0; a < 3; a++) {
+        s.cut.low[a] = o->cut.low[a] * s.picture.camera.unit;
+        s.cut.high[a] = o->cut.high[a] * s.picture.camera.unit;
+        s.cut.on |= o->cut.low[a] > low[a] || o->cut.high[a] < high[a];
+        if (o->cut.low[a] > low[a] && o->cut.low[a] < high[a]) low[a] = o->cut.low[a];
+        if (o->cut.high[a] < high[a] && o->cut.high[a] > low[a]) high[a] = o->cut.high[a];
+    }
+    if (s.cut.on) bvxi_camera_move(&s.picture.camera, low, high);
+
     bvx_status const status = make_scene(context, &s);
     if (status != BVX_OK) return status;
 

@@ -254,13 +254,12 @@ static void draw_sheet_row(const slice_sheet *s, int32_t y, uint8_t *row)
         int32_t const begin = cell_begin(&s->right, column), end = cell_begin(&s->right, column + 1);
         int32_t const left = begin + (end - begin + (column > 0) - s->right.pixels) / 2;
         int64_t const length = s->end[s->axis] - s->begin[s->axis];
-        pixel_span up;
         if (number >= s->count || inside < 0 || inside >= s->up.pixels) continue;
         /* The middle of each of count equal stretches of the axis. */
         int32_t const slice = s->begin[s->axis] +
                               (int32_t)((2 * number + 1) * length / (2 * (int64_t)s->count));
         /* Rows of pixels run down, voxels up. */
-        up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
+        pixel_span up = span_of_pixel(&s->up, s->up.pixels - 1 - inside);
         for (int32_t x = 0; x < s->right.pixels && left + x < s->right.length; x++) {
             pixel_span const right = span_of_pixel(&s->right, x);
             draw_slice_pixel(s, &right, &up, slice, row + (size_t)(left + x) * 3);

@@ -58,7 +58,6 @@ void bvxi_trace_cell(int32_t face_rule, uint32_t cell_case, const uint32_t *tria
         l->triangles = 1;
         l->corners = 0;
 
-        /* Around the loop, back to where it began. */
         for (; !seen[u]; u = next[u]) {
             seen[u] = 1;
             l->edge[l->corners] = u;

@@ -3,7 +3,6 @@
  * counted and made. */
 #include "surface/faces.h"
 #include "surface/march.h"
-#include "mesh/mesh.h"
 
 enum { FACE_GRAIN = 64 };
 

@@ -185,17 +185,6 @@ static void rectangle_corners(const face_merge *m, const face_rectangle *r, uint
     }
 }
 
-static void mark_corners(face_merge *m)
-{
-    for (uint64_t n = 0; n < m->f->face_count; n++) {
-        uint64_t bit[4];
-        rectangle_corners(m, &m->list[n], bit);
-        /* Rectangles share corners: a bit is set as often as needed. */
-        for (int c = 0; c < 4; c++)
-            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
-    }
-}
-
 static void emit_corner_rows(void *user, uint64_t begin, uint64_t end)
 {
     const face_merge *const m = user;
@@ -228,13 +217,6 @@ static void emit_rectangles(void *user, uint64_t begin, uint64_t end)
     }
 }
 
-static bvx_status count_rectangles(bvx_context *ctx, face_merge *m)
-{
-    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m->tasks, cut_task, m));
-    m->f->face_count = bvxi_place_counts(m->before, (uint64_t)m->tasks);
-    return bvxi_faces_check_counts(ctx, m->f);
-}
-
 static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
 {
     uint64_t const words = m->f->row_count * (uint64_t)m->f->words;
@@ -242,7 +224,14 @@ static bvx_status list_rectangles(bvx_context *ctx, face_merge *m)
     BVXI_TRY(bvxi_alloc_zero(ctx, BVXI_SCRATCH, words * 8, "the corners", &m->corners));
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, bvxi_rank_bytes(words), "the corners' ranks", &m->prefix));
     BVXI_TRY(bvxi_parallel(ctx, "faces", 0.3, 0.6, m->tasks, cut_task, m));
-    mark_corners(m);
+    for (uint64_t n = 0; n < m->f->face_count; n++) {
+        uint64_t bit[4];
+        rectangle_corners(m, &m->list[n], bit);
+        /* Rectangles share corners: a bit is set as often as needed. */
+        for (int c = 0; c < 4; c++)
+            m->corners[bit[c] / BVXI_WORD_BITS] |= UINT64_C(1) << (bit[c] % BVXI_WORD_BITS);
+    }
+
     m->f->vertex_count = bvxi_rank_build(&m->rank, m->corners, words, m->prefix);
     return bvxi_faces_check_counts(ctx, m->f);
 }
@@ -280,7 +269,9 @@ bvx_status bvxi_faces_merge(bvx_context *ctx, bvxi_faces *f, bvx_mesh *mesh)
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m.tasks + 1) * 8, "the planes' counts", &m.before));
     /* Scratch for each worker, as planes are cut side by side. */
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, threads * m.scratch_words * 8, "planes of faces", &m.scratch));
-    BVXI_TRY(count_rectangles(ctx, &m));
+    BVXI_TRY(bvxi_parallel(ctx, "faces", 0.0, 0.3, m.tasks, cut_task, &m));
+    m.f->face_count = bvxi_place_counts(m.before, (uint64_t)m.tasks);
+    BVXI_TRY(bvxi_faces_check_counts(ctx, m.f));
     BVXI_TRY(list_rectangles(ctx, &m));
     return bvxi_scratch_end(ctx, mark, mesh != NULL ? emit_merged(ctx, &m, mesh) : BVX_OK);
 }

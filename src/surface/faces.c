@@ -21,7 +21,6 @@ static face_voxels voxels_about(const bvxi_faces *f, int32_t j, int32_t k)
     return v;
 }
 
-/* Corners of word w that are used. */
 static inline uint64_t used_corners(const bvxi_faces *f, const face_voxels *v, int32_t w)
 {
     uint64_t any = 0, all = ~UINT64_C(0);
@@ -119,16 +118,6 @@ typedef struct face_reach {
     uint64_t used[4];
 } face_reach;
 
-static void open_face_reach(const bvxi_faces *f, uint64_t row, int32_t j, int32_t k, face_reach *c)
-{
-    for (int32_t n = 0; n < 4; n++) {
-        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
-        c->voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
-        /* beyond the last rows there are no faces to ask */
-        c->first[n] = at < f->row_count ? f->rows[at].vertex : 0;
-    }
-}
-
 /* The number of corner `bit` of row n; the next corner along x of the same face has the next number. */
 static inline uint32_t corner_number(const face_reach *c, int32_t n, int32_t bit)
 {
@@ -170,7 +159,12 @@ static void emit_face_row(const bvxi_faces *f, uint64_t row)
     if (f->rows[row].vertex == f->rows[row + 1].vertex) return;
     corner_row(f, row, &j, &k);
     double const y = bvxi_corner_along(f, 1, j), z = bvxi_corner_along(f, 2, k);
-    open_face_reach(f, row, j, k, &c);
+    for (int32_t n = 0; n < 4; n++) {
+        uint64_t const at = row + (uint64_t)(n & 1) + (n >> 1 != 0 ? (uint64_t)f->grid->size[1] + 1 : 0);
+        c.voxels[n] = voxels_about(f, j + (n & 1), k + (n >> 1));
+        /* beyond the last rows there are no faces to ask */
+        c.first[n] = at < f->row_count ? f->rows[at].vertex : 0;
+    }
     for (int32_t w = 0; w < f->words; w++) {
         uint64_t face[3], behind, any;
 

@@ -68,7 +68,6 @@ static double read_value(const bvxi_sparse *s, const void *values, uint64_t n)
                                     : ((const double *)values)[(size_t)n];
 }
 
-/* Vector and distance of one value. */
 static double read_end(const bvxi_sparse *v, uint64_t n, double vector[3])
 {
     for (uint64_t a = 0; a < 3; a++)

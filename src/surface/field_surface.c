@@ -192,8 +192,7 @@ static bvx_status make_sharp(bvx_context *ctx, bvxi_march *m, bvxi_cuts *c, doub
         bvxi_alloc(ctx, BVXI_SCRATCH, triangle_bytes, "the triangles before sharpening", &plain.triangles));
     BVXI_TRY(BVXI_SHARE(ctx, 0.1, 0.15, bvxi_march_fill(ctx, m, &plain)));
     BVXI_TRY(BVXI_SHARE(ctx, 0.15, 0.5, place_cuts(ctx, c, report)));
-    BVXI_TRY(BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report)));
-    return BVX_OK;
+    return BVXI_SHARE(ctx, 0.5, 1.0, bvxi_sharpen(ctx, m, c, least_cosine, surface, report));
 }
 
 bvx_status bvxi_field_surface(bvx_context *ctx, const char *function, const bvx_grid *inside,

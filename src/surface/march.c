@@ -210,9 +210,11 @@ void bvxi_march_close(bvx_context *ctx, bvxi_march *m)
     bvxi_drop(ctx, m->slots);
 }
 
-/* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
-static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
+bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
 {
+    int const mine = mesh->positions == NULL;
+
+    /* x of every edge's middle (bit e lies between centres e-1 and e) and of every centre (bit i). */
     int32_t const n = m->grid->size[0] + 2;
     BVXI_TRY(bvxi_alloc(ctx, BVXI_SCRATCH, ((uint64_t)m->grid->size[0] + 2) * 2 * sizeof(double),
                         "the columns' positions", &m->across[0]));
@@ -222,13 +224,7 @@ static bvx_status place_across(bvx_context *ctx, bvxi_march *m)
         m->across[0][i] = m->origin[0] + (double)(m->grid->low[0] + i) * m->spacing[0];
         m->across[1][i] = m->origin[0] + ((double)(m->grid->low[0] + i) + 0.5) * m->spacing[0];
     }
-    return BVX_OK;
-}
 
-bvx_status bvxi_march_fill(bvx_context *ctx, bvxi_march *m, bvx_mesh *mesh)
-{
-    int const mine = mesh->positions == NULL;
-    BVXI_TRY(place_across(ctx, m));
     /* Exact counts are known by now: the arrays are made once, and pieces write their parts of them without
      * meeting. */
     BVXI_TRY(bvxi_mesh_open(ctx, m->function, m->options.position_type, m->options.keys, m->vertex_count,

@@ -113,18 +113,6 @@ static void merge_vertices(const merge_work *w, const uint64_t *start, bvx_mesh 
     }
 }
 
-static void merge_triangles(const merge_work *w, const uint64_t *start, const uint64_t *vertex_start,
-                            bvx_mesh *whole)
-{
-    for (uint64_t i = 0; i < w->triangles; i++) {
-        uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
-        const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
-        for (int32_t c = 0; c < 3; c++)
-            whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
-        whole->triangle_keys[i] = w->keys[i];
-    }
-}
-
 static uint64_t count_different(const uint64_t *keys, uint64_t n)
 {
     uint64_t different = n != 0;
@@ -150,7 +138,13 @@ static bvx_status merge_parts(bvx_context *ctx, merge_work *w, uint64_t *start, 
         return status;
     }
     start_parts(w, 1, start);
-    merge_triangles(w, start, vertex_start, whole);
+    for (uint64_t i = 0; i < w->triangles; i++) {
+        uint64_t const place = w->order[i], p = part_of(start, w->part_count, place);
+        const uint32_t *const from = w->parts[p].triangles + 3 * (place - start[p]);
+        for (int32_t c = 0; c < 3; c++)
+            whole->triangles[3 * i + (uint64_t)c] = w->renumber[vertex_start[p] + from[c]];
+        whole->triangle_keys[i] = w->keys[i];
+    }
     return BVX_OK;
 }
 

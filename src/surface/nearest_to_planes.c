@@ -68,7 +68,6 @@ static void find_free_coordinates(const bvxi_apex_plane *planes, int32_t count, 
         const double *const n = planes[i].n;
         double const left = planes[i].d - (n[0] * x[0] + n[1] * x[1] + n[2] * x[2]);
         for (int k = 0; k < 3; k++) {
-            /* Only free coordinates take part. */
             if (fixed[k]) continue;
             b[k] += n[k] * left;
             for (int l = 0; l < 3; l++)
@@ -88,7 +87,6 @@ void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle
         int worst = -1;
         find_free_coordinates(planes, count, middle, fixed, apex);
 
-        /* The coordinate farthest out of the box. */
         for (int k = 0; k < 3; k++) {
             double const out = (apex[k] < 0 ? -apex[k] : apex[k]) / half[k];
             if (fixed[k] || !(out > most)) continue;
@@ -96,7 +94,6 @@ void bvxi_apex(const bvxi_apex_plane *planes, int32_t count, const double middle
             worst = k;
         }
         if (worst < 0) return;
-        /* On the box's side, then the others once more. */
         apex[worst] = apex[worst] < 0 ? -half[worst] : half[worst];
         fixed[worst] = 1;
     }

@@ -6,7 +6,6 @@
  * march.c, which requires the samples at the ends of crossing edges only. Guarantee: that of march.c, since
  * the tables' triangulations do not cross for any places inside the edges: closed, manifold, outwards,
  * whatever the samples hold. */
-#include "mesh/mesh.h"
 #include "surface/march.h"
 #include "volume/room.h"
 

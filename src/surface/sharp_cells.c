@@ -64,20 +64,6 @@ static double as_written(const bvxi_march *m, double x)
     return m->options.position_type == BVX_F32 ? bvxi_nearest_float(x) : x;
 }
 
-static void open_box(const bvxi_sharp_work *w, const bvxi_cell_walk *c, sharp_box *box)
-{
-    const bvxi_march *const m = w->march;
-    int32_t const at[3] = {c->x, c->j, c->k};
-    /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
-     * neighbouring cell's triangles. */
-    for (int32_t a = 0; a < 3; a++) {
-        box->low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
-        box->high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
-        box->middle[a] = bvxi_place_along(m, a, at[a], 0.5);
-        box->half[a] = (0.5 - BVXI_EDGE_MARGIN) * m->spacing[a] / w->cuts->unit;
-    }
-}
-
 /* Read the planes at a loop's vertices, from the cell's middle: the nearer ones, then the others. */
 static void read_planes(const bvxi_sharp_work *w, const sharp_box *box, const bvxi_cell_loop *l,
                         bvxi_apex_plane *planes, int32_t count[2], double middle[3])
@@ -215,7 +201,18 @@ static uint32_t fill_cell(const bvxi_sharp_work *w, const bvxi_cell_walk *c, bvx
     for (int32_t l = 0; l < loops.count; l++) {
         bvxi_sharp_loop *const s = &out[count];
         if (!is_sharp(w, &loops.loop[l])) continue;
-        if (count++ == 0) open_box(w, c, &box);
+        if (count++ == 0) {
+            const bvxi_march *const m = w->march;
+            int32_t const at[3] = {c->x, c->j, c->k};
+            /* As the mesh will hold them: an apex that is strictly between the rounded faces cannot touch a
+             * neighbouring cell's triangles. */
+            for (int32_t a = 0; a < 3; a++) {
+                box.low[a] = as_written(m, bvxi_place_along(m, a, at[a], 0.0));
+                box.high[a] = as_written(m, bvxi_place_along(m, a, at[a] + 1, 0.0));
+                box.middle[a] = bvxi_place_along(m, a, at[a], 0.5);
+                box.half[a] = (0.5 - BVXI_EDGE_MARGIN) * m->spacing[a] / w->cuts->unit;
+            }
+        }
         memset(s, 0, sizeof *s);
         s->x = c->x;
         s->loop = (uint8_t)l;

@@ -53,15 +53,6 @@ static void free_label_slots(label_table *t)
     t->slots = NULL;
 }
 
-static bvx_status plant_labels(label_table *t)
-{
-    /* The table is not used again: a tree's cost is bound whatever the values are. */
-    free_label_slots(t);
-    BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
-    for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
-    return BVX_OK;
-}
-
 static bvx_status grow_labels(label_table *t)
 {
     uint64_t const room = t->room == 0 ? FIRST_LABELS : 2 * t->room;
@@ -98,7 +89,12 @@ static bvx_status find_label(label_table *t, uint64_t value, uint64_t *entry)
 {
     if (t->count == t->room) BVXI_TRY(grow_labels(t));
     /* Far more probes than a good hash needs: someone made these values against it. */
-    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) BVXI_TRY(plant_labels(t));
+    if (t->tree.key == NULL && t->probes > bvxi_probe_limit(t->searches)) {
+        /* The table is not used again: a tree's cost is bound whatever the values are. */
+        free_label_slots(t);
+        BVXI_TRY(bvxi_key_tree_open(t->ctx, &t->tree, label_key, t, t->room));
+        for (uint64_t i = 0; i < t->count; i++) bvxi_key_tree_find(&t->tree, i);
+    }
     *entry = number_of_label(t, value);
     if (*entry == t->count) {
         label_entry *const e = &t->entries[t->count++];

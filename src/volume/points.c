@@ -100,15 +100,6 @@ static bvx_status take_points(bvx_context *ctx, points_work *w)
     return bvx_grid_count(ctx, w->grid, &w->report.occupied);
 }
 
-static bvx_status make_points_body(bvx_context *ctx, int32_t close_gaps, points_work *w)
-{
-    uint64_t set = 0;
-    BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, close_gaps, &w->report.pockets));
-    BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
-    w->report.filled = set - w->report.occupied;
-    return BVX_OK;
-}
-
 static const bvxi_option points_rows[] = {
     BVXI_OR(bvx_points_options, minimum, WHOLE, 1, 1, INT32_MAX),
     BVXI_SWITCH(bvx_points_options, body),
@@ -141,7 +132,12 @@ static bvx_status voxelize_cloud(bvx_context *ctx, const bvx_points_options *o, 
     memset(w->grid->words, 0, (size_t)w->words * 8);
     if (w->plane_count != 0) BVXI_TRY(open_point_planes(ctx, o->minimum, w));
     BVXI_TRY(take_points(ctx, w));
-    if (o->body) BVXI_TRY(make_points_body(ctx, o->close_gaps, w));
+    if (o->body) {
+        uint64_t set = 0;
+        BVXI_TRY(bvxi_close_gaps(ctx, points_name, w->grid, o->close_gaps, &w->report.pockets));
+        BVXI_TRY(bvx_grid_count(ctx, w->grid, &set));
+        w->report.filled = set - w->report.occupied;
+    }
     return BVX_OK;
 }
 

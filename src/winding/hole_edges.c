@@ -397,7 +397,6 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
     uint64_t *list = NULL, left = 0;
     uint64_t const limit = HOLE_TABLE + view->triangle_count / 2;
     edge_table t;
-    int full = 0;
 
     *edges = NULL;
     *count = 0;
@@ -405,7 +404,7 @@ bvx_status bvxi_open_edges(bvx_context *ctx, const bvx_mesh_view *view, const bv
 
     /* By numbers first: in a welded mesh that is all, without a look at a place. */
     BVXI_TRY(cancel_triangles(ctx, view, NULL, limit, &t));
-    full = t.used > limit;
+    int const full = t.used > limit;
     if (!full) BVXI_TRY(list_open_edges(ctx, &t, 0, &list, &left));
     close_edge_table(ctx, &t);
     BVXI_TRY(open_edge_table(ctx, HOLE_TABLE, &t));

@@ -13,6 +13,7 @@
  * Guarantee: exact; never more edges than before, which follow from the given ones' places only. */
 #include "mesh/mesh.h"
 #include "winding/holes.h"
+#include "bits/sort.h"
 
 enum { HOLE_LINE_FEW = 32 };
 
@@ -97,16 +98,10 @@ static int compare_lines(const hole_line *l, const hole_line *m)
     return 0;
 }
 
-/* Move the item at `at` down until no child is larger. */
-static void sift_lines(const hole_line *line, uint32_t *order, uint64_t at, uint64_t n)
+static int line_before(const void *lines, uint32_t a, uint32_t b)
 {
-    uint32_t const item = order[at];
-    for (uint64_t child; (child = 2 * at + 1) < n; at = child) {
-        if (child + 1 < n && compare_lines(&line[order[child]], &line[order[child + 1]]) < 0) child++;
-        if (compare_lines(&line[order[child]], &line[item]) <= 0) break;
-        order[at] = order[child];
-    }
-    order[at] = item;
+    const hole_line *const line = lines;
+    return compare_lines(&line[a], &line[b]) < 0;
 }
 
 /* Edges with one hash: those of several lines are sorted by line. */
@@ -116,14 +111,7 @@ static void part_lines(const hole_line *line, uint32_t *order, uint64_t n)
     /* Nearly always one hash is one line. */
     while (same < n && compare_lines(&line[order[0]], &line[order[same]]) == 0) same++;
     if (same == n) return;
-    /* A heap sort, so that lines made to share a hash cost no more than their logarithm. */
-    for (uint64_t i = n / 2; i-- > 0;) sift_lines(line, order, i, n);
-    for (uint64_t end = n; end-- > 1;) {
-        uint32_t const top = order[0];
-        order[0] = order[end];
-        order[end] = top;
-        sift_lines(line, order, 0, end);
-    }
+    bvxi_sort_items(order, n, line_before, line);
 }
 
 static bvx_status order_lines(bvx_context *ctx, line_work *w, uint64_t count)
