@@ -131,7 +131,6 @@ static void walk_segment(arc_walk *w, uint32_t i)
 static void walk_loop(arc_walk *w, const bvxi_contour *c)
 {
     const bvxi_plane *const p = w->p;
-
     w->last = BVXI_NONE;
     w->count = 0;
     w->cell[0] = p->q[c->first][0] >> w->s->fine;
@@ -140,9 +139,7 @@ static void walk_loop(arc_walk *w, const bvxi_contour *c)
         if (w->count++ == 0) w->point = i;
         walk_segment(w, i);
     }
-
-    /* A loop within one cell is an arc without ends; else
-     * the last arc goes on into the first one's beginning. */
+    /* A loop within one cell is an arc without ends; else the last arc joins the first one. */
     if (w->last == BVXI_NONE) add_arc(w, BVXI_NONE, BVXI_NONE, c->first, c->count);
     else add_arc(w, w->last, w->head.to, w->count != 0 ? w->point : w->head.point, w->count + w->head.count);
 }

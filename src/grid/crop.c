@@ -129,8 +129,7 @@ static bvx_status run_grid_pad(bvx_context *context, const bvx_grid *grid, const
                                  function, (int64_t)grid->lattice.dims[a] + low[a] + high[a], (int64_t)a,
                                  (int64_t)BVXI_MAX_SIDE);
 
-        /* The voxels stay where they are in space: the origin
-         * moves down by the rim, and the window's size grows. */
+        /* The voxels stay where they are in space: the origin moves by the rim, the window grows. */
         dims[a] = grid->lattice.dims[a] + low[a] + high[a];
         origin[a] = grid->lattice.origin[a] - (double)low[a] * grid->lattice.spacing[a];
         from[a] = -low[a];

@@ -128,8 +128,7 @@ static int has_point_in(const bvxi_disc *a, const bvxi_disc *b)
     return 0;
 }
 
-/* By their points. Two that cross like a plus have none in each other; their centres pair them all the
- * same. */
+/* By their points. Two that cross like a plus have none in each other; their centres pair them. */
 static int discs_overlap(const bvxi_disc *a, const bvxi_disc *b)
 {
     for (int k = 0; k < 2; k++)

@@ -160,8 +160,7 @@ static uint64_t hash_of_places(const uint32_t place[3])
     return (h ^ h >> 29) * UINT64_C(0x94d049bb133111eb) >> 33;
 }
 
-/* Fill corner by a table [Size: size] of kept triangles' numbers plus 1, or
- * 0. Returns 0 when it was searched too long. */
+/* Fill corner by a table [Size: size] of kept triangles plus 1, or 0. Returns 0 after too long a search. */
 static int drop_by_table(const bvx_mesh_view *view, const uint32_t *representative, uint32_t *table,
                          uint64_t size, uint32_t *corner, uint64_t *kept)
 {

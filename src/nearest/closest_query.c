@@ -29,8 +29,7 @@ enum {
 
 /* ---- The place in the triangle ---- */
 
-/* Is q the nearest point to p inside the edge from a to b, as
- * point_triangle.c computes it? *s is then its share of b. */
+/* Is q the nearest point to p inside the edge from a to b, as point_triangle.c has it? *s: its share of b. */
 static int is_on_query_edge(const double p[3], const double a[3], const double b[3], const double q[3],
                             double *s)
 {

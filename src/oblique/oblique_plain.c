@@ -24,8 +24,7 @@ const uint8_t bvxi_kuhn[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},
 
 /* ---- tetrahedra by the signs of their corners ---- */
 
-/* Edges (inside, outside) round the surface in a positive tetrahedron, seen counter-clockwise from
- * outside. */
+/* Edges (inside, outside) around a surface in a positive tetrahedron, seen counter-clockwise from outside. */
 int bvxi_oblique_case(int inside, uint8_t edge[4][2])
 {
     /* the other three corners, in the order in which they are seen from a corner outwards */
