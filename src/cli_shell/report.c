@@ -63,8 +63,7 @@ static void report_mesh(cli_text *t, const cli_mesh_entry *m)
         cli_json_value(t, "milliseconds", m->milliseconds);
     }
     if (m->level != NULL) {
-        /* What was requested is null where nobody asked. */
-        const bvx_level_report *const l = m->level;
+        const bvx_level_report *const l = m->level; /* What was requested is null where nobody asked. */
 
         if (l->target_error > 0.0) cli_text_add(t, ", \"target\": null");
         else cli_json_count(t, "target", l->target);

@@ -1,11 +1,10 @@
 /* loop_arcs.c - the loops of a section cut at the grid's lines: crossings, the arcs between them by cell, the
  * grid points inside.
  *
- * A loop is walked once; along a segment the next line to cross is found by the exact order of two crossings.
- * Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside are the
- * running parity of a row. How many crossings there will be is counted before, so all planes share arrays and
- * none grows. Arcs are put into the order of the cells, by counting columns, then rows: cells that are gone
- * through in that order find theirs one after the other. */
+ * A loop is walked once; along a segment the next line to cross is found by the exact order of two
+ * crossings. Each crossing of a line of one v turns the grid points beyond it on that line; the bits inside
+ * are the running parity of a row. Arcs are put into the order of the cells, by counting columns, then rows:
+ * cells that are gone through in that order find theirs one after the other. */
 #include "contours/section.h"
 
 /* Crossings of a nesting level are its section's: one ring holds them all. */

@@ -62,8 +62,7 @@ static void crop_piece(void *user, uint64_t begin, uint64_t end)
         }
         bvxi_shift_row(bvxi_grid_row(g, (int32_t)y, (int32_t)z), g->words_per_row, job->from[0], row,
                        to->words_per_row);
-        /* The shift brings bits past the result's row. */
-        row[to->words_per_row - 1] &= tail;
+        row[to->words_per_row - 1] &= tail; /* The shift brings bits past the result's row. */
     }
 }
 

@@ -107,8 +107,7 @@ static void depth_by_area(const ends_work *w, double *depth)
             twice_area += (a[0] - first[0]) * (b[1] - first[1]) - (a[1] - first[1]) * (b[0] - first[0]);
             border += sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
         }
-        /* 2 * area / border: the radius where the part is a disc. */
-        depth[c] = twice_area / border;
+        depth[c] = twice_area / border; /* 2 * area / border: the radius where the part is a disc. */
     }
 }
 

@@ -105,8 +105,7 @@ static bvx_status weld_by_tree(bvx_context *ctx, const bvx_mesh_view *view, uint
     for (uint64_t i = 0; i < view->vertex_count; i++) {
         BVXI_TRY(weld_ask(ctx, view, i));
         representative[i] = (uint32_t)bvxi_key_tree_find(&tree, i);
-        /* A vertex that finds itself is the first at its position. */
-        *different += representative[i] == i;
+        *different += representative[i] == i; /* A vertex that finds itself is the first at its position. */
     }
     bvxi_key_tree_close(ctx, &tree);
     return BVX_OK;

@@ -114,8 +114,7 @@ static double query_scale(const bvxi_closest_tree *tree, const double point[3])
         largest = point[a] > largest ? point[a] : largest;
         largest = -point[a] > largest ? -point[a] : largest;
     }
-    /* Squares stay finite; a power of two changes no digit. */
-    while (largest * s > 0x1p300) s *= 0.5;
+    while (largest * s > 0x1p300) s *= 0.5; /* Squares stay finite; a power of two changes no digit. */
     return s;
 }
 

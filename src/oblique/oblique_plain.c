@@ -5,8 +5,7 @@
  *
  * All edges of those tetrahedra run from a vertex of the lattice along one to three axes at once: seven
  * ways. So the crossed edges of a block are seven words of bits, found by comparing the block's signs with
- * themselves moved by one, and the number of an edge's vertex is a rank among those bits. Blocks are
- * computed apart from each other, and the numbers do not depend on who computes them. */
+ * themselves moved by one, and the number of an edge's vertex is a rank among those bits. */
 #include "oblique/oblique.h"
 
 #include "bits/bits.h"

@@ -3,9 +3,8 @@
  * Idea: of a voxel's six faces the eye can see three. A row of such faces comes out of word operations (set
  * here, empty in the neighbour), neighbours along x in one word are drawn as one strip. All corners lie on
  * one lattice of integers in the frame (the three edges of a voxel are snapped once), so strips of different
- * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it.
- * A cut keeps ranges of indices: words at its border are masked as they are read, nothing is copied. Two sets
- * are drawn as the union of their words, and each strip belongs to both or to one of them. */
+ * lengths meet without gaps. A band of the picture visits only slices, rows and words that reach it. Two
+ * sets are drawn as the union of their words, and each strip belongs to both or to one of them. */
 #include "render/scenes.h"
 
 #include <math.h>

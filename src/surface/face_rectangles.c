@@ -86,8 +86,7 @@ static uint64_t cut_plane(const face_merge *m, const face_plane *p, uint64_t at)
                 while (next < rows && take_run(p->bits + (size_t)next * (size_t)words, begin, end)) next++;
                 if (m->list != NULL) {
                     face_rectangle const r = {p->axis, p->positive, p->plane, begin, end, v, next};
-                    /* Counting and listing go the same way, so numbers agree. */
-                    m->list[at] = r;
+                    m->list[at] = r; /* Counting and listing go the same way, so numbers agree. */
                 }
                 at++;
             }

@@ -52,8 +52,7 @@ static bvxi_sharp_loop *sharp_beside(const bvxi_sharp_work *w, uint64_t slot, in
     uint64_t const rows = (uint64_t)w->march->grid->size[1] + 1;
     uint64_t const step = face >> 1 == 0 ? 0 : face >> 1 == 1 ? 1 : rows;
     int32_t const up = face & 1;
-    /* The neighbour across y and z lies in another row. */
-    if (face >> 1 == 0) x += up ? 1 : -1;
+    if (face >> 1 == 0) x += up ? 1 : -1; /* The neighbour across y and z lies in another row. */
     /* a cell with a cut face has a neighbour there */
     return sharp_loop_alone(w, up ? slot + step : slot - step, x);
 }

@@ -4,8 +4,7 @@
  * along f are packed, 64 columns of x at a time, turned by transposing 64 by 64 bits (Warren. Hacker's
  * Delight. 2003, section 7-3) and written as words of rows. TILE_THIRD planes of the third axis are taken
  * together: where z is fastest, their runs lie side by side in the array, and so do their words in the grid.
- * A rule that packs columns by itself (bvxi_columns_fn) needs no bits turned. Guarantee: a task writes rows
- * or tiles of its own; which thread runs it shows nowhere. */
+ * Guarantee: a task writes rows or tiles of its own; which thread runs it shows nowhere. */
 #include "volume/room.h"
 #include "bits/bits.h"
 

@@ -256,8 +256,7 @@ static bvx_status put_triangles(bvx_context *ctx, const bvx_mesh_view *view, con
             if ((value & 1) == 0) put_hole_edge(t, (uint32_t)v, value >> 1);
             else put_hole_edge(t, value >> 1, (uint32_t)v);
             BVXI_TRY(make_room_for_edges(ctx, t));
-            /* So many that nothing of this will be used. */
-            if (t->used > limit) return BVX_OK;
+            if (t->used > limit) return BVX_OK; /* So many that nothing of this will be used. */
         }
     return BVX_OK;
 }
