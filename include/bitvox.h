@@ -276,9 +276,11 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_LOWERED, 16, "the memory limit lowered the resolution from %d to %d voxels along the longest axis; " \
       "a larger limit keeps more detail") \
     X(BVX_WARN_DOUBLES, 17, "left out since others equal them: %d triangle%s") \
-    X(BVX_WARN_TURNED, 18, "turned since they faced the other way than the rest of their patch: %d triangle%s") \
-    X(BVX_WARN_ROWS, 19, "%d of %d rows of centres do not balance, where the surface has holes or flipped " \
-      "triangles; a repair closes them, and the rule below fills under open terrain") \
+    X(BVX_WARN_TURNED, 18, "{turned since they faced the other way than the rest of their patch: %d triangle%s}{the " \
+      "faces of the open mesh look inward, around a volume of %g, which became solid; where they are walls of a " \
+      "room, levels of the mesh as it is keep it open}") \
+    X(BVX_WARN_ROWS, 19, "%d row%s of centres do not balance, where the surface has holes or flipped triangles; a " \
+      "repair closes them, and the rule below fills under open terrain") \
     X(BVX_WARN_NESTED, 20, "closed shells lie inside others, face the same way and do not cross: what lies in both " \
       "is hollow; the rule nonzero has it solid") \
     X(BVX_WARN_LEAKS, 21, "the flood came through a hole to %d voxels that are surely inside; a larger close_gaps " \
@@ -300,8 +302,8 @@ BVX_API const bvx_error *bvx_last_error(const bvx_context *context);
     X(BVX_WARN_WINDOWS, 31, "between %d pairs of sections walls are too thin for the cells and may have windows; a " \
       "finer grid closes them") \
     X(BVX_WARN_REPEATED, 32, "left out: %d repeated point%s") \
-    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g: nothing in " \
-      "the input says how the body went on there; close such holes first where that matters") \
+    X(BVX_WARN_LIDS, 33, "lids over %d hole%s are about %g %% of the surface, the longest rim is %g, in %b: nothing " \
+      "in the input says how the body went on there; close such holes first where that matters") \
     X(BVX_WARN_OPEN_PARTS, 34, "parts that end towards another one with no plane between: %d, one at %b; whether " \
       "they are one the contours leave open, and a section there, or more cells, decides it") \
     X(BVX_WARN_UNJOINED, 35, "parts of sections share no area with the next section and do not join it") \
@@ -621,7 +623,8 @@ typedef struct bvx_solid_report {
     int32_t fill; /**< BVX_FILL_...: the rule that filled; AUTO reports its choice */
     int32_t fill_reason; /**< BVX_FILL_REASON_... */
     uint64_t crossings; /**< of rows with the surface, also outside the window along the row */
-    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole */
+    uint64_t unbalanced_rows; /**< rows whose crossings do not balance: there is a hole. winding: along x, or where
+                                   these balance about as many along y and z as lids stand in */
     uint64_t leaks; /**< flood: voxels off the surface that it reached although they are surely inside */
     uint64_t regions; /**< regions: how many there are */
     uint64_t mixed_regions; /**< regions: those that hold sure centres of both sides, or none */
