@@ -414,7 +414,7 @@ typedef struct bvx_mesh {
     float *normals; /**< x, y, z of each vertex, or NULL [Size: vertex_capacity * 3] */
     float *uvs2; /**< second texture coordinates of each vertex, or NULL [Size: vertex_capacity * 2] */
     uint32_t *materials; /**< index of each triangle's material, or NULL [Size: triangle_capacity] */
-    bvx_assets *assets; /**< materials, textures and images of a glTF file, or NULL: passed on to a .glb */
+    bvx_assets *assets; /**< materials, textures and images of a glTF or 3MF file, or NULL: passed on to a .glb */
     uint64_t reserved[2];
 } bvx_mesh;
 
