@@ -1042,6 +1042,44 @@ typedef struct bvx_levels_options {
 BVX_API bvx_status bvx_build_levels(bvx_context *context, const bvx_mesh_view *mesh, const bvx_levels_options *options,
                                     uint64_t level_count, bvx_mesh *levels);
 
+/* ---- Hulls --------------------------------------------------------------------------------------------- */
+
+typedef struct bvx_hull_report {
+    bvx_lattice lattice; /**< that the hull was made on */
+    uint64_t triangles; /**< of the hull before edges collapse */
+    uint64_t outer_triangles; /**< of the input, on which the hull lies */
+    uint64_t shelled_triangles; /**< of the input, with outside on both sides: they became shells */
+    uint64_t lids; /**< crossings of lattice edges where an opening was closed */
+    uint64_t parts_dropped; /**< connected parts of the body: least_part, keep_largest */
+    uint64_t warnings; /**< 1 << BVX_WARN_... for each that the call gives */
+    uint64_t reserved[3];
+} bvx_hull_report;
+
+typedef struct bvx_hull_options {
+    size_t struct_size;
+    bvx_fit fit; /**< [Default: 256 voxels, padded by 2 voxels and half a shell] */
+    bvx_placing placing; /**< of the surface [Default: all zero] */
+    bvx_targets targets; /**< what each level has; errors are measured from the hull [Default: the first level is the
+                              hull itself, each further one has half the triangles of the one before] */
+    bvx_parts parts; /**< that are kept: least_part and keep_largest; every cavity is filled [Default: all zero] */
+    double shell; /**< thickness that walls with outside on both sides get where no centre lies in them; BVX_NONE: they
+                       are lost [Units: largest spacings] [Limit: BVX_NONE, or 0, or 1.5..10^6] [Default: 2] */
+    int32_t close_gaps; /**< openings of up to this many voxels are closed, larger ones stay [Units: voxels]
+                             [Limit: 0..65535] [Default: 0: those that no empty voxel leads through] */
+    int32_t reserved;
+    bvx_hull_report *report; /**< receives what was found and done when not NULL [Default: NULL] */
+    bvx_level_report *reports; /**< [Size: level_count] filled when not NULL [Default: NULL] */
+} bvx_hull_options;
+
+/** What of a mesh can be reached from outside, as closed levels: inner walls, shells and parts are gone, and the
+ *  surface lies on the outer of double walls. The mesh may be anything: walls doubled, welded through holes, crossing,
+ *  flipped, loose parts inside. Every level is closed, manifold, oriented and free of crossings; it has no attributes,
+ *  but bvx_mesh_carry gives it some. How openings are closed: docs/rules.md.
+ *  levels  [Size: level_count] as for bvx_mesh_simplify
+ *  Returns as bvx_build_levels; BVX_ERR_EMPTY also where the mesh encloses no centre and shell is BVX_NONE. */
+BVX_API bvx_status bvx_hull(bvx_context *context, const bvx_mesh_view *mesh, const bvx_hull_options *options,
+                            uint64_t level_count, bvx_mesh *levels);
+
 /* ---- Booleans of meshes -------------------------------------------------------------------------------- */
 
 /** What two bodies become: what lies in a or in b; in both; in a and not in b; in only one of them. */

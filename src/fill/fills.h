@@ -44,6 +44,12 @@ bvx_status bvxi_flood(bvx_context *ctx, const char *function, const bvxi_flood_w
 bvx_status bvxi_close_gaps(bvx_context *ctx, const char *function, bvx_grid *grid, int32_t gap,
                            uint64_t *pockets);
 
+/* outside.c: the centres of a whole lattice that a way from outside leads to; openings of up to gap voxels are closed.
+ * outside and sheets are open, and their words are written; sheets: ends of edges that the mesh crosses although both
+ * are outside. The caller frees scratch: 13 grids, and close_gaps.c. */
+bvx_status bvxi_outside(bvx_context *ctx, const char *function, const bvx_mesh_view *mesh, int32_t gap,
+                        bvx_grid *outside, bvx_grid *sheets);
+
 /* below.c. second_job: options->second made ready, or NULL. Local. */
 bvx_status bvxi_below(bvx_context *ctx, bvxi_solid_job *job, bvxi_solid_job *second_job,
                       const bvx_voxelize_options *options, bvx_grid *solid, bvx_solid_report *report);
