@@ -27,6 +27,11 @@ typedef struct net_work {
     uint64_t pair_count;
 } net_work;
 
+static double limited(double x, double limit)
+{
+    return x < -limit ? -limit : x > limit ? limit : x;
+}
+
 static float clamp(float x)
 {
     return x < -move_limit ? -move_limit : x > move_limit ? move_limit : x;
@@ -68,7 +73,7 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
     const bvx_complex *const c = net->complex;
     const uint32_t *const t = c->mesh.triangles + 6 * (size_t)face;
     uint64_t const row = (uint64_t)c->size[0] + 1;
-    int32_t const owner = bvxi_face_owner(c, face);
+    int32_t const owner = face < net->flaps ? bvxi_face_owner(c, face) : 0;
 
     f->vertex[0] = t[0];
     f->vertex[1] = t[1];
@@ -77,9 +82,12 @@ void bvxi_read_face(const bvxi_net *net, uint32_t face, bvxi_face *f)
     memset(f->at, 0, sizeof f->at);
     for (int32_t n = 1; n < 4; n += 2) {
         int32_t const place = (owner + n) & 3;
-        uint64_t const to = c->cells[f->vertex[owner]] - c->cells[f->vertex[place]];
+        uint64_t const own = c->cells[f->vertex[owner]], other = c->cells[f->vertex[place]];
+        uint64_t const to = own > other ? own - other : other - own;
         int32_t const axis = to == 1 ? 0 : to == row ? 1 : 2;
-        f->at[place][axis] = f->at[(owner + 2) & 3][axis] = -1.0;
+        f->at[place][axis] = own > other ? -1.0 : 1.0;
+        /* A flap's third corner is in the cell of the first. */
+        if (face < net->flaps) f->at[(owner + 2) & 3][axis] = -1.0;
     }
     for (int32_t n = 0; n < 4; n++)
         for (int32_t a = 0; a < 3; a++)
@@ -143,12 +151,13 @@ static int is_free_vertex(const net_work *w, uint32_t vertex)
 }
 
 /* What a pair's faces have swept; other gets the area vectors of its free vertices, to which those of the faces
- * around them add up, and *area what they would sweep by moving 1 along their normals. */
-static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area)
+ * around them add up, *area what they would sweep by moving 1 along their normals, and *corners how many they are. */
+static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, double *area, uint64_t *corners)
 {
     double volume = 0.0;
 
     *area = 0.0;
+    *corners = 0;
     for (uint64_t i = begin; i < end; i++) {
         double half[2][3];
         bvxi_face f;
@@ -162,6 +171,7 @@ static double measure_pair(const net_work *w, uint64_t begin, uint64_t end, doub
             int const first = n != 3, second = n != 1;
             for (int32_t d = 0; d < 3; d++)
                 sum[d] += (float)((first ? half[0][d] : 0.0) + (second ? half[1][d] : 0.0));
+            (*corners)++;
             *area += ((first ? size[0] : 0.0) + (second ? size[1] : 0.0)) / 6.0;
         }
     }
@@ -196,17 +206,22 @@ static void correct_pairs(void *user, uint64_t first, uint64_t last)
 
     for (uint64_t p = first; p < last; p++) {
         uint64_t const begin = w->pairs[p], end = w->pairs[p + 1];
+        double const faces = (double)(end - begin);
+        double moved = 0.0;
+
         for (int32_t round = 0; round < CORRECTIONS; round++) {
-            double const faces = (double)(end - begin);
-            double area, volume = measure_pair(w, begin, end, &area);
+            uint64_t corners;
+            double area, volume = measure_pair(w, begin, end, &area, &corners);
             if (area == 0.0 || bvxi_absolute(volume) <= kept_volume * faces) break;
 
-            /* What has shrunk to nearly nothing has no area to divide by. */
+            /* What has shrunk to nearly nothing has no area to divide by. A few free vertices do not make up for what
+             * all faces at junctions have swept. */
+            double const share = (double)corners / (4.0 * faces), limit = share * share;
             double const way = -volume / (area > 0.5 * faces ? area : 0.5 * faces);
-            move_pair(w, begin, end,
-                      way < -longest_move  ? -longest_move
-                      : way > longest_move ? longest_move
-                                           : way);
+            double const step = limited(limited(moved + way, limit) - moved, longest_move);
+            moved += step;
+            if (step == 0.0) break;
+            move_pair(w, begin, end, step);
         }
     }
 }
@@ -265,7 +280,7 @@ bvx_status bvxi_net_smooth(bvx_context *ctx, bvxi_net *net)
         w.other = offset;
     }
 
-    BVXI_TRY(bvxi_for(ctx, "faces", net->complex->face_count, VERTEX_GRAIN, split_faces, &w));
+    BVXI_TRY(bvxi_for(ctx, "faces", net->flaps, VERTEX_GRAIN, split_faces, &w));
     BVXI_TRY(sort_faces(ctx, &w));
     memset(w.other, 0, (size_t)vertices * 12);
     BVXI_TRY(bvxi_for_ranges(ctx, "volumes", 0.7, 1.0, bvxi_piece_count(w.pair_count, 1), w.pair_count,
